@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# ehdrom: two commands on a fresh Debian 12 are enough, `make demo` and `make check`.
+# `make help` lists targets and settings.
+
+VERSION := 0.1.0
+
+# ---- Settings (make NAME=value)
+
+VARIANT ?= release
+DEPS    ?= yes
+JOBS    ?= 2
+PREFIX  ?= /usr/local
+DESTDIR ?=
+V       ?= 0
+
+ifeq ($(origin CC),default)
+  CC := gcc
+endif
+
+# One fixed instruction set, so that machines of one kind give the same bits; never -ffast-math.
+# The compiler may have to be installed by `deps`, so it is asked at first use in a recipe, and once.
+MARCH ?= $(eval MARCH := $$(if $$(filter x86_64%,$$(shell $(CC) -dumpmachine)),x86-64-v3))$(MARCH)
+
+CFLAGS_release := -O2 -g
+CFLAGS_debug   := -O0 -g3
+CFLAGS_san     := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover
+CFLAGS_cov     := -O0 -g --coverage
+CFLAGS         ?= $(CFLAGS_$(VARIANT))
+
+ifeq ($(filter $(VARIANT),release debug san cov),)
+  $(error VARIANT: found "$(VARIANT)", expected release, debug, san or cov)
+endif
+
+BUILD := build/$(VARIANT)
+BIN   := $(BUILD)/bin
+LIB   := $(BUILD)/libehdrom.a
+
+ifeq ($(V),0)
+  quiet = @echo '  $1 $2';
+endif
+.DELETE_ON_ERROR:
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+
+# ---- Sources: a folder counts as soon as it has sources
+
+PROGRAM_FOLDERS := fullrun snapgen podbuild deimselect romrun
+MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
+LIB_SOURCES     := $(sort $(filter-out $(MAINS),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c))))
+UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
+BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
+HEADERS         := $(sort $(wildcard */*.h */*/*.h))
+SOURCES         := $(MAINS) $(LIB_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES)
+
+LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
+PROGRAMS    := $(MAINS:%/main.c=$(BIN)/%)
+
+TESTS        := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/test_%,$(UNIT_SOURCES)))
+LONG_TESTS   := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/long_%,$(UNIT_SOURCES)))
+UNIT_SHARED  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/unit/test_% tests/unit/long_%,$(UNIT_SOURCES)))
+BENCHES      := $(BENCH_SOURCES:tests/bench/%.c=$(BUILD)/bench/%)
+PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)))
+LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats))
+SCENES       := $(patsubst %/Makefile,%,$(wildcard scenes/*/Makefile))
+
+# ---- Flags
+
+# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas.
+MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
+
+# pkg-config is asked like the compiler above.
+PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
+PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
+
+WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
+ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
+ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
+ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
+
+# Shown by --version and kept in every result.
+REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
+BUILD_INFO = -DEHD_VERSION='"$(VERSION)"' -DEHD_REVISION='"$(REVISION)"' \
+             -DEHD_FLAGS='"$(strip $(MARCH:%=-march=%) $(CFLAGS))"'
+
+# A stamp is rewritten only when its text changes, and what depends on it is then rebuilt.
+$(BUILD)/flags:    TEXT = $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) $(ALL_LDFLAGS) $(ALL_LIBS)
+$(BUILD)/objects:  TEXT = $(LIB_OBJECTS)
+$(BUILD)/revision: TEXT = $(VERSION) $(REVISION)
+$(BUILD)/flags $(BUILD)/objects $(BUILD)/revision: FORCE | deps
+	@mkdir -p $(@D)
+	@echo '$(TEXT)' | cmp -s - $@ || echo '$(TEXT)' > $@
+FORCE:
+
+# ---- Targets for people
+
+all: $(PROGRAMS) $(LIB) ## build all programs (the default)
+.DEFAULT_GOAL := all
+
+demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
+	@$(MAKE) -C scenes/stationary-line demo BIN=$(abspath $(BIN))
+
+# Needs the programs too: the pipeline tests run them.
+check: $(PROGRAMS) $(TESTS) ## unit and pipeline tests; last line: N passed, N failed
+	@$(run_tests) $(TESTS) $(PIPELINES)
+
+check-long: $(PROGRAMS) $(LONG_TESTS) ## the tests that take minutes
+	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
+
+run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) tests/run.sh $(BUILD)/test-logs
+
+bench: $(PROGRAMS) $(BENCHES) ## measure speed
+	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) tests/bench/run.sh
+
+figures: $(PROGRAMS) ## draw the figures of all scenes
+	@for scene in $(SCENES); do \
+	    $(MAKE) -C $$scene figures BIN=$(abspath $(BIN)) || exit; \
+	done
+
+MAN_PAGES := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1)
+man: $(MAN_PAGES) ## man pages from --help
+$(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
+	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
+
+# A multibody code includes <romrun/ehdrom.h>; whatever that header includes is installed with it.
+install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages, library
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
+	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
+	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
+	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libehdrom.a
+	install -D -m 644 $(BUILD)/ehdrom.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
+	@for header in $$($(CC) -I. -MM romrun/ehdrom.h | tr -d '\\' | sed 's/^[^:]*://'); do \
+	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
+	done
+
+# Linked statically, so a user of the library needs all of its libraries.
+$(BUILD)/ehdrom.pc: $(BUILD)/flags FORCE
+	@printf '%s\n' 'prefix=$(PREFIX)' '' 'Name: ehdrom' 'Version: $(VERSION)' \
+	    'Description: Reduced-order elastohydrodynamic lubrication' \
+	    'Cflags: -I$${prefix}/include/ehdrom' \
+	    'Libs: -L$${prefix}/lib -lehdrom $(ALL_LIBS) -pthread' > $@
+
+format: ## clang-format all sources in place
+	clang-format -i $(SOURCES) $(HEADERS)
+
+lint: | deps ## static analysis with cppcheck and clang-tidy, where installed
+	@if command -v cppcheck; then \
+	    cppcheck --quiet --std=c11 --enable=warning,portability --inline-suppr --error-exitcode=1 \
+	        --suppress=missingIncludeSystem -I. -D_GNU_SOURCE $(MAINS) $(LIB_SOURCES); \
+	fi
+	@if command -v clang-tidy; then \
+	    clang-tidy --quiet --checks=-clang-analyzer-security.insecureAPI.*,-clang-analyzer-valist.* \
+	        $(MAINS) $(LIB_SOURCES) -- -std=c17 $(ALL_CPPFLAGS); \
+	fi
+
+clean: ## remove build/
+	rm -rf build
+
+help: ## this list
+	@echo 'Targets:'
+	@sed -n 's/^\([a-z-]*\):.* ## \(.*\)/  \1\t\2/p' Makefile | expand -t 16
+	@echo 'Settings: VARIANT=release|debug|san|cov  V=1 (show commands)  DEPS=no (install nothing)'
+	@echo '          CC= CFLAGS= MARCH= JOBS=2 (tests at a time)  PREFIX=/usr/local  DESTDIR='
+
+print-%:
+	@echo '$* = $($*)'
+
+.PHONY: all deps demo check check-long bench figures man install format lint clean help FORCE
+
+# ---- What has to be installed
+
+PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats gnuplot-nox \
+            help2man netcdf-bin python3-xarray python3-h5py python3-netcdf4 python3-h5netcdf valgrind
+
+deps: ## install the Debian packages that are missing
+ifneq ($(DEPS),no)
+	@missing=$$(for package in $(PACKAGES); do echo $$package; done | grep -vxF \
+	    "$$(dpkg-query -W -f '$${db:Status-Status}/$${Package}\n' $(PACKAGES) 2>/dev/null \
+	        | sed -n 's,^installed/,,p')" | tr '\n' ' '); \
+	[ -n "$$missing" ] || exit 0; \
+	if ! command -v apt-get >/dev/null; then \
+	    echo "deps: found no apt-get, expected it to install what is missing: $$missing(installed otherwise? DEPS=no)" >&2; \
+	    exit 1; \
+	fi; \
+	if [ "$$(id -u)" -ne 0 ]; then sudo=sudo; fi; \
+	if [ -n "$$sudo" ] && ! command -v sudo >/dev/null; then \
+	    echo "deps: found no sudo and no root, expected one of them to install: $$missing(installed otherwise? DEPS=no)" >&2; \
+	    exit 1; \
+	fi; \
+	echo "deps: installing $$missing" >&2; \
+	$$sudo apt-get update -qq && \
+	$$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing
+endif
+
+# ---- Rules
+
+$(BUILD)/%.o: %.c $(BUILD)/flags
+	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(ALL_CPPFLAGS) $(INFO) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
+
+$(filter $(BUILD)/common/program/%,$(LIB_OBJECTS)): INFO = $(BUILD_INFO)
+$(filter $(BUILD)/common/program/%,$(LIB_OBJECTS)): $(BUILD)/revision
+
+$(LIB): $(LIB_OBJECTS) $(BUILD)/objects
+	$(call quiet,AR  ,$@)rm -f $@ && $(AR) rcs $@ $(LIB_OBJECTS)
+
+link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
+
+$(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)
+	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
+
+# tests/unit/allocation.h
+WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
+
+$(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) $(LIB)
+	$(call quiet,LINK,$@)$(link) $(WRAP) -lcmocka $(ALL_LIBS)
+
+$(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(LIB)
+	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
+
+-include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

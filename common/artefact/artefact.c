@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What reading and writing share. */
+#include "common/artefact/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+artefact *artefact_new(const char *path) {
+    hdf5_start();
+    artefact *file = calloc(1, sizeof *file);
+    if (!file) return NULL;
+    file->id = -1;
+    file->lock = -1;
+    file->path = strdup(path);
+    if (!file->path) {
+        free(file);
+        return NULL;
+    }
+    return file;
+}
+
+void artefact_delete(artefact *file) {
+    if (!file) return;
+    if (file->id >= 0) H5Fclose(file->id);
+    if (file->lock >= 0) close(file->lock);
+    free(file->lengths);
+    free(file->history_line);
+    free(file->partial);
+    free(file->path);
+    free(file);
+}
+
+void artefact_close(artefact **file) {
+    if (!*file) return;
+    char *unfinished = NULL;
+    if ((*file)->partial && !(*file)->keep) {
+        unfinished = (*file)->partial;
+        (*file)->partial = NULL;
+    }
+    // removed before the close lets go of the writer's lock
+    if (unfinished) unlink(unfinished);
+    free(unfinished);
+    artefact_delete(*file);
+    *file = NULL;
+}
+
+const artefact_schema *artefact_kind(const artefact *file) {
+    return file->schema;
+}
+
+const char *artefact_path(const artefact *file) {
+    return file->path;
+}
+
+ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error) {
+    ehd_status status = EHD_OK;
+    if (!file->identity[0]) status = sha256_file(file->identity, file->path, error);
+    memcpy(identity, file->identity, sizeof file->identity);
+    return status;
+}
+
+const char *shown_name(const artefact *file) {
+    return file->partial ? file->partial : file->path;
+}
+
+const artefact_field *find_field(const artefact *file, const char *name) {
+    for (const artefact_field *field = file->schema->fields; field->name; field++) {
+        if (strcmp(field->name, name) == 0) return field;
+    }
+    return NULL;
+}
+
+const artefact_attribute *find_attribute(const artefact *file, const char *name) {
+    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
+        if (strcmp(entry->name, name) == 0) return entry;
+    }
+    return NULL;
+}
+
+size_t *find_length(const artefact *file, const char *axis) {
+    for (size_t i = 0; file->schema->axes[i].name; i++) {
+        if (strcmp(file->schema->axes[i].name, axis) == 0) return &file->lengths[i];
+    }
+    return NULL;
+}
+
+size_t field_rank(const artefact_field *field) {
+    size_t rank = 0;
+    while (rank < ARTEFACT_MAX_RANK && field->axes[rank])
+        rank++;
+    return rank;
+}
+
+bool artefact_has(const artefact *file, const char *field_or_attribute) {
+    return hdf5_has_dataset(file->id, field_or_attribute) ||
+           hdf5_has_attribute(file->id, field_or_attribute);
+}
+
+size_t artefact_length(const artefact *file, const char *axis) {
+    const size_t *length = find_length(file, axis);
+    return length ? *length : 0;
+}
+
+/* Selects the entries in the dataset's space and makes the space of the same shape in memory. */
+static bool select_entries(hid_t file_space, hid_t *memory_space, size_t first, size_t count) {
+    hsize_t dims[ARTEFACT_MAX_RANK];
+    hsize_t start[ARTEFACT_MAX_RANK] = {first};
+    int rank = H5Sget_simple_extent_dims(file_space, dims, NULL);
+    if (count == WHOLE_FIELD) count = dims[0];
+    if (first > dims[0] || count > dims[0] - first) return false;
+    dims[0] = count;
+    H5Sselect_hyperslab(file_space, H5S_SELECT_SET, start, NULL, dims, NULL);
+    *memory_space = H5Screate_simple(rank, dims, NULL);
+    return *memory_space >= 0;
+}
+
+ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t first,
+                    size_t count, void *read_into, const void *write_from, ehd_error *error) {
+    hid_t memory_type = type == ARTEFACT_REAL ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+    hid_t memory_space = -1;
+    hid_t file_space = -1;
+    herr_t outcome;
+    ehd_status status = EHD_OK;
+
+    hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+    if (dataset < 0) {
+        status = hdf5_read_failed(file, name, error);
+        goto done;
+    }
+    file_space = H5Dget_space(dataset);
+    if (!select_entries(file_space, &memory_space, first, count)) {
+        status = ehd_fail(error, EHD_INTERNAL, "%s: %s: found entries %zu to %zu, expected fewer",
+                          shown_name(file), name, first, first + count);
+        goto done;
+    }
+    if (read_into) {
+        outcome = H5Dread(dataset, memory_type, memory_space, file_space, H5P_DEFAULT, read_into);
+        if (outcome < 0) status = hdf5_read_failed(file, name, error);
+    } else {
+        outcome = H5Dwrite(dataset, memory_type, memory_space, file_space, H5P_DEFAULT, write_from);
+        if (outcome < 0) status = hdf5_write_failed(file, name, error);
+    }
+
+done:
+    hdf5_release(memory_space);
+    hdf5_release(file_space);
+    hdf5_release(dataset);
+    return status;
+}

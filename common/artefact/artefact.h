@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Artefacts: the HDF5 files that link the programs. The only place that speaks HDF5.
+ *
+ * HDF5 as Debian builds it is not thread-safe: of all functions here, only one may run at a time in a
+ * process, whatever files they work on. HDF5 prints nothing, and is not shut down at exit.
+ *
+ * A field is declared once in a schema table (schemas.c); reader, writer and the pages in schemas/
+ * all use that declaration. */
+#ifndef EHD_ARTEFACT_H
+#define EHD_ARTEFACT_H
+
+#include "common/program/program.h"
+#include "common/program/status.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum { ARTEFACT_MAX_RANK = 4 };
+
+typedef enum artefact_type { ARTEFACT_REAL, ARTEFACT_INTEGER, ARTEFACT_TEXT } artefact_type;
+typedef enum artefact_need {
+    NEED_ALWAYS,  // a foreign program must write it too
+    NEED_OWN,     // our programs always write it; a reader can do without
+    NEED_OPTIONAL // depends on the settings
+} artefact_need;
+
+typedef struct artefact_axis {
+    const char *name;      // "x", "state", "pressure_mode"
+    const char *units;     // "1"
+    const char *long_name; // index axes get 0, 1, 2, … as their scale
+} artefact_axis;
+
+typedef struct artefact_field {
+    const char *name;
+    artefact_type type;                  // REAL (IEEE f64 LE) or INTEGER (i64 LE)
+    const char *axes[ARTEFACT_MAX_RANK]; // NULL after the last one
+    const char *units;                   // UDUNITS; "1" if dimensionless
+    const char *long_name;
+    artefact_need need;
+} artefact_field;
+
+typedef struct artefact_attribute {
+    const char *name;
+    artefact_type type;
+    const char *units; // stated on the schema page
+    const char *long_name;
+    artefact_need need;
+} artefact_attribute;
+
+typedef struct artefact_schema {
+    const char *name;                     // "ehdrom-snapshots"
+    int major, minor;                     // a reader refuses a larger major, accepts any minor
+    const char *title;                    // what such a file holds
+    const artefact_axis *axes;            // ends with {0}
+    const artefact_field *fields;         // ends with {0}
+    const artefact_attribute *attributes; // ends with {0}
+} artefact_schema;
+
+extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_residuals,
+    schema_model;
+extern const artefact_schema *const artefact_schemas[]; // all of them, NULL at the end
+
+typedef struct artefact artefact;
+
+// ---- writing
+
+/* Creates PATH.partial for writing; PATH itself is untouched until artefact_finish. Fails with
+ * EHD_CANTCREATE when PATH exists and program->force is not set, cannot be written, or another process
+ * is writing PATH.partial.
+ * `settings_text` is stored as attribute `settings`; `inputs` (NULL-terminated paths, may be NULL)
+ * are hashed (SHA-256) into `input_<n>_path`, `input_<n>_sha256`, and the history lines of those that
+ * are artefacts come before our own line. */
+ehd_status artefact_create(
+    // output:
+    artefact **file,
+    // input:
+    const char *path, const artefact_schema *schema, const program *program,
+    const char *settings_text, const char *const *inputs, ehd_error *error);
+
+/* Declares an axis of this file, of at least one entry, and writes its scale; `values` NULL: 0, 1, 2,
+ * … as integers. */
+ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
+                             ehd_error *error);
+
+/* Creates the dataset (chunked along its first axis, Fletcher-32, fill NaN or -1), units, long_name
+ * and scales attached; all of its axes must exist. artefact_put does it when needed. */
+ehd_status artefact_declare(artefact *file, const char *field, ehd_error *error);
+
+/* Writes a whole field, or `count` entries along its first axis from `first` on. */
+ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error);
+ehd_status artefact_put_integers(artefact *file, const char *field, const int64_t *data,
+                                 ehd_error *error);
+ehd_status artefact_put_part(artefact *file, const char *field, size_t first, size_t count,
+                             const double *data, ehd_error *error);
+ehd_status artefact_put_integers_part(artefact *file, const char *field, size_t first, size_t count,
+                                      const int64_t *data, ehd_error *error);
+ehd_status artefact_put_real(artefact *file, const char *attribute, double value, ehd_error *error);
+ehd_status artefact_put_integer(artefact *file, const char *attribute, int64_t value,
+                                ehd_error *error);
+ehd_status artefact_put_text(artefact *file, const char *attribute, const char *text,
+                             ehd_error *error);
+
+/* From here on the file stays readable at any moment, even after a kill, and others may read it
+ * (HDF5 single writer, multiple readers). All fields that the schema calls NEED_ALWAYS or NEED_OWN must
+ * have been declared, and its NEED_ALWAYS attributes written (else EHD_INTERNAL). Only
+ * artefact_put*_part on declared fields may follow, then artefact_flush, artefact_end_streaming,
+ * artefact_finish or artefact_close. Entries reach the file in the order of the calls, so a `status`
+ * put last is never there before what it speaks of. */
+ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
+ehd_status artefact_flush(artefact *file, ehd_error *error);
+
+/* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it when
+ * needed. Does nothing when the file is not streaming. */
+ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
+
+/* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which can
+ * also be read. EHD_NOINPUT when there is none; EHD_DATA when it is damaged or was interrupted before
+ * it began to stream, or its schema or `settings_text` differ; EHD_CANTCREATE when PATH exists and
+ * program->force is not set, or another process is writing. */
+ehd_status artefact_resume(
+    // output:
+    artefact **file,
+    // input:
+    const char *path, const artefact_schema *schema, const program *program,
+    const char *settings_text, ehd_error *error);
+
+/* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the final
+ * name. Frees the file in any case; on failure the .partial file stays. All fields that the schema
+ * calls NEED_ALWAYS or NEED_OWN must have been written (else EHD_INTERNAL). */
+ehd_status artefact_finish(artefact **file, ehd_error *error);
+
+// ---- reading
+
+/* Opens a finished artefact for reading. Refuses (EHD_NOINPUT: missing; EHD_DATA: not HDF5, truncated,
+ * empty, wrong schema, newer major version, complete = 0, a needed field missing, of another rank or
+ * with axes of unequal length). `schemas`: the accepted ones, NULL at the end. */
+ehd_status artefact_open(
+    // output:
+    artefact **file,
+    // input:
+    const char *path, const artefact_schema *const *schemas, ehd_error *error);
+
+/* Closes without finishing; a file being written stays as PATH.partial when it was streaming and is
+ * removed otherwise. Accepts a NULL file. */
+void artefact_close(artefact **file);
+
+const artefact_schema *artefact_kind(const artefact *file);
+const char *artefact_path(const artefact *file);
+/* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
+ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
+
+bool artefact_has(const artefact *file, const char *field_or_attribute);
+/* Length of an axis; 0 when the file does not have it. */
+size_t artefact_length(const artefact *file, const char *axis);
+
+/* Reads into the caller's memory; lengths are those of the axes. A checksum that fails, and an optional
+ * field, attribute or scale that the file does not have, are EHD_DATA. A foreign file need not have
+ * scales: then artefact_length still works, and artefact_get_axis is EHD_DATA. */
+ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error);
+ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error);
+ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,
+                                 ehd_error *error);
+ehd_status artefact_get_part(artefact *file, const char *field, size_t first, size_t count,
+                             double *data, ehd_error *error);
+ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t first, size_t count,
+                                      int64_t *data, ehd_error *error);
+ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
+                             ehd_error *error);
+ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,
+                                ehd_error *error);
+/* Free the text with free(). */
+ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error);
+
+/* --check FILE: opens the file as any of the known schemas and reads every dataset that the schema
+ * knows, so that every checksum is verified. */
+ehd_status artefact_check(const char *path, ehd_error *error);
+
+/* The tables of a schema as Markdown, from which the pages in schemas/ are checked. */
+void artefact_print_markdown(const artefact_schema *schema, FILE *stream);
+
+#endif

@@ -1,0 +1,273 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/artefact/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* An attribute has to fit into one message of an object header, which is 64 kB with its own name. */
+enum { PIECE_BYTES = 60000 };
+
+void hdf5_start(void) {
+    static bool started = false;
+    if (started) return;
+    started = true;
+    H5dont_atexit(); // must come first
+    H5open();
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+}
+
+// ---- errors
+
+/* The first frame of the walk is the one that found the trouble. */
+static herr_t take_first(unsigned depth, const H5E_error2_t *frame, void *data) {
+    hdf5_reason *reason = data;
+    if (depth == 0 && frame->desc) {
+        snprintf(reason->text, sizeof reason->text, "%s", frame->desc);
+    }
+    return 0;
+}
+
+hdf5_reason hdf5_last_reason(void) {
+    hdf5_reason reason = {.text = ""};
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
+
+    // the driver says "…, errno = 28, error message = 'No space left on device', buf = …"
+    static const char key[] = "error message = '";
+    char *start = strstr(reason.text, key);
+    if (start) {
+        reason.system = true;
+        start += sizeof key - 1;
+        size_t length = strcspn(start, "'");
+        memmove(reason.text, start, length);
+        reason.text[length] = '\0';
+    }
+    return reason;
+}
+
+void hdf5_release(hid_t id) {
+    if (id < 0) return;
+    hid_t stack = H5Eget_current_stack();
+    H5Idec_ref(id);
+    H5Eset_current_stack(stack);
+}
+
+ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error) {
+    hdf5_reason reason = hdf5_last_reason();
+    file->failed = true;
+    return ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
+                    file->partial, object, reason.text);
+}
+
+ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error) {
+    hdf5_reason reason = hdf5_last_reason();
+    if (reason.system) {
+        return ehd_fail(error, EHD_IO, "%s: %s: found a read failure (%s), expected it to be read",
+                        shown_name(file), object, reason.text);
+    }
+    return ehd_fail(error, EHD_DATA, "%s: %s: found damaged data (%s), expected it to be whole",
+                    shown_name(file), object, reason.text);
+}
+
+// ---- files
+
+/* Locks of HDF5 are off: they would outlive nothing but they fail on some network file systems. What
+ * has to be excluded, two writers of one file, is excluded by our own lock. */
+static hid_t access_properties(void) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+    H5Pset_file_locking(access, false, true);
+    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    return access;
+}
+
+/* A writer caches no chunks: a write that fails does so in the call that wrote, and the order of
+ * writes is the order in the file. */
+static void write_through(hid_t access) {
+    H5Pset_cache(access, 0, 0, 0, 0.75);
+}
+
+hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
+    static const char clear_name[] = "clear_status_flags"; // what h5clear uses
+    hid_t access = access_properties();
+    if (flags & H5F_ACC_RDWR) write_through(access);
+    if (clear_flags && H5Pexist(access, clear_name) > 0) {
+        hbool_t yes = true;
+        H5Pset(access, clear_name, &yes);
+    }
+    hid_t file = H5Fopen(path, flags, access);
+    hdf5_release(access);
+    return file;
+}
+
+/* All attributes and links stay in the object header, one checksummed block that is read at once,
+ * instead of moving to a heap and an index when they become many. */
+static void keep_in_header(hid_t properties) {
+    H5Pset_attr_phase_change(properties, 65535, 0);
+}
+
+hid_t hdf5_create(const char *path) {
+    hid_t access = access_properties();
+    hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+    write_through(access);
+    keep_in_header(creation);
+    H5Pset_link_phase_change(creation, 65535, 0);
+    hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
+    hdf5_release(creation);
+    hdf5_release(access);
+    return file;
+}
+
+bool hdf5_has_dataset(hid_t root, const char *name) {
+    return H5Lexists(root, name, H5P_DEFAULT) > 0;
+}
+
+bool hdf5_has_attribute(hid_t object, const char *name) {
+    return H5Aexists(object, name) > 0;
+}
+
+// ---- attributes
+
+bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *value) {
+    if (hdf5_has_attribute(object, name) && H5Adelete(object, name) < 0) return false;
+    hid_t space = H5Screate(H5S_SCALAR);
+    hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    bool written = attribute >= 0 && H5Awrite(attribute, type, value) >= 0;
+    hdf5_release(attribute);
+    hdf5_release(space);
+    return written;
+}
+
+bool hdf5_put_string(hid_t object, const char *name, const char *text) {
+    hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, strlen(text) + 1);
+    H5Tset_cset(type, H5T_CSET_UTF8);
+    bool written = hdf5_put_attribute(object, name, type, text);
+    hdf5_release(type);
+    return written;
+}
+
+static void piece_name(char buffer[128], const char *name, int number) {
+    snprintf(buffer, 128, number == 1 ? "%s" : "%s_%d", name, number);
+}
+
+/* Length of the next piece: it ends before a character, not inside of one. */
+static size_t piece_length(const char *text) {
+    size_t length = strnlen(text, PIECE_BYTES + 1);
+    if (length <= PIECE_BYTES) return length;
+    length = PIECE_BYTES;
+    while (((unsigned char)text[length] & 0xC0) == 0x80)
+        length--;
+    return length;
+}
+
+bool hdf5_put_text(hid_t root, const char *name, const char *text) {
+    char *copy = utf8_copy(text);
+    char *piece = malloc(PIECE_BYTES + 1);
+    bool written = copy && piece;
+    char label[128];
+    int number = 1;
+    const char *rest = copy;
+    while (written && (number == 1 || *rest)) {
+        size_t length = piece_length(rest);
+        memcpy(piece, rest, length);
+        piece[length] = '\0';
+        piece_name(label, name, number++);
+        written = hdf5_put_string(root, label, piece);
+        rest += length;
+    }
+    // pieces of a longer text that stood here before
+    for (bool more = written; more; number++) {
+        piece_name(label, name, number);
+        more = hdf5_has_attribute(root, label);
+        if (more) written = H5Adelete(root, label) >= 0 && written;
+    }
+    free(piece);
+    free(copy);
+    return written;
+}
+
+/* Fixed-length strings may fill their space to the last byte, and Fortran pads with blanks. */
+static char *fixed_string(hid_t attribute, hid_t type) {
+    size_t size = H5Tget_size(type);
+    char *text = calloc(size + 1, 1);
+    if (text && H5Aread(attribute, type, text) < 0) {
+        free(text);
+        return NULL;
+    }
+    if (text && H5Tget_strpad(type) == H5T_STR_SPACEPAD) {
+        for (size_t end = strlen(text); end > 0 && text[end - 1] == ' '; end--)
+            text[end - 1] = '\0';
+    }
+    return text;
+}
+
+static char *variable_string(hid_t attribute, hid_t type) {
+    char *stored = NULL;
+    char *text = NULL;
+    if (H5Aread(attribute, type, &stored) >= 0) text = strdup(stored ? stored : "");
+    H5free_memory(stored);
+    return text;
+}
+
+/* Some libraries write a single value as an array of one. */
+static hid_t open_single(hid_t object, const char *name) {
+    if (!hdf5_has_attribute(object, name)) return -1;
+    hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
+    hid_t space = H5Aget_space(attribute);
+    bool single = H5Sget_simple_extent_npoints(space) == 1;
+    hdf5_release(space);
+    if (single) return attribute;
+    hdf5_release(attribute);
+    return -1;
+}
+
+char *hdf5_get_string(hid_t object, const char *name) {
+    hid_t attribute = open_single(object, name);
+    if (attribute < 0) return NULL;
+    char *text = NULL;
+    hid_t type = H5Aget_type(attribute);
+    if (H5Tget_class(type) == H5T_STRING) {
+        bool variable = H5Tis_variable_str(type) > 0;
+        text = variable ? variable_string(attribute, type) : fixed_string(attribute, type);
+    }
+    hdf5_release(type);
+    hdf5_release(attribute);
+    return text;
+}
+
+char *hdf5_get_text(hid_t root, const char *name) {
+    char *text = hdf5_get_string(root, name);
+    char label[128];
+    char *piece = NULL;
+    size_t length = text ? strlen(text) : 0;
+    for (int number = 2; text; number++) {
+        piece_name(label, name, number);
+        piece = hdf5_get_string(root, label);
+        if (!piece) break;
+        size_t more = strlen(piece);
+        char *longer = realloc(text, length + more + 1);
+        if (!longer) {
+            free(text);
+            text = NULL;
+        } else {
+            text = longer;
+            memcpy(text + length, piece, more + 1);
+            length += more;
+        }
+        free(piece);
+    }
+    return text;
+}
+
+bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value) {
+    hid_t attribute = open_single(object, name);
+    if (attribute < 0) return false;
+    hid_t type = H5Aget_type(attribute);
+    H5T_class_t found = H5Tget_class(type);
+    bool fits = found == wanted || (wanted == H5T_FLOAT && found == H5T_INTEGER);
+    hid_t memory_type = wanted == H5T_FLOAT ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
+    bool read = fits && H5Aread(attribute, memory_type, value) >= 0;
+    hdf5_release(type);
+    hdf5_release(attribute);
+    return read;
+}

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of this folder share; nobody else includes it. */
+#ifndef EHD_ARTEFACT_INTERNAL_H
+#define EHD_ARTEFACT_INTERNAL_H
+
+#include "common/artefact/artefact.h"
+
+#include <hdf5.h>
+
+struct artefact {
+    hid_t id; // of the HDF5 file; negative when it is not open
+    const artefact_schema *schema;
+    char *path;         // the final name
+    char *partial;      // the name while it is written; NULL when reading
+    char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
+    size_t *lengths;    // [number of the schema's axes], 0: not known (yet)
+    int lock;           // descriptor that holds the writer's lock; -1 when reading
+    bool force;         // an existing final file may be replaced
+    bool streaming;
+    bool keep;   // the partial file is of use to --resume
+    bool failed; // a write failed, so the file must not get its final name
+    char identity[65];
+};
+
+// ---- hdf5.c: the library's manners and attributes
+
+/* To be called before anything else of HDF5: it prints nothing, and does nothing at exit, where it
+ * would try again to write what could not be written. */
+void hdf5_start(void);
+
+/* The innermost message of the last failed HDF5 call; call it before any other HDF5 function. */
+typedef struct hdf5_reason {
+    char text[256];
+    bool system; // the operating system refused, not the content
+} hdf5_reason;
+hdf5_reason hdf5_last_reason(void);
+
+/* Closes whatever the id stands for and keeps the last reason; accepts negative ids. */
+void hdf5_release(hid_t id);
+
+/* EHD_IO for a failed write, which is remembered; EHD_DATA (damaged) or EHD_IO for a failed read.
+ * To be called right after the failed call. */
+ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
+ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
+
+/* Opens an existing file. `flags` as for H5Fopen; `clear_flags` also clears what a killed writer left
+ * in the superblock, as h5clear does. Negative on failure. */
+hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
+hid_t hdf5_create(const char *path);
+
+/* Scalar attributes of an object, replacing an attribute of the same name. True when written. */
+bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *value);
+/* Text up to 65 kB: fixed length, UTF-8, NUL at the end. */
+bool hdf5_put_string(hid_t object, const char *name, const char *text);
+
+/* Text of any length at the root, in pieces NAME, NAME_2, NAME_3, … where it is too long for one. */
+bool hdf5_put_text(hid_t root, const char *name, const char *text);
+
+/* One attribute string of whatever kind, NULL when it is not there or is no text; free(). */
+char *hdf5_get_string(hid_t object, const char *name);
+/* The pieces that hdf5_put_text wrote, joined. */
+char *hdf5_get_text(hid_t root, const char *name);
+/* One number of class `wanted` (H5T_FLOAT accepts integers too). False when it is something else. */
+bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
+
+bool hdf5_has_dataset(hid_t root, const char *name);
+bool hdf5_has_attribute(hid_t object, const char *name);
+
+// ---- provenance.c
+
+/* SHA-256 of a file, 64 hexadecimal digits. EHD_NOINPUT, EHD_IO. */
+ehd_status sha256_file(char identity[65], const char *path, ehd_error *error);
+
+/* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free(). */
+char *history_line(const program *caller);
+
+/* Copies text and replaces what is not UTF-8 by '?', because readers refuse a whole file over it. */
+char *utf8_copy(const char *text);
+
+/* All attributes that say where the file comes from, with `complete` = 0. */
+ehd_status put_provenance(artefact *file, const program *caller, const char *settings_text,
+                          const char *const *inputs, ehd_error *error);
+bool put_complete(hid_t root, int64_t complete);
+bool put_history(hid_t root, const char *before, const char *line); // the two joined
+
+// ---- partial.c
+
+/* The writer's object with names, schema, and PATH.partial opened (`flags`: O_CREAT or 0) and locked,
+ * but no HDF5 file yet. EHD_CANTCREATE, EHD_NOINPUT (without O_CREAT), EHD_MEMORY. */
+ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,
+                      const program *caller, int flags, ehd_error *error);
+/* Renames the closed file. The content is on disk before the name says that it is whole. */
+ehd_status give_final_name(artefact *file, ehd_error *error);
+
+// ---- artefact.c
+
+/* Shared by reading, writing and resuming. */
+artefact *artefact_new(const char *path);
+void artefact_delete(artefact *file); // closes the HDF5 file without a word; accepts NULL
+const artefact_field *find_field(const artefact *file, const char *name);
+const artefact_attribute *find_attribute(const artefact *file, const char *name);
+size_t *find_length(const artefact *file, const char *axis); // NULL: no such axis in the schema
+const char *shown_name(const artefact *file);                // of the file on disk, for messages
+size_t field_rank(const artefact_field *field);
+
+/* Reads or writes `count` entries along the first axis; one of the two buffers is NULL. `count`
+ * WHOLE_FIELD: all of them. */
+#define WHOLE_FIELD ((size_t)-1)
+ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t first,
+                    size_t count, void *read_into, const void *write_from, ehd_error *error);
+
+// ---- read.c
+
+/* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
+ * the axis lengths. */
+ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
+/* Reads every dataset that the schema knows, so that every checksum is verified. */
+ehd_status read_everything(artefact *file, ehd_error *error);
+/* -1 where the attribute is not there. */
+int64_t completeness(const artefact *file);
+
+#endif

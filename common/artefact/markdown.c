@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Schema tables as the pages in schemas/ show them. */
+#include "common/artefact/artefact.h"
+
+static const char *need_text(artefact_need need) {
+    static const char *const texts[] = {"everybody", "our programs", "where it applies"};
+    return texts[need];
+}
+
+static const char *type_text(artefact_type type) {
+    static const char *const texts[] = {"real", "integer", "text"};
+    return texts[type];
+}
+
+static void print_axes(const artefact_axis *axis, FILE *stream) {
+    fprintf(stream, "| axis | units | meaning |\n|---|---|---|\n");
+    for (; axis->name; axis++) {
+        fprintf(stream, "| `%s` | %s | %s |\n", axis->name, axis->units, axis->long_name);
+    }
+}
+
+static void print_fields(const artefact_field *field, FILE *stream) {
+    fprintf(stream, "| dataset | axes | type | units | written by | meaning |\n");
+    fprintf(stream, "|---|---|---|---|---|---|\n");
+    for (; field->name; field++) {
+        fprintf(stream, "| `%s` | %s", field->name, field->axes[0]);
+        for (int i = 1; i < ARTEFACT_MAX_RANK && field->axes[i]; i++) {
+            fprintf(stream, ", %s", field->axes[i]);
+        }
+        fprintf(stream, " | %s | %s | %s | %s |\n", type_text(field->type), field->units,
+                need_text(field->need), field->long_name);
+    }
+}
+
+static void print_attributes(const artefact_attribute *entry, FILE *stream) {
+    fprintf(stream, "| attribute | type | units | written by | meaning |\n|---|---|---|---|---|\n");
+    for (; entry->name; entry++) {
+        fprintf(stream, "| `%s` | %s | %s | %s | %s |\n", entry->name, type_text(entry->type),
+                entry->units, need_text(entry->need), entry->long_name);
+    }
+}
+
+void artefact_print_markdown(const artefact_schema *schema, FILE *stream) {
+    fprintf(stream, "`schema_name` = `%s`, `schema_version` = `%d.%d`\n\n", schema->name,
+            schema->major, schema->minor);
+    print_axes(schema->axes, stream);
+    fprintf(stream, "\n");
+    print_fields(schema->fields, stream);
+    fprintf(stream, "\n");
+    print_attributes(schema->attributes, stream);
+}

@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a file comes from: history lines and the identity of inputs. */
+#include "common/artefact/internal.h"
+
+#include <errno.h>
+#include <sha2.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
+    identity[0] = '\0';
+    FILE *stream = fopen(path, "rb");
+    if (!stream) {
+        return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
+                        strerror(errno));
+    }
+    SHA2_CTX context;
+    SHA256Init(&context);
+    static uint8_t block[65536];
+    size_t length;
+    while ((length = fread(block, 1, sizeof block, stream)) > 0) {
+        SHA256Update(&context, block, length);
+    }
+    ehd_status status = EHD_OK;
+    if (ferror(stream)) {
+        status = ehd_fail(error, EHD_IO, "%s: found %s, expected a readable file", path,
+                          strerror(errno));
+    } else {
+        SHA256End(&context, identity);
+    }
+    fclose(stream);
+    return status;
+}
+
+// ---- text
+
+/* Bytes of the UTF-8 character that starts here, 0 when there is none. */
+static size_t character_length(const unsigned char *text) {
+    size_t length = text[0] < 0x80   ? 1
+                    : text[0] < 0xC2 ? 0
+                    : text[0] < 0xE0 ? 2
+                    : text[0] < 0xF0 ? 3
+                    : text[0] < 0xF5 ? 4
+                                     : 0;
+    for (size_t i = 1; i < length; i++) {
+        if ((text[i] & 0xC0) != 0x80) return 0;
+    }
+    // overlong forms, surrogates and what lies beyond Unicode
+    if ((text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xED && text[1] > 0x9F) ||
+        (text[0] == 0xF0 && text[1] < 0x90) || (text[0] == 0xF4 && text[1] > 0x8F)) {
+        return 0;
+    }
+    return length;
+}
+
+char *utf8_copy(const char *text) {
+    char *copy = strdup(text);
+    for (char *at = copy; copy && *at;) {
+        size_t length = character_length((const unsigned char *)at);
+        if (length == 0) *at = '?';
+        at += length ? length : 1;
+    }
+    return copy;
+}
+
+// ---- history
+
+/* This build and the HDF5 library in use. */
+static char *creator_text(void) {
+    unsigned major = 0;
+    unsigned minor = 0;
+    unsigned release = 0;
+    char *text = NULL;
+    H5get_libversion(&major, &minor, &release);
+    if (asprintf(&text, "%s, HDF5 %u.%u.%u", program_build(), major, minor, release) < 0)
+        return NULL;
+    return text;
+}
+
+/* One word of a command line, quoted as a shell would need it; a line break would break the line. */
+static void print_word(FILE *stream, const char *word) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_-+=./,:@%";
+    if (*word && word[strspn(word, plain)] == '\0') {
+        fputs(word, stream);
+        return;
+    }
+    fputc('\'', stream);
+    for (; *word; word++) {
+        if (*word == '\'') {
+            fputs("'\\''", stream);
+        } else {
+            fputc((unsigned char)*word < ' ' ? '?' : *word, stream);
+        }
+    }
+    fputc('\'', stream);
+}
+
+char *history_line(const program *caller) {
+    char *line = NULL;
+    size_t size = 0;
+    FILE *stream = open_memstream(&line, &size);
+    if (!stream) return NULL;
+
+    char stamp[32];
+    time_t now = time(NULL);
+    struct tm utc;
+    gmtime_r(&now, &utc);
+    strftime(stamp, sizeof stamp, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    // "ehdrom 0.1.0 (revision …": the second word is the version
+    const char *version = program_build();
+    version += strcspn(version, " ");
+    version += *version == ' ';
+    fprintf(stream, "%s %s %.*s:", stamp, caller->name, (int)strcspn(version, " "), version);
+    for (int i = 0; i < caller->argc; i++) {
+        fputc(' ', stream);
+        print_word(stream, caller->argv[i]);
+    }
+    fputc('\n', stream);
+    if (fclose(stream) != 0) {
+        free(line);
+        return NULL;
+    }
+    return line;
+}
+
+static bool has_line(const char *text, const char *line, size_t length) {
+    while (text && *text) {
+        size_t found = strcspn(text, "\n");
+        if (found == length && strncmp(text, line, length) == 0) return true;
+        text += found + (text[found] == '\n');
+    }
+    return false;
+}
+
+/* The history of a file, NULL when it is no artefact or has none. */
+static char *history_of(const char *path) {
+    char *history = NULL;
+    hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
+    if (file < 0) return NULL;
+    if (hdf5_has_attribute(file, "schema_name")) history = hdf5_get_text(file, "history");
+    H5Fclose(file);
+    return history;
+}
+
+/* The history of those inputs that are artefacts, each line once. */
+static char *history_of_inputs(const char *const *inputs) {
+    char *all = strdup("");
+    for (; all && inputs && *inputs; inputs++) {
+        char *history = history_of(*inputs);
+        // inputs with a common ancestor share lines
+        for (const char *line = history; all && line && *line;) {
+            size_t length = strcspn(line, "\n");
+            if (length > 0 && !has_line(all, line, length)) {
+                char *longer = NULL;
+                if (asprintf(&longer, "%s%.*s\n", all, (int)length, line) < 0) longer = NULL;
+                free(all);
+                all = longer;
+            }
+            line += length + (line[length] == '\n');
+        }
+        free(history);
+    }
+    return all;
+}
+
+// ---- into the file
+
+static bool put_inputs(hid_t root, const char *const *inputs, ehd_status *status,
+                       ehd_error *error) {
+    char identity[65];
+    char name[64];
+    for (int i = 0; inputs && inputs[i]; i++) {
+        *status = sha256_file(identity, inputs[i], error);
+        if (*status != EHD_OK) return true;
+        snprintf(name, sizeof name, "input_%d_path", i + 1);
+        if (!hdf5_put_text(root, name, inputs[i])) return false;
+        snprintf(name, sizeof name, "input_%d_sha256", i + 1);
+        if (!hdf5_put_string(root, name, identity)) return false;
+    }
+    return true;
+}
+
+bool put_complete(hid_t root, int64_t complete) {
+    return hdf5_put_attribute(root, "complete", H5T_STD_I64LE, &complete);
+}
+
+bool put_history(hid_t root, const char *before, const char *line) {
+    char *history = NULL;
+    bool written = false;
+    if (asprintf(&history, "%s%s", before, line) >= 0) {
+        written = hdf5_put_text(root, "history", history);
+        free(history);
+    }
+    return written;
+}
+
+ehd_status put_provenance(artefact *file, const program *caller, const char *settings_text,
+                          const char *const *inputs, ehd_error *error) {
+    char version[32];
+    snprintf(version, sizeof version, "%d.%d", file->schema->major, file->schema->minor);
+    char *before = history_of_inputs(inputs);
+    char *line = history_line(caller);
+    char *creator = creator_text();
+    ehd_status status = EHD_OK;
+    if (!before || !line || !creator) {
+        status =
+            ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", file->path);
+    } else if (!put_complete(file->id, 0) || !hdf5_put_string(file->id, "Conventions", "CF-1.8") ||
+               !hdf5_put_string(file->id, "schema_name", file->schema->name) ||
+               !hdf5_put_string(file->id, "schema_version", version) ||
+               !hdf5_put_string(file->id, "title", file->schema->title) ||
+               !put_history(file->id, before, line) ||
+               !hdf5_put_text(file->id, "creator", creator) ||
+               !hdf5_put_text(file->id, "settings", settings_text ? settings_text : "") ||
+               !put_inputs(file->id, inputs, &status, error)) {
+        status = hdf5_write_failed(file, "provenance", error);
+    }
+    free(creator);
+    free(line);
+    free(before);
+    return status;
+}

@@ -1,0 +1,454 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/artefact/internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// ---- opening
+
+static ehd_status check_readable(const char *path, ehd_error *error) {
+    struct stat found;
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) {
+        return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
+                        strerror(errno));
+    }
+    int outcome = fstat(descriptor, &found);
+    close(descriptor);
+    if (outcome != 0 || !S_ISREG(found.st_mode)) {
+        return ehd_fail(error, EHD_NOINPUT, "%s: found no regular file, expected one", path);
+    }
+    if (found.st_size == 0) {
+        return ehd_fail(error, EHD_DATA, "%s: found an empty file, expected an HDF5 file", path);
+    }
+    return EHD_OK;
+}
+
+static ehd_status open_failed(const char *path, ehd_error *error) {
+    hdf5_reason reason = hdf5_last_reason();
+    if (reason.system) {
+        return ehd_fail(error, EHD_IO, "%s: found a read failure (%s), expected to read it", path,
+                        reason.text);
+    }
+    if (strstr(reason.text, "file signature")) {
+        return ehd_fail(error, EHD_DATA, "%s: found no HDF5 file, expected one", path);
+    }
+    if (strstr(reason.text, "already open for")) {
+        return ehd_fail(
+            error, EHD_DATA,
+            "%s: found a file that is being written or whose writer was killed, expected "
+            "a finished one",
+            path);
+    }
+    return ehd_fail(error, EHD_DATA, "%s: found a damaged file (%s), expected a whole one", path,
+                    reason.text);
+}
+
+// ---- kind and version
+
+int64_t completeness(const artefact *file) {
+    int64_t complete = -1;
+    if (!hdf5_get_number(file->id, "complete", H5T_INTEGER, &complete)) return -1;
+    return complete;
+}
+
+static ehd_status wrong_schema(const artefact *file, const char *found,
+                               const artefact_schema *const *schemas, ehd_error *error) {
+    char expected[256] = "";
+    size_t length = 0;
+    for (size_t i = 0; schemas[i] && length < sizeof expected; i++) {
+        length += (size_t)snprintf(expected + length, sizeof expected - length, "%s%s",
+                                   i > 0 ? " or " : "", schemas[i]->name);
+    }
+    return ehd_fail(error, EHD_DATA, "%s: schema_name: found %s, expected %s", shown_name(file),
+                    found, expected);
+}
+
+static ehd_status recognise(artefact *file, const artefact_schema *const *schemas,
+                            ehd_error *error) {
+    char *name = hdf5_get_string(file->id, "schema_name");
+    for (size_t i = 0; name && schemas[i]; i++) {
+        if (strcmp(schemas[i]->name, name) == 0) file->schema = schemas[i];
+    }
+    ehd_status status = EHD_OK;
+    if (!name) {
+        status = wrong_schema(file, "none", schemas, error);
+    } else if (!file->schema || strcmp(file->schema->name, name) != 0) {
+        status = wrong_schema(file, name, schemas, error);
+    }
+    free(name);
+    return status;
+}
+
+static ehd_status check_version(const artefact *file, ehd_error *error) {
+    char *version = hdf5_get_string(file->id, "schema_version");
+    int major = -1;
+    int minor = -1;
+    int end = -1;
+    bool parsed = version && sscanf(version, "%4d.%4d%n", &major, &minor, &end) == 2 &&
+                  version[end] == '\0' && major > 0 && minor >= 0;
+    ehd_status status = EHD_OK;
+    if (!parsed || major > file->schema->major) {
+        status = ehd_fail(error, EHD_DATA, "%s: schema_version: found %s, expected at most %d.x",
+                          shown_name(file), version ? version : "none", file->schema->major);
+    }
+    free(version);
+    return status;
+}
+
+// ---- attributes and fields
+
+static bool attribute_readable(hid_t root, const artefact_attribute *attribute) {
+    double real;
+    int64_t integer;
+    if (attribute->type == ARTEFACT_REAL) {
+        return hdf5_get_number(root, attribute->name, H5T_FLOAT, &real);
+    }
+    if (attribute->type == ARTEFACT_INTEGER) {
+        return hdf5_get_number(root, attribute->name, H5T_INTEGER, &integer);
+    }
+    char *text = hdf5_get_string(root, attribute->name);
+    free(text);
+    return text != NULL;
+}
+
+static const char *type_name(artefact_type type) {
+    static const char *const names[] = {"a real number", "an integer", "a text"};
+    return names[type];
+}
+
+static ehd_status check_attributes(const artefact *file, ehd_error *error) {
+    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
+        bool present = hdf5_has_attribute(file->id, entry->name);
+        if (!present && entry->need == NEED_ALWAYS) {
+            return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s",
+                            shown_name(file), entry->name, type_name(entry->type));
+        }
+        if (present && !attribute_readable(file->id, entry)) {
+            return ehd_fail(error, EHD_DATA, "%s: attribute %s: found something else, expected %s",
+                            shown_name(file), entry->name, type_name(entry->type));
+        }
+    }
+    return EHD_OK;
+}
+
+/* Integers may be read as reals, but not the other way round. */
+static bool type_fits(hid_t dataset, artefact_type type) {
+    hid_t stored = H5Dget_type(dataset);
+    H5T_class_t found = H5Tget_class(stored);
+    hdf5_release(stored);
+    return found == H5T_INTEGER || (found == H5T_FLOAT && type == ARTEFACT_REAL);
+}
+
+/* Every axis has one length in the whole file; the first dataset that has the axis decides. */
+static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
+                               ehd_error *error) {
+    size_t *length = find_length(file, axis);
+    if (found == 0) {
+        return ehd_fail(error, EHD_DATA, "%s: %s: found length 0 along %s, expected at least 1",
+                        shown_name(file), object, axis);
+    }
+    if (*length > 0 && *length != found) {
+        return ehd_fail(error, EHD_DATA, "%s: %s: found length %zu along %s, expected %zu",
+                        shown_name(file), object, found, axis, *length);
+    }
+    *length = found;
+    return EHD_OK;
+}
+
+static ehd_status check_shape(artefact *file, hid_t dataset, const char *name,
+                              const char *const *axes, size_t rank, ehd_error *error) {
+    hid_t space = H5Dget_space(dataset);
+    int found = H5Sget_simple_extent_ndims(space);
+    hsize_t dims[H5S_MAX_RANK] = {0};
+    H5Sget_simple_extent_dims(space, dims, NULL);
+    hdf5_release(space);
+    if (found != (int)rank) {
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %d axes, expected %zu", shown_name(file),
+                        name, found, rank);
+    }
+    ehd_status status = EHD_OK;
+    for (size_t i = 0; i < rank && status == EHD_OK; i++) {
+        status = check_length(file, name, axes[i], (size_t)dims[i], error);
+    }
+    return status;
+}
+
+/* What a scale's REFERENCE_LIST says: along which axis of which dataset it lies. */
+typedef struct scale_use {
+    hobj_ref_t dataset;
+    int axis;
+} scale_use;
+
+/* The uses of a scale, NULL when it tells none; free(). They are read from the scale's side, because the
+ * datasets' own lists lie in a heap without checksums, over which HDF5 1.10 hangs when it is damaged. */
+static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
+    static const char list[] = "REFERENCE_LIST";
+    if (!hdf5_has_attribute(scale, list)) return NULL;
+    hid_t attribute = H5Aopen(scale, list, H5P_DEFAULT);
+    hid_t space = H5Aget_space(attribute);
+    hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(scale_use));
+    H5Tinsert(type, "dataset", HOFFSET(scale_use, dataset), H5T_STD_REF_OBJ);
+    H5Tinsert(type, "dimension", HOFFSET(scale_use, axis), H5T_NATIVE_INT);
+    hssize_t length = H5Sget_simple_extent_npoints(space);
+    *num_uses = length > 0 ? (size_t)length : 0;
+    scale_use *uses = calloc(*num_uses + 1, sizeof *uses);
+    if (uses && H5Aread(attribute, type, uses) < 0) {
+        free(uses);
+        uses = NULL;
+    }
+    hdf5_release(type);
+    hdf5_release(space);
+    hdf5_release(attribute);
+    return uses;
+}
+
+/* Whether a field of the schema has this axis there; true for what the schema does not know. */
+static bool use_fits(const artefact *file, hid_t scale, const scale_use *use, const char *axis,
+                     const artefact_field **field) {
+    char name[128] = "";
+    hid_t dataset = H5Rdereference2(scale, H5P_DEFAULT, H5R_OBJECT, &use->dataset);
+    if (dataset < 0) return true;
+    H5Iget_name(dataset, name, sizeof name); // "/pressure"
+    hdf5_release(dataset);
+    *field = find_field(file, name[0] == '/' ? name + 1 : name);
+    if (!*field) return true;
+    return use->axis >= 0 && use->axis < (int)field_rank(*field) &&
+           strcmp((*field)->axes[use->axis], axis) == 0;
+}
+
+/* Named axes must be the schema's, so that a transposed square field is noticed. */
+static ehd_status check_scale(const artefact *file, const char *axis, ehd_error *error) {
+    hid_t scale = H5Dopen2(file->id, axis, H5P_DEFAULT);
+    size_t num_uses = 0;
+    scale_use *uses = read_scale_uses(scale, &num_uses);
+    ehd_status status = EHD_OK;
+    const artefact_field *field = NULL;
+    for (size_t i = 0; uses && i < num_uses && status == EHD_OK; i++) {
+        if (use_fits(file, scale, &uses[i], axis, &field)) continue;
+        status =
+            ehd_fail(error, EHD_DATA, "%s: %s: found %s as axis %d, expected another order of axes",
+                     shown_name(file), field->name, axis, uses[i].axis);
+    }
+    free(uses);
+    hdf5_release(scale);
+    return status;
+}
+
+static ehd_status check_dataset(artefact *file, const char *name, artefact_type type,
+                                const char *const *axes, size_t rank, ehd_error *error) {
+    hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+    if (dataset < 0) return hdf5_read_failed(file, name, error);
+    ehd_status status = EHD_OK;
+    if (!type_fits(dataset, type)) {
+        status =
+            ehd_fail(error, EHD_DATA, "%s: %s: found values of another type, expected %ss",
+                     shown_name(file), name, type == ARTEFACT_REAL ? "real number" : "integer");
+    }
+    if (status == EHD_OK) status = check_shape(file, dataset, name, axes, rank, error);
+    hdf5_release(dataset);
+    return status;
+}
+
+static ehd_status check_fields(artefact *file, ehd_error *error) {
+    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
+        if (!hdf5_has_dataset(file->id, axis->name)) continue;
+        const char *own[] = {axis->name};
+        ehd_status status = check_dataset(file, axis->name, ARTEFACT_REAL, own, 1, error);
+        if (status == EHD_OK) status = check_scale(file, axis->name, error);
+        if (status != EHD_OK) return status;
+    }
+    for (const artefact_field *field = file->schema->fields; field->name; field++) {
+        if (!hdf5_has_dataset(file->id, field->name)) {
+            if (field->need != NEED_ALWAYS) continue;
+            return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s",
+                            shown_name(file), field->name, field->long_name);
+        }
+        ehd_status status =
+            check_dataset(file, field->name, field->type, field->axes, field_rank(field), error);
+        if (status != EHD_OK) return status;
+    }
+    return EHD_OK;
+}
+
+ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error) {
+    ehd_status status = recognise(file, schemas, error);
+    if (status == EHD_OK) status = check_version(file, error);
+    if (status != EHD_OK) return status;
+
+    size_t num_axes = 0;
+    while (file->schema->axes[num_axes].name)
+        num_axes++;
+    free(file->lengths);
+    file->lengths = calloc(num_axes + 1, sizeof *file->lengths);
+    if (!file->lengths) {
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
+                        shown_name(file));
+    }
+    status = check_attributes(file, error);
+    if (status == EHD_OK) status = check_fields(file, error);
+    return status;
+}
+
+ehd_status artefact_open(artefact **result, const char *path, const artefact_schema *const *schemas,
+                         ehd_error *error) {
+    *result = NULL;
+    ehd_status status = check_readable(path, error);
+    if (status != EHD_OK) return status;
+    artefact *file = artefact_new(path);
+    if (!file)
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+
+    file->id = hdf5_open(path, H5F_ACC_RDONLY, false);
+    if (file->id < 0) {
+        status = open_failed(path, error);
+    } else {
+        status = recognise(file, schemas, error);
+    }
+    if (status == EHD_OK && completeness(file) != 1 && hdf5_has_attribute(file->id, "complete")) {
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found an unfinished file (complete is not 1), expected "
+                          "a finished one",
+                          path);
+    }
+    if (status == EHD_OK) status = examine(file, schemas, error);
+    if (status != EHD_OK) artefact_close(&file);
+    *result = file;
+    return status;
+}
+
+// ---- content
+
+static ehd_status get(artefact *file, const char *name, artefact_type type, size_t first,
+                      size_t count, void *data, ehd_error *error) {
+    const artefact_field *field = find_field(file, name);
+    if (!field || field->type != type) {
+        return ehd_fail(error, EHD_INTERNAL,
+                        "%s: found field %s, expected one of %s with this type", shown_name(file),
+                        name, file->schema->name);
+    }
+    if (!hdf5_has_dataset(file->id, name)) {
+        return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file),
+                        name, field->long_name);
+    }
+    return transfer(file, name, type, first, count, data, NULL, error);
+}
+
+ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error) {
+    return get(file, field, ARTEFACT_REAL, 0, WHOLE_FIELD, data, error);
+}
+
+ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,
+                                 ehd_error *error) {
+    return get(file, field, ARTEFACT_INTEGER, 0, WHOLE_FIELD, data, error);
+}
+
+ehd_status artefact_get_part(artefact *file, const char *field, size_t first, size_t count,
+                             double *data, ehd_error *error) {
+    return get(file, field, ARTEFACT_REAL, first, count, data, error);
+}
+
+ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t first, size_t count,
+                                      int64_t *data, ehd_error *error) {
+    return get(file, field, ARTEFACT_INTEGER, first, count, data, error);
+}
+
+/* A bare netCDF dimension is a scale without values, and says so in its name. */
+static bool has_scale_values(const artefact *file, const char *axis) {
+    static const char bare[] = "This is a netCDF dimension but not a netCDF variable";
+    if (!hdf5_has_dataset(file->id, axis)) return false;
+    hid_t dataset = H5Dopen2(file->id, axis, H5P_DEFAULT);
+    char *name = hdf5_get_string(dataset, "NAME");
+    bool values = !name || strncmp(name, bare, sizeof bare - 1) != 0;
+    free(name);
+    hdf5_release(dataset);
+    return values;
+}
+
+ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error) {
+    if (!has_scale_values(file, axis)) {
+        return ehd_fail(error, EHD_DATA, "%s: found no values of axis %s, expected its scale",
+                        shown_name(file), axis);
+    }
+    return transfer(file, axis, ARTEFACT_REAL, 0, WHOLE_FIELD, values, NULL, error);
+}
+
+static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t wanted, void *value,
+                             ehd_error *error) {
+    if (hdf5_get_number(file->id, attribute, wanted, value)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s", shown_name(file),
+                    attribute, type_name(wanted == H5T_FLOAT ? ARTEFACT_REAL : ARTEFACT_INTEGER));
+}
+
+ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
+                             ehd_error *error) {
+    return get_number(file, attribute, H5T_FLOAT, value, error);
+}
+
+ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,
+                                ehd_error *error) {
+    return get_number(file, attribute, H5T_INTEGER, value, error);
+}
+
+ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error) {
+    *text = hdf5_get_text(file->id, attribute);
+    if (*text) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected a text", shown_name(file),
+                    attribute);
+}
+
+// ---- check
+
+/* Reads a dataset in slices along its first axis, so that a large one needs little memory. */
+static ehd_status read_slices(artefact *file, const char *name, const char *const *axes,
+                              size_t rank, ehd_error *error) {
+    enum { SLICE_NUMBERS = 1 << 20 };
+    size_t length = artefact_length(file, axes[0]);
+    size_t entry = 1;
+    for (size_t i = 1; i < rank; i++)
+        entry *= artefact_length(file, axes[i]);
+    size_t slice = entry < SLICE_NUMBERS ? SLICE_NUMBERS / entry : 1;
+    if (slice > length) slice = length;
+
+    double *numbers = calloc(slice, entry * sizeof *numbers);
+    if (!numbers) {
+        return ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
+                        shown_name(file), name);
+    }
+    ehd_status status = EHD_OK;
+    for (size_t first = 0; first < length && status == EHD_OK; first += slice) {
+        size_t count = length - first < slice ? length - first : slice;
+        status = transfer(file, name, ARTEFACT_REAL, first, count, numbers, NULL, error);
+    }
+    free(numbers);
+    return status;
+}
+
+ehd_status read_everything(artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK; axis++) {
+        const char *own[] = {axis->name};
+        if (hdf5_has_dataset(file->id, axis->name)) {
+            status = read_slices(file, axis->name, own, 1, error);
+        }
+    }
+    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
+         field++) {
+        if (hdf5_has_dataset(file->id, field->name)) {
+            status = read_slices(file, field->name, field->axes, field_rank(field), error);
+        }
+    }
+    return status;
+}
+
+ehd_status artefact_check(const char *path, ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, artefact_schemas, error);
+    if (status == EHD_OK) status = read_everything(file, error);
+    artefact_close(&file);
+    return status;
+}

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What each kind of file holds: one line a field. After a change, tests/unit/test_schemas tells how to
+ * bring the pages in schemas/ up to date. */
+#include "common/artefact/artefact.h"
+
+#define REAL(name, units, need, long_name, ...)                                                    \
+    { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need }
+#define INTEGER(name, need, long_name, ...)                                                        \
+    { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need }
+#define ATTRIBUTE(name, type, units, need, long_name)                                              \
+    { name, type, units, long_name, need }
+
+// ---- lines that several kinds share
+
+#define X_AXIS                                                                                     \
+    {                                                                                              \
+        "x", "1",                                                                                  \
+            "inner nodes along the sliding direction, in Hertz contact half widths of the "        \
+            "reference"                                                                            \
+    }
+#define FILM_X_AXIS                                                                                \
+    { "film_x", "1", "nodes of the film: x and one boundary node at either end" }
+#define STATE_AXIS                                                                                 \
+    { "state", "1", "index of the training solution" }
+#define PRESSURE_MODE_AXIS                                                                         \
+    { "pressure_mode", "1", "index of the pressure mode, strongest first" }
+#define DEFORMATION_MODE_AXIS                                                                      \
+    { "deformation_mode", "1", "index of the deformation mode, strongest first" }
+
+#define GRID_ATTRIBUTES                                                                            \
+    ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, "kind of contact: line"),                \
+        ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, "first node of x"),                    \
+        ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x")
+#define DEFORMATION_ATTRIBUTE                                                                      \
+    ATTRIBUTE("deformation", ARTEFACT_TEXT, "1", NEED_ALWAYS,                                      \
+              "deformation basis: independent (of its own) or coupled (deflections of the "        \
+              "pressure modes)")
+#define BASIS_ATTRIBUTE                                                                            \
+    ATTRIBUTE("basis_sha256", ARTEFACT_TEXT, "1", NEED_OWN, "identity of the basis file")
+
+// training solutions in the coordinates of a basis
+#define STATE_FIELDS                                                                               \
+    REAL("state_pressure", "1", NEED_ALWAYS,                                                       \
+         "coordinates of the training pressures in the pressure basis", "state", "pressure_mode"), \
+        REAL("state_deformation", "1", NEED_OPTIONAL,                                              \
+             "coordinates of the training deformations in the deformation basis", "state",         \
+             "deformation_mode"),                                                                  \
+        REAL("state_rigid_approach", "1", NEED_ALWAYS,                                             \
+             "rigid approach H0 of the training solutions", "state"),                              \
+        INTEGER(                                                                                   \
+            "state_exit_node", NEED_ALWAYS,                                                        \
+            "index into x of the first node without pressure, length of x where there is none",    \
+            "state"),                                                                              \
+        REAL("state_moes_M", "1", NEED_ALWAYS, "Moes load number M of the training solutions",     \
+             "state"),                                                                             \
+        REAL("state_alpha_p_H", "1", NEED_ALWAYS,                                                  \
+             "pressure-viscosity coefficient times Hertz pressure of the training solutions",      \
+             "state"),                                                                             \
+        REAL("state_central_film_thickness", "1", NEED_OWN,                                        \
+             "film thickness H at X = 0 of the training solutions", "state")
+
+// ---- result
+
+static const artefact_axis result_axes[] = {
+    {"time", "1", "dimensionless time T of the entries; 0 when stationary"}, X_AXIS, {0}};
+
+static const artefact_field result_fields[] = {
+    REAL("pressure", "1", NEED_OPTIONAL, "pressure P, in Hertz pressures of the current frame",
+         "time", "x"),
+    REAL("film_thickness", "1", NEED_OPTIONAL, "film thickness H in the current frame", "time",
+         "x"),
+    REAL("central_film_thickness", "1", NEED_ALWAYS,
+         "film thickness H at X = 0 in the reference frame", "time"),
+    REAL("minimum_film_thickness", "1", NEED_ALWAYS,
+         "smallest nodal film thickness H in the reference frame", "time"),
+    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0 in the reference frame", "time"),
+    REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0 in the reference frame", "time"),
+    REAL("load", "1", NEED_OWN, "load relative to the reference load", "time"),
+    REAL("contact_half_width", "1", NEED_OWN,
+         "Hertz contact half width relative to that of the reference", "time"),
+    REAL("exit_position", "1", NEED_OWN, "X at which the pressure ends", "time"),
+    INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
+    REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
+    INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
+    {0}};
+
+static const artefact_attribute result_attributes[] = {
+    GRID_ATTRIBUTES,
+    ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS,
+              "Hertz pressure of the reference"),
+    ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, "Moes load number M of the reference"),
+    ATTRIBUTE("moes_L", ARTEFACT_REAL, "1", NEED_OWN, "Moes material number L of the reference"),
+    ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS,
+              "pressure-viscosity coefficient times Hertz pressure"),
+    ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN,
+              "time of the solution, without reading and writing"),
+    ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+              "part of it for residual and Jacobian rows"),
+    ATTRIBUTE("solve_seconds_linear", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+              "part of it for linear systems"),
+    ATTRIBUTE("solve_seconds_exit", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+              "part of it for finding the exit"),
+    ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
+    {0}};
+
+const artefact_schema schema_result = {
+    "ehdrom-result",  1, 0, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    result_attributes};
+
+// ---- snapshots
+
+static const artefact_axis snapshots_axes[] = {STATE_AXIS, X_AXIS, {0}};
+
+static const artefact_field snapshots_fields[] = {
+    REAL("pressure", "1", NEED_ALWAYS, "pressure P, in Hertz pressures", "state", "x"),
+    REAL("film_thickness", "1", NEED_OWN, "film thickness H", "state", "x"),
+    REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0", "state"),
+    INTEGER("exit_node", NEED_ALWAYS,
+            "index into x of the first node without pressure, length of x where there is none",
+            "state"),
+    REAL("exit_position", "1", NEED_OWN, "X at which the pressure ends", "state"),
+    REAL("moes_M", "1", NEED_ALWAYS, "Moes load number M", "state"),
+    REAL("moes_L", "1", NEED_OWN, "Moes material number L", "state"),
+    REAL("alpha_p_H", "1", NEED_ALWAYS, "pressure-viscosity coefficient times Hertz pressure",
+         "state"),
+    REAL("hertz_pressure", "Pa", NEED_OWN, "Hertz pressure", "state"),
+    REAL("central_film_thickness", "1", NEED_OWN, "film thickness H at X = 0", "state"),
+    REAL("minimum_film_thickness", "1", NEED_OWN, "smallest nodal film thickness H", "state"),
+    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0", "state"),
+    INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
+    REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "state"),
+    INTEGER("status", NEED_ALWAYS, "0 converged, 1 not converged, -1 not yet computed", "state"),
+    {0}};
+
+static const artefact_attribute snapshots_attributes[] = {GRID_ATTRIBUTES, {0}};
+
+const artefact_schema schema_snapshots = {"ehdrom-snapshots",
+                                          1,
+                                          0,
+                                          "Training solutions of an elastohydrodynamic contact",
+                                          snapshots_axes,
+                                          snapshots_fields,
+                                          snapshots_attributes};
+
+// ---- basis
+
+static const artefact_axis basis_axes[] = {
+    X_AXIS,
+    FILM_X_AXIS,
+    PRESSURE_MODE_AXIS,
+    DEFORMATION_MODE_AXIS,
+    {"pressure_singular_value", "1", "index of the singular value of the pressure snapshots"},
+    {"deformation_singular_value", "1", "index of the singular value of the deformation snapshots"},
+    STATE_AXIS,
+    {0}};
+
+static const artefact_field basis_fields[] = {
+    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("deformation_basis", "1", NEED_OPTIONAL,
+         "deformation modes, only for deformation = independent", "deformation_mode", "film_x"),
+    REAL("pressure_singular_values", "1", NEED_OWN,
+         "singular values of the pressure snapshots, descending", "pressure_singular_value"),
+    REAL("deformation_singular_values", "1", NEED_OPTIONAL,
+         "singular values of the deformation snapshots, descending", "deformation_singular_value"),
+    REAL("weight", "1", NEED_ALWAYS, "diagonal D that weights the residual in the test basis", "x"),
+    STATE_FIELDS,
+    {0}};
+
+static const artefact_attribute basis_attributes[] = {
+    GRID_ATTRIBUTES,
+    DEFORMATION_ATTRIBUTE,
+    ATTRIBUTE("pressure_energy_discarded", ARTEFACT_REAL, "1", NEED_OWN,
+              "part of the squared singular values of the pressure left out"),
+    ATTRIBUTE("deformation_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "part of the squared singular values of the deformation left out"),
+    {0}};
+
+const artefact_schema schema_basis = {"ehdrom-basis",
+                                      1,
+                                      0,
+                                      "Reduced bases of an elastohydrodynamic contact",
+                                      basis_axes,
+                                      basis_fields,
+                                      basis_attributes};
+
+// ---- residuals
+
+static const artefact_axis residuals_axes[] = {
+    {"iteration", "1", "index of the Newton iteration, over all states"},
+    X_AXIS,
+    STATE_AXIS,
+    PRESSURE_MODE_AXIS,
+    DEFORMATION_MODE_AXIS,
+    {0}};
+
+static const artefact_field residuals_fields[] = {
+    REAL("weighted_residual", "1", NEED_ALWAYS, "weighted residual D f of the Reynolds rows",
+         "iteration", "x"),
+    REAL("weighted_jacobian_step", "1", NEED_ALWAYS,
+         "weighted product D J dz of Jacobian and Newton step", "iteration", "x"),
+    INTEGER("iteration_state", NEED_OWN, "index of the state that the iteration belongs to",
+            "iteration"),
+    STATE_FIELDS,
+    INTEGER("status", NEED_OWN, "0 converged, 1 not converged, -1 not yet computed", "state"),
+    INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
+    {0}};
+
+static const artefact_attribute residuals_attributes[] = {
+    GRID_ATTRIBUTES, DEFORMATION_ATTRIBUTE, BASIS_ATTRIBUTE, {0}};
+
+const artefact_schema schema_residuals = {
+    "ehdrom-residuals",
+    1,
+    0,
+    "Residuals and Newton steps of a reduced elastohydrodynamic contact",
+    residuals_axes,
+    residuals_fields,
+    residuals_attributes};
+
+// ---- model
+
+static const artefact_axis model_axes[] = {
+    X_AXIS,
+    FILM_X_AXIS,
+    {"row", "1", "index of the selected row, in order of selection"},
+    {"needed_node", "1", "index of the film node whose pressure and film the selected rows need"},
+    {"band_node", "1", "index of the film node, counted from the first of the exit band"},
+    PRESSURE_MODE_AXIS,
+    DEFORMATION_MODE_AXIS,
+    STATE_AXIS,
+    {0}};
+
+static const artefact_field model_fields[] = {
+    INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
+    REAL("row_weight", "1", NEED_ALWAYS, "weight D at the selected rows", "row"),
+    INTEGER("needed_node_index", NEED_ALWAYS, "index into film_x of the needed nodes",
+            "needed_node"),
+    REAL("needed_pressure_basis", "1", NEED_ALWAYS, "pressure modes at the needed nodes",
+         "needed_node", "pressure_mode"),
+    REAL("needed_deformation_basis", "1", NEED_OPTIONAL,
+         "deformation modes at the needed nodes, only for deformation = independent", "needed_node",
+         "deformation_mode"),
+    REAL("needed_coupled_basis", "1", NEED_OPTIONAL,
+         "deflection at the needed nodes of the pressure modes cut at the first band node, only "
+         "for deformation = coupled",
+         "needed_node", "pressure_mode"),
+    REAL("band_pressure_basis", "1", NEED_ALWAYS, "pressure modes in the exit band", "band_node",
+         "pressure_mode"),
+    REAL("band_deformation_basis", "1", NEED_OPTIONAL,
+         "deformation modes in the exit band, only for deformation = independent", "band_node",
+         "deformation_mode"),
+    REAL("band_coupled_basis", "1", NEED_OPTIONAL,
+         "deflection in the exit band of the pressure modes cut at its first node, only for "
+         "deformation = coupled",
+         "band_node", "pressure_mode"),
+    REAL("band_projected_kernel", "1", NEED_OPTIONAL,
+         "deflection of unit pressure at the band nodes, projected on the deformation modes",
+         "band_node", "deformation_mode"),
+    REAL("elasticity_jacobian", "1", NEED_OPTIONAL,
+         "deflection of the pressure modes cut at the first band node, projected on the "
+         "deformation modes",
+         "deformation_mode", "pressure_mode"),
+    REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
+         "pressure_mode"),
+    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("deformation_basis", "1", NEED_ALWAYS,
+         "deformation modes; for deformation = coupled the deflections of the pressure modes",
+         "deformation_mode", "film_x"),
+    STATE_FIELDS,
+    REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
+         "smallest singular value of the sampled bases with the exit of the state", "state"),
+    {0}};
+
+static const artefact_attribute model_attributes[] = {
+    GRID_ATTRIBUTES,
+    DEFORMATION_ATTRIBUTE,
+    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+              "index into film_x of the first node of the exit band"),
+    ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
+    ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
+              "smallest singular value of the sampled residual basis"),
+    ATTRIBUTE("sigma_min_jacobian", ARTEFACT_REAL, "1", NEED_OWN,
+              "smallest singular value of the sampled Jacobian basis"),
+    ATTRIBUTE("sigma_min_over_exits", ARTEFACT_REAL, "1", NEED_OWN,
+              "smallest of both over all exits seen in training"),
+    BASIS_ATTRIBUTE,
+    {0}};
+
+const artefact_schema schema_model = {"ehdrom-model",
+                                      1,
+                                      0,
+                                      "Reduced model of an elastohydrodynamic contact",
+                                      model_axes,
+                                      model_fields,
+                                      model_attributes};
+
+const artefact_schema *const artefact_schemas[] = {
+    &schema_result, &schema_snapshots, &schema_basis, &schema_residuals, &schema_model, NULL};

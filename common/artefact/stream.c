@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Streaming, resuming, finishing. */
+#include "common/artefact/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---- streaming
+
+static ehd_status check_fields_written(const artefact *file, ehd_error *error) {
+    for (const artefact_field *field = file->schema->fields; field->name; field++) {
+        if (field->need != NEED_OPTIONAL && !hdf5_has_dataset(file->id, field->name)) {
+            return ehd_fail(error, EHD_INTERNAL, "%s: found no %s, expected it in every %s",
+                            file->path, field->name, file->schema->name);
+        }
+    }
+    return EHD_OK;
+}
+
+static ehd_status check_attributes_written(const artefact *file, bool own, ehd_error *error) {
+    for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
+        bool needed = entry->need == NEED_ALWAYS || (own && entry->need == NEED_OWN);
+        if (needed && !hdf5_has_attribute(file->id, entry->name)) {
+            return ehd_fail(error, EHD_INTERNAL, "%s: found no %s, expected it in every %s",
+                            file->path, entry->name, file->schema->name);
+        }
+    }
+    return EHD_OK;
+}
+
+ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
+    if (file->streaming) return EHD_OK;
+    ehd_status status = check_fields_written(file, error);
+    if (status == EHD_OK) status = check_attributes_written(file, false, error);
+    if (status != EHD_OK) return status;
+    if (H5Fstart_swmr_write(file->id) < 0) return hdf5_write_failed(file, "file", error);
+    file->streaming = true;
+    file->keep = true;
+    return EHD_OK;
+}
+
+ehd_status artefact_flush(artefact *file, ehd_error *error) {
+    if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) return hdf5_write_failed(file, "file", error);
+    return EHD_OK;
+}
+
+ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {
+    if (!file->streaming) return EHD_OK;
+    herr_t outcome = H5Fclose(file->id);
+    file->id = -1;
+    file->streaming = false;
+    if (outcome < 0) return hdf5_write_failed(file, "file", error);
+    file->id = hdf5_open(file->partial, H5F_ACC_RDWR, false);
+    if (file->id < 0) return hdf5_write_failed(file, "file", error);
+    return EHD_OK;
+}
+
+// ---- resume
+
+static ehd_status not_resumable(const artefact *file, const char *found, ehd_error *error) {
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found %s, expected what an interrupted run of the same settings left "
+                    "(or no --resume)",
+                    file->partial, found);
+}
+
+static ehd_status check_same_settings(const artefact *file, const char *settings_text,
+                                      ehd_error *error) {
+    char *found = hdf5_get_text(file->id, "settings");
+    char *expected = utf8_copy(settings_text ? settings_text : "");
+    bool same = found && expected && strcmp(found, expected) == 0;
+    free(expected);
+    free(found);
+    return same ? EHD_OK : not_resumable(file, "other settings", error);
+}
+
+static ehd_status resume_streaming(artefact *file, const program *caller, const char *settings_text,
+                                   ehd_error *error) {
+    const artefact_schema *const schemas[] = {file->schema, NULL};
+    file->id = hdf5_open(file->partial, H5F_ACC_RDWR, true);
+    if (file->id < 0) return not_resumable(file, "no whole HDF5 file", error);
+    ehd_status status = examine(file, schemas, error);
+    if (status == EHD_OK) status = check_same_settings(file, settings_text, error);
+    if (status == EHD_OK) status = read_everything(file, error);
+    if (status != EHD_OK) return status;
+
+    // a run whose last rename failed left 1
+    if (completeness(file) != 0 && !put_complete(file->id, 0)) {
+        return hdf5_write_failed(file, "complete", error);
+    }
+    file->history_line = history_line(caller);
+    if (!file->history_line) {
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
+                        file->path);
+    }
+    return artefact_begin_streaming(file, error);
+}
+
+ehd_status artefact_resume(artefact **result, const char *path, const artefact_schema *schema,
+                           const program *caller, const char *settings_text, ehd_error *error) {
+    *result = NULL;
+    artefact *file = NULL;
+    ehd_status status = writer_new(&file, path, schema, caller, 0, error);
+    if (status != EHD_OK) return status;
+    file->keep = true;
+    status = resume_streaming(file, caller, settings_text, error);
+    if (status != EHD_OK) artefact_close(&file);
+    *result = file;
+    return status;
+}
+
+// ---- finish
+
+static ehd_status add_resumed_history(artefact *file, ehd_error *error) {
+    if (!file->history_line) return EHD_OK;
+    char *before = hdf5_get_text(file->id, "history");
+    bool written = put_history(file->id, before ? before : "", file->history_line);
+    ehd_status status = written ? EHD_OK : hdf5_write_failed(file, "history", error);
+    free(before);
+    return status == EHD_OK ? artefact_flush(file, error) : status;
+}
+
+static ehd_status write_last(artefact *file, ehd_error *error) {
+    if (file->failed) {
+        return ehd_fail(error, EHD_IO, "%s: found an earlier write failure, expected a whole file",
+                        file->partial);
+    }
+    ehd_status status = artefact_end_streaming(file, error);
+    if (status == EHD_OK) status = check_fields_written(file, error);
+    if (status == EHD_OK) status = check_attributes_written(file, true, error);
+    if (status == EHD_OK) status = add_resumed_history(file, error);
+    if (status == EHD_OK) status = artefact_flush(file, error);
+    if (status != EHD_OK) return status;
+
+    if (!put_complete(file->id, 1)) return hdf5_write_failed(file, "complete", error);
+    status = artefact_flush(file, error);
+    if (status != EHD_OK) return status;
+    herr_t outcome = H5Fclose(file->id);
+    file->id = -1;
+    return outcome < 0 ? hdf5_write_failed(file, "file", error) : EHD_OK;
+}
+
+ehd_status artefact_finish(artefact **file, ehd_error *error) {
+    ehd_status status = write_last(*file, error);
+    if (status == EHD_OK) status = give_final_name(*file, error);
+    artefact_delete(*file);
+    *file = NULL;
+    return status;
+}

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/program/program.h"
+
+#include <cblas.h>
+#include <errno.h>
+#include <fftw3.h>
+#include <gsl/gsl_version.h>
+#include <locale.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+// the Makefile gives the true ones
+#ifndef EHD_VERSION
+#define EHD_VERSION "0.1.0"
+#endif
+#ifndef EHD_REVISION
+#define EHD_REVISION "unknown"
+#endif
+#ifndef EHD_FLAGS
+#define EHD_FLAGS "unknown"
+#endif
+
+// ---- the build
+
+const char *program_build(void) {
+    static char build[1024];
+    // openblas_get_config starts with "OpenBLAS 0.3.21"
+    if (!*build)
+        snprintf(build, sizeof build,
+                 "ehdrom " EHD_VERSION " (revision " EHD_REVISION "), compiler " __VERSION__
+                 " (" EHD_FLAGS "), %s, GSL %s, %s",
+                 openblas_get_config(), gsl_version, fftw_version);
+    return build;
+}
+
+double program_seconds(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+// ---- interruption
+
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number) {
+    (void)number;
+    if (interrupted) _exit(EHD_INTERRUPTED);
+    interrupted = 1;
+}
+
+bool program_interrupted(void) {
+    return interrupted != 0;
+}
+
+static void set_signals(void) {
+    struct sigaction catch = {.sa_handler = on_signal, .sa_flags = SA_RESTART};
+    struct sigaction ignore = {.sa_handler = SIG_IGN};
+    sigemptyset(&catch.sa_mask);
+    sigaddset(&catch.sa_mask, SIGINT);
+    sigaddset(&catch.sa_mask, SIGTERM);
+    sigemptyset(&ignore.sa_mask);
+    sigaction(SIGINT, &catch, NULL);
+    sigaction(SIGTERM, &catch, NULL);
+    // a closed pipe and a full quota shall be errors of the write, not the end of the process
+    sigaction(SIGPIPE, &ignore, NULL);
+    sigaction(SIGXFSZ, &ignore, NULL);
+}
+
+// ---- messages
+
+/* Prints "name: text" as one line, whatever the text contains. */
+static void print_line(const program *self, const char *text) {
+    char line[sizeof((ehd_error *)NULL)->text + 1];
+    size_t length = 0;
+    for (; text[length] && length + 1 < sizeof line; length++)
+        line[length] = (text[length] >= 0 && text[length] < ' ') ? '?' : text[length];
+    line[length] = '\0';
+    // a progress line may stand there
+    fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", self->name, line);
+}
+
+static void print_arguments(const program *self, const char *format, va_list arguments) {
+    ehd_error text;
+    vsnprintf(text.text, sizeof text.text, format, arguments);
+    print_line(self, text.text);
+}
+
+void program_note(const program *self, const char *format, ...) {
+    va_list arguments;
+    if (self->quiet) return;
+    va_start(arguments, format);
+    print_arguments(self, format, arguments);
+    va_end(arguments);
+}
+
+void program_detail(const program *self, const char *format, ...) {
+    va_list arguments;
+    if (!self->verbose) return;
+    va_start(arguments, format);
+    print_arguments(self, format, arguments);
+    va_end(arguments);
+}
+
+void program_warn(const program *self, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_arguments(self, format, arguments);
+    va_end(arguments);
+}
+
+// ---- the command line
+
+enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK };
+
+static const struct argp_option common_options[] = {
+    {.doc = "Common to all programs:", .group = 10},
+    {.name = "output", .key = 'o', .arg = "FILE", .doc = "Write the result to FILE", .group = 10},
+    {.name = "set",
+     .key = KEY_SET,
+     .arg = "KEY=VALUE",
+     .doc = "Override a setting of the scene; repeatable",
+     .group = 10},
+    {.name = "force", .key = 'f', .doc = "Replace an output that exists", .group = 10},
+    {.name = "check",
+     .key = KEY_CHECK,
+     .arg = "FILE",
+     .doc = "Only check that FILE is whole and valid: silent, exit 0 or 65",
+     .group = 10},
+    {.name = "quiet", .key = 'q', .doc = "No progress and no notes", .group = 10},
+    {.name = "verbose", .key = 'v', .doc = "Also details", .group = 10},
+    {.name = "help", .key = KEY_HELP, .doc = "Print this help", .group = 10},
+    {.name = "version", .key = KEY_VERSION, .doc = "Print version and build", .group = 10},
+    {0}};
+
+/* What the common parser fills while argp walks through the arguments. */
+typedef struct parsing {
+    program *program;
+    void *own; // the program's own options, input of its parser
+    bool help;
+    bool version;
+} parsing;
+
+static error_t take_override(program *self, char *text, const struct argp_state *state) {
+    if (!strchr(text, '=') || *text == '=') {
+        char found[SHOWN_TEXT];
+        text_show(found, text);
+        argp_error(state, "--set: found %s, expected KEY=VALUE", found);
+        return EINVAL;
+    }
+    self->overrides[self->num_overrides++] = text;
+    return 0;
+}
+
+static error_t take_file(const char **file, const char *option, const char *text,
+                         const struct argp_state *state) {
+    if (*text == '\0') {
+        argp_error(state, "%s: found nothing, expected the name of a file", option);
+        return EINVAL;
+    }
+    *file = text;
+    return 0;
+}
+
+static error_t parse_common(int key, char *argument, struct argp_state *state) {
+    parsing *input = state->input;
+    program *self = input->program;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = input->own;
+        return 0;
+    case ARGP_KEY_ARG:
+        self->arguments[self->num_arguments++] = argument;
+        return 0;
+    case KEY_HELP:
+        input->help = true;
+        return 0;
+    case KEY_VERSION:
+        input->version = true;
+        return 0;
+    case KEY_SET:
+        return take_override(self, argument, state);
+    case KEY_CHECK:
+        return take_file(&self->check, "--check", argument, state);
+    case 'o':
+        return take_file(&self->output, "--output", argument, state);
+    case 'f':
+        self->force = true;
+        return 0;
+    case 'q':
+    case 'v': // the last one counts
+        self->quiet = key == 'q';
+        self->verbose = key == 'v';
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static char *base_name(char *path) {
+    char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Runs argp, and keeps of its complaint only the first line, without the program's name. */
+static ehd_status run_argp(program *self, const struct argp *argp, char **arguments, parsing *input,
+                           ehd_error *error) {
+    const unsigned flags = ARGP_NO_HELP | ARGP_NO_EXIT;
+    const size_t prefix = strlen(self->name) + strlen(": ");
+    char *complaint = NULL;
+    size_t length = 0;
+    FILE *const terminal = stderr;
+    FILE *const capture = open_memstream(&complaint, &length);
+    if (!capture) return ehd_fail(error, EHD_MEMORY, "command line: found no memory");
+
+    // getopt and argp complain on several lines; glibc lets a program exchange its stderr
+    stderr = capture;
+    const error_t failure = argp_parse(argp, self->argc, arguments, flags, NULL, input);
+    stderr = terminal;
+
+    ehd_status status = fclose(capture) || failure == ENOMEM ? EHD_MEMORY : EHD_OK;
+    if (status) {
+        ehd_fail(error, status, "command line: found no memory");
+    } else if (failure) {
+        const char *text = length > prefix ? complaint + prefix : "found a misused option";
+        status = ehd_fail(error, EHD_USAGE, "%.*s (see --help)", (int)strcspn(text, "\n"), text);
+    }
+    free(complaint);
+    return status;
+}
+
+static ehd_status check_arguments(const program *self, const program_options *options,
+                                  ehd_error *error) {
+    const bool enough = self->check || self->num_arguments >= options->least_arguments;
+    if (!enough || self->num_arguments > options->most_arguments)
+        return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
+                        self->num_arguments, self->num_arguments == 1 ? "" : "s",
+                        options->arguments_doc ? options->arguments_doc : "none");
+    if (options->needs_output && !self->check && !self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    return EHD_OK;
+}
+
+static void print_help(const program *self, const struct argp *argp, void (*tail)(void)) {
+    char *name = strdup(self->name);
+    if (name) argp_help(argp, stdout, ARGP_HELP_SHORT_USAGE | ARGP_HELP_LONG | ARGP_HELP_DOC, name);
+    if (tail) {
+        putchar('\n');
+        tail();
+    }
+    free(name);
+}
+
+static void print_version(const program *self) {
+    printf("%s (ehdrom) " EHD_VERSION "\n%s\n", self->name, program_build());
+}
+
+static ehd_status parse_arguments(program *self, const program_options *options, bool *done,
+                                  ehd_error *error) {
+    const struct argp own = {.options = options->options, .parser = options->parse};
+    const struct argp_child children[] = {{.argp = &own}, {0}};
+    const struct argp argp = {.options = common_options,
+                              .parser = parse_common,
+                              .args_doc = options->arguments_doc,
+                              .doc = options->doc,
+                              .children = children};
+    parsing input = {.program = self, .own = options->own};
+    const size_t room = (size_t)self->argc + 1;
+    char **arguments = calloc(room, sizeof *arguments); // argp reorders what it is given
+    ehd_status status;
+
+    self->overrides = calloc(room, sizeof *self->overrides);
+    self->arguments = calloc(room, sizeof *self->arguments);
+    if (!arguments || !self->overrides || !self->arguments) {
+        status = ehd_fail(error, EHD_MEMORY, "command line: found no memory");
+    } else {
+        memcpy(arguments, self->argv, (size_t)self->argc * sizeof *arguments);
+        // getopt's complaints start with the first argument, argp's with its last part
+        if (self->argc > 0) arguments[0] = base_name(self->argv[0]);
+        status = run_argp(self, &argp, arguments, &input, error);
+    }
+    *done = input.help || input.version;
+    if (input.help)
+        print_help(self, &argp, options->help_tail);
+    else if (input.version)
+        print_version(self);
+    else if (!status)
+        status = check_arguments(self, options, error);
+    free(arguments);
+    return *done ? EHD_OK : status;
+}
+
+void program_start(program *self, int argc, char **argv, const program_options *options) {
+    ehd_error error = {""};
+    bool done;
+    *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
+    setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
+    set_signals();
+    openblas_set_num_threads(1); // more only slow down small matrices
+
+    const ehd_status status = parse_arguments(self, options, &done, &error);
+    if (status || done) exit(program_finish(self, status, &error));
+}
+
+int program_finish(program *self, ehd_status status, const ehd_error *error) {
+    const bool unflushed = fflush(stdout) != 0;
+    const bool lost = ferror(stdout) || unflushed; // an earlier write may have failed already
+    if (status != EHD_OK && error && *error->text) print_line(self, error->text);
+    if (lost && status < EHD_USAGE) {
+        print_line(self, "stdout: found a failed write, expected to print the result");
+        status = EHD_IO;
+    }
+    free(self->overrides);
+    free(self->arguments);
+    self->overrides = self->arguments = NULL;
+    self->num_overrides = self->num_arguments = 0;
+    return (int)status;
+}

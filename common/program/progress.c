@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/program/program.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <unistd.h>
+
+// s between two lines: a person reads along on a terminal, a log file shall stay short
+static const double terminal_pause = 0.1, file_pause = 2.0;
+
+void progress_start(progress *self, const program *owner, size_t total) {
+    *self = (progress){.program = owner,
+                       .total = total,
+                       .started = program_seconds(),
+                       .last_shown = -INFINITY,
+                       .terminal = isatty(STDERR_FILENO) == 1};
+}
+
+/* ", 4 s left", in the unit a person would choose. */
+static void show_time(char *shown, size_t size, double seconds, const char *what) {
+    if (seconds < 100)
+        snprintf(shown, size, ", %.0f s%s", seconds, what);
+    else if (seconds < 6000)
+        snprintf(shown, size, ", %.0f min%s", seconds / 60, what);
+    else
+        snprintf(shown, size, ", %.1f h%s", seconds / 3600, what);
+}
+
+void progress_show(progress *self, size_t done, const char *current) {
+    const double now = program_seconds(), elapsed = now - self->started;
+    const double pause = self->terminal ? terminal_pause : file_pause;
+    const bool last = done >= self->total;
+    char time[64] = "";
+
+    if (self->program->quiet) return;
+    if (!last && now - self->last_shown < pause) return;
+    if (last)
+        show_time(time, sizeof time, elapsed, "");
+    else if (done > 0)
+        show_time(time, sizeof time, elapsed / (double)done * (double)(self->total - done),
+                  " left");
+    fprintf(stderr, "%s%s: %zu/%zu %s%s%s", self->terminal ? "\r" : "", self->program->name, done,
+            self->total, current, time, self->terminal ? "\033[K" : "\n");
+    self->last_shown = now;
+}
+
+void progress_finish(progress *self) {
+    // ends the line that was rewritten
+    if (self->terminal && isfinite(self->last_shown)) fputc('\n', stderr);
+    self->last_shown = -INFINITY;
+}

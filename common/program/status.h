@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Outcomes shared by every function and program. A status value is also the exit code. */
+#ifndef EHD_STATUS_H
+#define EHD_STATUS_H
+
+typedef enum ehd_status {
+    EHD_OK = 0,
+    EHD_NOT_CONVERGED = 3, // a reported outcome: the answer is not to be used
+    EHD_UNTRUSTED = 4,     // solved, but outside of what the model was made for
+    EHD_USAGE = 64,        // wrong command line (sysexits.h from here on)
+    EHD_DATA = 65,         // bad data or setting
+    EHD_NOINPUT = 66,      // input file missing or unreadable
+    EHD_INTERNAL = 70,     // a library failed in a way that should not happen
+    EHD_MEMORY = 71,       // out of memory
+    EHD_CANTCREATE = 73,   // output cannot be created, or exists without --force
+    EHD_IO = 74,           // reading or writing failed midway
+    EHD_INTERRUPTED = 130  // Ctrl-C or SIGTERM
+} ehd_status;
+
+typedef struct ehd_error {
+    char text[1024]; // one line "object: found X, expected Y", no newline, no program name
+} ehd_error;
+
+/* Writes the text (printf-style) into *error, which may be NULL, and returns `status`, so that a
+ * check reads: if (bad) return ehd_fail(error, EHD_DATA, "grid.step: found %g, expected > 0", h); */
+ehd_status ehd_fail(
+    // output:
+    ehd_error *error,
+    // input:
+    ehd_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+#endif

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/settings/place.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+ehd_status place_fail(ehd_error *error, place where, const char *format, ...) {
+    ehd_error text;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text.text, sizeof text.text, format, arguments);
+    va_end(arguments);
+    if (!where.file) return ehd_fail(error, EHD_DATA, "%s", text.text);
+    if (!where.line) return ehd_fail(error, EHD_DATA, "%s: %s", where.file, text.text);
+    return ehd_fail(error, EHD_DATA, "%s:%zu: %s", where.file, where.line, text.text);
+}
+
+ehd_status place_no_memory(ehd_error *error, const char *file) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory left, expected enough to hold it",
+                    file);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a setting stands, so that an error can point there. */
+#ifndef EHD_PLACE_H
+#define EHD_PLACE_H
+
+#include "common/program/status.h"
+#include <stddef.h>
+
+typedef struct place {
+    const char *file; // or "--set"; NULL when unknown
+    size_t line;      // from 1; 0: none
+} place;
+
+/* ehd_fail with EHD_DATA and "file:line: " before the text, as far as they are known. */
+ehd_status place_fail(
+    // output:
+    ehd_error *error,
+    // input:
+    place where, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* EHD_MEMORY while reading `file`. */
+ehd_status place_no_memory(ehd_error *error, const char *file);
+
+#endif

@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/program/text.h"
+#include "common/settings/scene_source.h"
+#include "common/settings/variation.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What all groups of a plan share while it is read. */
+typedef struct plan_reader {
+    plan *plan;
+    const char *path;
+    const char *const *overrides;
+    size_t num_overrides;
+    ehd_error *error;
+} plan_reader;
+
+static place place_in(const plan_reader *self, const tree_node *node) {
+    return (place){self->path, node->line};
+}
+
+/* A plan is a map with the given keys only, a NULL at the end. */
+static ehd_status check_keys(const plan_reader *self, const tree_node *map, const char *what,
+                             const char *const *keys, const char *expected) {
+    char shown[SHOWN_TEXT];
+    if (map->kind != TREE_MAP)
+        return place_fail(self->error, place_in(self, map), "%s: found %s, expected a map with %s",
+                          what, tree_show(shown, map), expected);
+    for (const tree_node *node = map->first; node; node = node->next) {
+        const char *const *key = keys;
+        while (*key && strcmp(*key, node->key) != 0)
+            key++;
+        if (*key) continue;
+        text_show(shown, node->key);
+        return place_fail(self->error, place_in(self, node),
+                          "%s: found an unknown key, expected %s", shown, expected);
+    }
+    return EHD_OK;
+}
+
+// ---- the base scene of a group
+
+static ehd_status read_scene_file(const plan_reader *self, scene_source *base, const char *path) {
+    char *text;
+    size_t length;
+    tree_node *root = NULL;
+    ehd_status status = tree_read_text(&text, &length, path, self->error);
+    if (!status) status = tree_parse(&root, text, length, path, self->error);
+    if (!status) status = source_apply_map(base, root, self->error);
+    tree_free(root);
+    free(text);
+    return status;
+}
+
+/* `scene_path` receives the file's name when the scene is one; the base keeps pointing there. */
+static ehd_status read_base(const plan_reader *self, scene_source *base, char **scene_path,
+                            const tree_node *node) {
+    char shown[SHOWN_TEXT];
+    ehd_status status;
+    source_init(base, self->path);
+    if (node->kind == TREE_MAP) {
+        status = source_apply_map(base, node, self->error);
+    } else if (node->kind == TREE_SCALAR && *node->value) {
+        *scene_path = path_beside(self->path, node->value);
+        if (!*scene_path) return place_no_memory(self->error, self->path);
+        base->file = *scene_path;
+        status = read_scene_file(self, base, *scene_path);
+    } else {
+        status = place_fail(self->error, place_in(self, node),
+                            "scene: found %s, expected the name of a file or a map of settings",
+                            tree_show(shown, node));
+    }
+    if (status) return status;
+    return source_apply_overrides(base, self->overrides, self->num_overrides, self->error);
+}
+
+// ---- bounds
+
+static ehd_status read_bound(const plan_reader *self, const tree_node *node, double *bound) {
+    char shown[SHOWN_TEXT];
+    if (node->kind == TREE_SCALAR && number_read(bound, node->value)) return EHD_OK;
+    return place_fail(self->error, place_in(self, node), "alpha_p_H: found %s, expected a number",
+                      tree_show(shown, node));
+}
+
+static ehd_status read_where(const plan_reader *self, const tree_node *where, double bounds[2]) {
+    static const char *const keys[] = {"alpha_p_H", NULL};
+    bounds[0] = -INFINITY;
+    bounds[1] = INFINITY;
+    if (!where) return EHD_OK;
+    ehd_status status = check_keys(self, where, "where", keys, "alpha_p_H");
+    const tree_node *list = status ? NULL : tree_find(where, "alpha_p_H");
+    if (!list) return status;
+    if (list->kind != TREE_LIST || list->num_children != 2)
+        return place_fail(self->error, place_in(self, list),
+                          "alpha_p_H: found something else, expected [lowest, highest]");
+    status = read_bound(self, list->first, &bounds[0]);
+    if (!status) status = read_bound(self, list->last, &bounds[1]);
+    if (!status && bounds[0] > bounds[1])
+        status = place_fail(self->error, place_in(self, list),
+                            "alpha_p_H: found %g above %g, expected [lowest, highest]", bounds[0],
+                            bounds[1]);
+    return status;
+}
+
+// ---- the points of a group
+
+/* The error of a point, with the values that make it. */
+static ehd_status fail_at_point(const plan_reader *self, const variation *varied, size_t point,
+                                ehd_status status) {
+    char values[256];
+    ehd_error cause;
+    if (varied->num_columns == 0 || !self->error) return status;
+    cause = *self->error;
+    variation_show(varied, point, values, sizeof values);
+    return ehd_fail(self->error, status, "%s: point %s: %s", self->path, values, cause.text);
+}
+
+static ehd_status check_not_overridden(const plan_reader *self, const scene_source *base,
+                                       const variation *varied) {
+    for (size_t i = 0; i < varied->num_columns; i++)
+        if (source_is_overridden(base, varied->columns[i].row))
+            return place_fail(self->error, (place){"--set", 0},
+                              "%s: found a key that %s varies, expected another one",
+                              varied->columns[i].row->key, self->path);
+    return EHD_OK;
+}
+
+static ehd_status add_points(const plan_reader *self, const scene_source *base,
+                             const variation *varied, size_t group) {
+    plan *of = self->plan;
+    const size_t total = of->num_points + varied->num_points;
+    ehd_status status = EHD_OK;
+    if (total > MAX_POINTS)
+        return place_fail(self->error, (place){self->path, 0},
+                          "groups: found more than %d points, expected less", MAX_POINTS);
+    plan_point *grown = realloc(of->points, total * sizeof *grown);
+    if (!grown) return place_no_memory(self->error, self->path);
+    of->points = grown;
+    for (size_t i = 0; i < varied->num_points && !status; i++) {
+        scene_source source = *base;
+        status = variation_apply(varied, i, &source, self->error);
+        if (!status) status = source_finish(&source, self->error);
+        if (status) status = fail_at_point(self, varied, i, status);
+        of->points[of->num_points++] = (plan_point){source.values, group};
+    }
+    return status;
+}
+
+static ehd_status read_group(const plan_reader *self, const tree_node *node, size_t group) {
+    static const char *const keys[] = {"scene", "vary", "combine", "points", "where", NULL};
+    static const char expected[] = "scene, and vary, combine, points or where";
+    variation varied = {0};
+    scene_source base;
+    char *scene_path = NULL;
+    ehd_status status = check_keys(self, node, "groups", keys, expected);
+    const tree_node *scene_node = status ? NULL : tree_find(node, "scene");
+    if (!status && !scene_node)
+        status = place_fail(self->error, place_in(self, node),
+                            "scene: found nothing, expected a file or a map of settings");
+    if (!status) status = read_base(self, &base, &scene_path, scene_node);
+    if (!status) status = variation_read(&varied, node, self->path, self->error);
+    if (!status) status = check_not_overridden(self, &base, &varied);
+    if (!status)
+        status = read_where(self, tree_find(node, "where"), self->plan->where_bounds[group]);
+    if (!status) status = add_points(self, &base, &varied, group);
+    variation_free(&varied);
+    free(scene_path);
+    return status;
+}
+
+/* A plain scene: one group of one point. */
+static ehd_status read_single(const plan_reader *self, const tree_node *root) {
+    const variation unvaried = {.num_points = 1};
+    scene_source base;
+    source_init(&base, self->path);
+    ehd_status status = source_apply_map(&base, root, self->error);
+    if (!status)
+        status = source_apply_overrides(&base, self->overrides, self->num_overrides, self->error);
+    if (!status) status = read_where(self, NULL, self->plan->where_bounds[0]);
+    return status ? status : add_points(self, &base, &unvaried, 0);
+}
+
+static ehd_status read_groups(const plan_reader *self, const tree_node *root) {
+    static const char *const keys[] = {"groups", NULL};
+    const tree_node *groups = tree_find(root, "groups");
+    plan *of = self->plan;
+    of->num_groups = groups ? groups->num_children : 1;
+    if (groups && (groups->kind != TREE_LIST || groups->num_children == 0))
+        return place_fail(self->error, place_in(self, groups),
+                          "groups: found none, expected a list of groups, each with a scene");
+    of->where_bounds = calloc(of->num_groups, sizeof *of->where_bounds);
+    if (!of->where_bounds) return place_no_memory(self->error, self->path);
+    if (!groups) return read_single(self, root);
+
+    ehd_status status = check_keys(self, root, "plan", keys, "groups");
+    size_t group = 0;
+    for (const tree_node *node = groups->first; node && !status; node = node->next)
+        status = read_group(self, node, group++);
+    return status;
+}
+
+// ---- equal points
+
+static int compare_bounds(const double left[2], const double right[2]) {
+    const int lower = (left[0] > right[0]) - (left[0] < right[0]);
+    return lower ? lower : (left[1] > right[1]) - (left[1] < right[1]);
+}
+
+static int compare_points(const plan *of, const plan_point *left, const plan_point *right) {
+    int order = compare_bounds(of->where_bounds[left->group], of->where_bounds[right->group]);
+    for (const setting *row = scene_settings; row->key && !order; row++)
+        order = setting_compare(row, &left->scene, &right->scene);
+    return order;
+}
+
+/* For qsort_r over point numbers: equal points stand together, the first one first. */
+static int compare_numbers(const void *left, const void *right, void *context) {
+    const plan *of = context;
+    const size_t i = *(const size_t *)left, j = *(const size_t *)right;
+    const int order = compare_points(of, &of->points[i], &of->points[j]);
+    return order ? order : (i > j) - (i < j);
+}
+
+static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error) {
+    size_t *order = calloc(of->num_points, sizeof *order), kept = 0;
+    bool *equal = calloc(of->num_points, sizeof *equal);
+    ehd_status status = order && equal ? EHD_OK : place_no_memory(error, path);
+    if (!status) {
+        for (size_t i = 0; i < of->num_points; i++)
+            order[i] = i;
+        qsort_r(order, of->num_points, sizeof *order, compare_numbers, of);
+        for (size_t i = 1; i < of->num_points; i++)
+            equal[order[i]] = !compare_points(of, &of->points[order[i - 1]], &of->points[order[i]]);
+        for (size_t i = 0; i < of->num_points; i++)
+            if (!equal[i]) of->points[kept++] = of->points[i];
+        of->num_points = kept;
+    }
+    free(order);
+    free(equal);
+    return status;
+}
+
+// ---- identity
+
+/* The settings in which a point differs from the one before (NULL: from nothing given). */
+static void print_changes(FILE *stream, const scene *now, const scene *before) {
+    for (const setting *row = scene_settings; row->key; row++) {
+        const bool given = setting_is_given(row, now);
+        if (before ? setting_compare(row, now, before) == 0 : !given) continue;
+        if (given)
+            setting_print(stream, row, now);
+        else
+            fprintf(stream, "%s:\n", row->key);
+    }
+}
+
+static void print_plan(FILE *stream, const plan *of) {
+    char low[NUMBER_TEXT], high[NUMBER_TEXT];
+    for (size_t i = 0; i < of->num_points; i++) {
+        const plan_point *point = &of->points[i];
+        if (i == 0 || point->group != point[-1].group) {
+            number_show(low, of->where_bounds[point->group][0]);
+            number_show(high, of->where_bounds[point->group][1]);
+            fprintf(stream, "# group %zu, alpha_p_H from %s to %s\n", point->group, low, high);
+        }
+        fprintf(stream, "# point %zu\n", i);
+        print_changes(stream, &point->scene, i > 0 ? &point[-1].scene : NULL);
+    }
+}
+
+static ehd_status write_text(plan *of, const char *path, ehd_error *error) {
+    size_t length = 0;
+    FILE *stream = open_memstream(&of->text, &length);
+    if (!stream) return place_no_memory(error, path);
+    print_plan(stream, of);
+    const bool failed = ferror(stream) != 0;
+    const bool lost = fclose(stream) != 0 || failed;
+    return lost ? place_no_memory(error, path) : EHD_OK;
+}
+
+// ---- all
+
+ehd_status plan_read(plan *of, const char *path, const char *const *overrides, size_t num_overrides,
+                     ehd_error *error) {
+    const plan_reader self = {of, path, overrides, num_overrides, error};
+    tree_node *root = NULL;
+    char *text;
+    size_t length;
+    *of = (plan){0};
+    ehd_status status = tree_read_text(&text, &length, path, error);
+    if (!status) status = tree_parse(&root, text, length, path, error);
+    if (!status) status = read_groups(&self, root);
+    if (!status) status = drop_equal_points(of, path, error);
+    if (!status) status = write_text(of, path, error);
+    if (status) plan_free(of);
+    tree_free(root);
+    free(text);
+    return status;
+}
+
+void plan_free(plan *of) {
+    free(of->points);
+    free(of->where_bounds);
+    free(of->text);
+    *of = (plan){0};
+}

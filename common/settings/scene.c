@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/settings/scene.h"
+
+#include "common/program/text.h"
+#include "common/settings/scene_source.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const char override_name[] = "--set";
+
+// ---- defaults
+
+static void fill_default(scene *of, const setting *row) {
+    // the table's own values are valid (its test checks that)
+    if (row->fallback && !setting_is_given(row, of))
+        setting_assign(of, row, row->fallback, (place){0}, NULL);
+}
+
+void scene_defaults(scene *of) {
+    memset(of, 0, sizeof *of);
+    for (const setting *row = scene_settings; row->key; row++) {
+        setting_clear(row, of);
+        if (!row->laws) fill_default(of, row);
+    }
+}
+
+void scene_complete(scene *of) {
+    for (const setting *row = scene_settings; row->key; row++)
+        if (setting_has_choice(row->laws, of->lubricant.viscosity_law)) fill_default(of, row);
+}
+
+// ---- setting values
+
+ehd_status scene_set(scene *of, const char *key, const char *value, const char *where,
+                     ehd_error *error) {
+    const place here = {where, 0};
+    const setting *row = setting_find(key);
+    return row ? setting_assign(of, row, value, here, error) : setting_unknown(error, here, key);
+}
+
+void source_init(scene_source *source, const char *file) {
+    memset(source, 0, sizeof *source);
+    scene_defaults(&source->values);
+    source->file = file;
+}
+
+static ehd_status apply_value(scene_source *source, const setting *row, const tree_node *node,
+                              place where, ehd_error *error) {
+    char shown[SHOWN_TEXT];
+    place *known = &source->places[setting_index(row)];
+    if (node->kind != TREE_SCALAR)
+        return place_fail(error, where, "%s: found %s, expected a single value", row->key,
+                          tree_show(shown, node));
+    // once nested and once dotted
+    if (known->file)
+        return place_fail(error, where, "%s: found again, expected only once (first in line %zu)",
+                          row->key, known->line);
+    *known = where;
+    return setting_assign(&source->values, row, node->value, where, error);
+}
+
+static ehd_status apply_below(scene_source *source, const tree_node *map, const char *prefix,
+                              ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (const tree_node *node = map->first; node && !status; node = node->next) {
+        char key[MAX_KEY];
+        const place where = {source->file, node->line};
+        const int length =
+            snprintf(key, sizeof key, "%s%s%s", prefix, *prefix ? "." : "", node->key);
+        const setting *row = length < MAX_KEY ? setting_find(key) : NULL;
+        if (row)
+            status = apply_value(source, row, node, where, error);
+        else if (node->kind == TREE_MAP && length < MAX_KEY && setting_is_group(key))
+            status = apply_below(source, node, key, error);
+        else
+            status = setting_unknown(error, where, key);
+    }
+    return status;
+}
+
+ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error) {
+    char shown[SHOWN_TEXT];
+    if (map->kind != TREE_MAP)
+        return place_fail(error, (place){source->file, map->line},
+                          "found %s, expected settings as \"key: value\"", tree_show(shown, map));
+    return apply_below(source, map, "", error);
+}
+
+static ehd_status apply_override(scene_source *source, const char *text, ehd_error *error) {
+    const place where = {override_name, 0};
+    char key[MAX_KEY], shown[SHOWN_TEXT];
+    const char *equals = strchr(text, '=');
+    text_show(shown, text);
+    if (!equals) return place_fail(error, where, "found %s, expected KEY=VALUE", shown);
+    snprintf(key, sizeof key, "%.*s", (int)(equals - text), text);
+    const setting *row = setting_find(key);
+    if (!row) return setting_unknown(error, where, key);
+    source->places[setting_index(row)] = where;
+    return setting_assign(&source->values, row, equals + 1, where, error);
+}
+
+ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
+                                  size_t num_overrides, ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (size_t i = 0; i < num_overrides && !status; i++)
+        status = apply_override(source, overrides[i], error);
+    return status;
+}
+
+bool source_is_overridden(const scene_source *source, const setting *row) {
+    return source->places[setting_index(row)].file == override_name;
+}
+
+ehd_status source_finish(scene_source *source, ehd_error *error) {
+    scene_complete(&source->values);
+    return source_validate(source, error);
+}
+
+// ---- reading and writing
+
+ehd_status scene_parse(scene *of, const char *text, size_t length, const char *name,
+                       const char *const *overrides, size_t num_overrides, ehd_error *error) {
+    scene_source source;
+    tree_node *root;
+    source_init(&source, name);
+    ehd_status status = tree_parse(&root, text, length, name, error);
+    if (!status) status = source_apply_map(&source, root, error);
+    if (!status) status = source_apply_overrides(&source, overrides, num_overrides, error);
+    if (!status) status = source_finish(&source, error);
+    tree_free(root);
+    *of = source.values;
+    return status;
+}
+
+ehd_status scene_read(scene *of, const char *path, const char *const *overrides,
+                      size_t num_overrides, ehd_error *error) {
+    char *text;
+    size_t length;
+    ehd_status status = tree_read_text(&text, &length, path, error);
+    if (status) return status;
+    status = scene_parse(of, text, length, path, overrides, num_overrides, error);
+    free(text);
+    return status;
+}
+
+char *scene_text(const scene *of) {
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (!stream) return NULL;
+    for (const setting *row = scene_settings; row->key; row++)
+        if (setting_is_given(row, of)) setting_print(stream, row, of);
+    if (fclose(stream)) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}

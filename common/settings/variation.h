@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a group of a plan varies: columns of values, from its YAML or from a CSV file. */
+#ifndef EHD_VARIATION_H
+#define EHD_VARIATION_H
+
+#include "common/settings/scene_source.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { MAX_POINTS = 1000000 };
+
+typedef struct variation_column {
+    const setting *row;
+    size_t num_values;
+    const char **texts; // [num_values], owned by the YAML tree or by csv_text
+    place *places;      // [num_values]
+} variation_column;
+
+typedef struct variation {
+    variation_column columns[MAX_SETTINGS];
+    size_t num_columns;
+    bool grid;         // all combinations, the last column fastest; else one point a row
+    size_t num_points; // at most MAX_POINTS
+    char *csv_path;
+    char *csv_text;
+} variation;
+
+/* Reads `vary` and `combine`, or `points`, of a group; a group without them has one point.
+ * `plan_path`: the file that holds the group, which leads errors and to whose folder `points` is
+ * relative. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ehd_status variation_read(
+    // output:
+    variation *self, // free with variation_free
+    // input:
+    const tree_node *group, const char *plan_path, ehd_error *error);
+
+/* Sets the values of one point. EHD_DATA where a value does not suit its key. */
+ehd_status variation_apply(const variation *self, size_t point, scene_source *source,
+                           ehd_error *error);
+
+/* "moes.M=5, moes.L=1" */
+void variation_show(const variation *self, size_t point, char *shown, size_t size);
+
+void variation_free(variation *self);
+
+/* `name` seen from the folder of `path`; free with free(). NULL: no memory. */
+char *path_beside(const char *path, const char *name);
+
+#endif

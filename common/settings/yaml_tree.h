@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A YAML document as a tree of maps, lists and scalars. The only place that speaks libyaml.
+ *
+ * Only what settings need: one document, text keys without duplicates, no anchors, aliases or tags. */
+#ifndef EHD_YAML_TREE_H
+#define EHD_YAML_TREE_H
+
+#include "common/program/status.h"
+#include "common/settings/place.h"
+#include <stddef.h>
+
+typedef enum tree_kind { TREE_SCALAR, TREE_MAP, TREE_LIST } tree_kind;
+
+typedef struct tree_node {
+    tree_kind kind;
+    size_t line;             // from 1; in a map the line of the key
+    char *key;               // in a map, else NULL
+    char *value;             // of a scalar, else NULL
+    size_t num_children;     // of a map or list
+    struct tree_node *first; // child
+    struct tree_node *last;  // child
+    struct tree_node *next;  // sibling
+} tree_node;
+
+/* Reads a whole file of at most 16 MiB into memory, with a zero after it (free with free()).
+ * EHD_NOINPUT (missing, a folder, unreadable), EHD_IO, EHD_DATA (too large), EHD_MEMORY. */
+ehd_status tree_read_text(
+    // output:
+    char **text, size_t *length,
+    // input:
+    const char *path, ehd_error *error);
+
+/* EHD_DATA with "name:line: found X, expected Y": malformed, not UTF-8, empty, or beyond the limits
+ * on depth and size; EHD_MEMORY. */
+ehd_status tree_parse(
+    // output:
+    tree_node **root, // free with tree_free
+    // input:
+    const char *text, size_t length, const char *name, ehd_error *error);
+
+/* NULL when the map has no such key or `map` is no map. */
+const tree_node *tree_find(const tree_node *map, const char *key);
+
+/* What a message calls the node: "a map", "a list", "nothing", or the scalar's text. The text lives
+ * in `shown` (SHOWN_TEXT bytes). */
+const char *tree_show(char *shown, const tree_node *node);
+
+/* Accepts NULL. */
+void tree_free(tree_node *root);
+
+#endif

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Row selection by column-pivoted QR (Drmac and Gugercin, SIAM J. Sci. Comput. 2016): each pivot is the
+ * row of the two bases side by side that is largest after what the pivots before it explain. */
+#include "common/algebra/lapack.h"
+#include "deimselect/selection.h"
+
+#include <lapacke.h>
+#include <stdlib.h>
+
+/* Column `node` of the result holds row `node` of both bases. */
+static void put_side_by_side(double *both, const selection_bases *bases) {
+    const size_t num_modes = bases->num_modes[0] + bases->num_modes[1];
+    for (size_t basis = 0; basis < 2; basis++) {
+        double *first = both + (basis == 0 ? 0 : bases->num_modes[0]);
+        for (size_t mode = 0; mode < bases->num_modes[basis]; mode++)
+            for (size_t node = 0; node < bases->num_nodes; node++)
+                first[node * num_modes + mode] =
+                    bases->modes[basis][mode * bases->num_nodes + node];
+    }
+}
+
+ehd_status selection_pivoted_qr(size_t *rows, const selection_bases *bases, size_t num_rows,
+                                ehd_error *error) {
+    const size_t num_nodes = bases->num_nodes;
+    const size_t num_modes = bases->num_modes[0] + bases->num_modes[1];
+    const size_t most = num_modes < num_nodes ? num_modes : num_nodes;
+    double *both = NULL, *scales = NULL;
+    lapack_int *pivots = NULL;
+    ehd_status status;
+    if (num_rows > most)
+        return ehd_fail(error, EHD_DATA,
+                        "rows: found %zu, expected at most %zu, the modes of both bases together",
+                        num_rows, most);
+    if (num_rows == 0) return EHD_OK;
+
+    both = malloc(num_modes * num_nodes * sizeof *both);
+    scales = malloc(most * sizeof *scales);
+    pivots = calloc(num_nodes, sizeof *pivots); // zero: free to be moved
+    if (!both || !scales || !pivots) {
+        status =
+            ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu nodes", num_nodes);
+        goto done;
+    }
+    put_side_by_side(both, bases);
+    status = lapack_outcome("dgeqp3",
+                            LAPACKE_dgeqp3(LAPACK_COL_MAJOR, (int)num_modes, (int)num_nodes, both,
+                                           (int)num_modes, pivots, scales),
+                            error);
+    if (status) goto done;
+    for (size_t n = 0; n < num_rows; n++)
+        rows[n] = (size_t)pivots[n] - 1; // Fortran counts from one
+done:
+    free(both);
+    free(scales);
+    free(pivots);
+    return status;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deimselect/selection.h"
+
+#include "common/algebra/lapack.h"
+
+#include <lapacke.h>
+#include <stdlib.h>
+
+const selection_method selection_methods[] = {
+    {"joint", selection_joint,
+     "greedy on the interpolation errors of both bases (paper, Fig. A1); at most as many rows as "
+     "the "
+     "smaller basis has modes"},
+    {"qr", selection_pivoted_qr,
+     "column-pivoted QR of both bases side by side; at most as many rows as both have modes"},
+    {NULL, NULL, NULL},
+};
+
+ehd_status selection_sigma_min(double *sigma_min, const double *modes, size_t num_columns,
+                               size_t num_nodes, const size_t *rows, size_t num_rows,
+                               ehd_error *error) {
+    double *sampled = NULL, *values = NULL;
+    ehd_status status;
+    *sigma_min = 0.0;
+    if (num_columns == 0)
+        return ehd_fail(error, EHD_DATA, "sigma_min: found no columns, expected at least one");
+    if (num_rows < num_columns) return EHD_OK;
+
+    sampled = malloc(num_rows * num_columns * sizeof *sampled);
+    values = malloc(num_columns * sizeof *values);
+    if (!sampled || !values) {
+        status = ehd_fail(error, EHD_MEMORY, "sigma_min: found no memory for %zu rows", num_rows);
+        goto done;
+    }
+    for (size_t column = 0; column < num_columns; column++)
+        for (size_t n = 0; n < num_rows; n++)
+            sampled[column * num_rows + n] = modes[column * num_nodes + rows[n]];
+    // 'N' needs no singular vectors; their leading dimensions only have to be positive
+    status = lapack_outcome("dgesdd",
+                            LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_columns,
+                                           sampled, (int)num_rows, values, NULL, 1, NULL, 1),
+                            error);
+    if (status == EHD_OK) *sigma_min = values[num_columns - 1];
+done:
+    free(sampled);
+    free(values);
+    return status;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Row selection: which rows of the Reynolds equation the online model evaluates. */
+#ifndef EHD_SELECTION_H
+#define EHD_SELECTION_H
+
+#include "common/program/status.h"
+#include <stddef.h>
+
+/* POD bases of the weighted residuals and of the weighted products J dz (paper, section 3.2). */
+typedef struct selection_bases {
+    size_t num_nodes;
+    size_t num_modes[2];              // of the residual basis, of the Jacobian basis
+    const double *modes[2];           // [num_modes, num_nodes] row-major, orthonormal
+    const double *singular_values[2]; // [num_modes]
+} selection_bases;
+
+/* A method writes num_rows distinct rows in order, so that any prefix is a selection.
+ * EHD_DATA when it cannot give as many rows; EHD_MEMORY; EHD_INTERNAL (LAPACK). */
+typedef ehd_status selection_function(
+    // output:
+    size_t *rows, // [num_rows]
+    // input:
+    const selection_bases *bases, size_t num_rows, ehd_error *error);
+
+typedef struct selection_method {
+    const char *name; // "joint"
+    selection_function *select;
+    const char *help;
+} selection_method;
+
+extern const selection_method selection_methods[]; // ends with a row whose name is NULL
+
+/* The algorithm of the paper's appendix, Fig. A1 (file joint.c). */
+selection_function selection_joint;
+/* Column-pivoted QR of both bases side by side (Drmac and Gugercin 2016) (file pivoted_qr.c). */
+selection_function selection_pivoted_qr;
+
+/* Smallest singular value of modes[:num_columns] sampled at the rows: 1/sigma_min bounds how much
+ * gappy least squares amplifies what the basis does not hold. Zero with fewer rows than columns. */
+ehd_status selection_sigma_min(
+    // output:
+    double *sigma_min,
+    // input:
+    const double *modes, size_t num_columns, size_t num_nodes, // [num_columns, num_nodes]
+    const size_t *rows, size_t num_rows, ehd_error *error);
+
+#endif

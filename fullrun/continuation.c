@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Starts for Newton: the dry contact, and walks from an easier contact to a harder one. */
+#include "common/program/program.h"
+#include "fullrun/full_solver.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Hertz pressure, and the film it leaves when the estimated central film is added. */
+static void start_dry(full_state *state, full_solver *solver, const ehd_contact *contact) {
+    const ehd_grid *grid = &contact->grid;
+
+    memset(state->pressure, 0, grid->num_nodes * sizeof(double));
+    state->exit = grid->num_nodes - 1;
+    for (size_t k = 1; k <= grid->num_inner; k++) {
+        double x = grid_x(grid, k);
+        if (fabs(x) < 1)
+            state->pressure[k] = sqrt(1 - x * x);
+        else if (x >= 1) {
+            state->exit = k;
+            break;
+        }
+    }
+    state->rigid_approach = 0;
+    full_film(state, solver);
+    double level = full_evaluate_scalars(state, contact).central_film_thickness;
+    state->rigid_approach = contact->kind->central_film(contact->moes_M, contact->moes_L) - level;
+}
+
+static void add_effort(full_info *total, const full_info *part) {
+    size_t newton = total->newton_iterations + part->newton_iterations;
+    size_t gmres = total->gmres_iterations + part->gmres_iterations;
+    double rows = total->seconds_rows + part->seconds_rows;
+    double linear = total->seconds_linear + part->seconds_linear;
+
+    *total = *part;
+    total->newton_iterations = newton;
+    total->gmres_iterations = gmres;
+    total->seconds_rows = rows;
+    total->seconds_linear = linear;
+}
+
+/* A place on the way: M geometrically and alpha p_H linearly between start and goal, s in 0 … 1. */
+static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
+    ehd_contact between = *goal;
+
+    if (s < 1) {
+        double pressure = (1 - s) * start->hertz_pressure + s * goal->hertz_pressure;
+        contact_set_moes(&between, start->moes_M * pow(goal->moes_M / start->moes_M, s),
+                         (1 - s) * start->moes_L + s * goal->moes_L);
+        between.hertz_pressure = pressure;
+        between.alpha_p_H = between.lubricant.alpha * pressure;
+    }
+    return between;
+}
+
+/* Walks from a solved contact to the goal, with strides that halve on failure and double on success.
+ * `state` holds the solution at the start; on success that of the goal. */
+static ehd_status walk(full_info *info, full_state *state, full_solver *solver,
+                       const ehd_contact *start, const ehd_contact *goal, ehd_error *error) {
+    const double least_stride = 1. / 256;
+    double done = 0, stride = 1;
+    full_state last;
+    ehd_status status = full_state_init(&last, &goal->grid, error);
+
+    if (!status) full_state_copy(&last, state, &goal->grid);
+    while (!status && done < 1 && stride >= least_stride) {
+        ehd_contact here = contact_between(start, goal, fmin(done + stride, 1));
+        full_info part;
+        status = full_solve(&part, state, solver, &here, error);
+        if (status) break;
+        add_effort(info, &part);
+        if (part.status == EHD_OK) {
+            done = fmin(done + stride, 1);
+            stride *= 2;
+            full_state_copy(&last, state, &goal->grid);
+        } else {
+            stride /= 2;
+            full_state_copy(state, &last, &goal->grid);
+        }
+    }
+    full_state_free(&last);
+    return status;
+}
+
+/* A contact that is easy to solve cold, with the lubricant and grid of the goal. */
+static ehd_contact easy_contact(const ehd_contact *goal) {
+    ehd_contact easy = *goal;
+    double moes_L = fmin(goal->moes_L, 2);
+    double share = goal->moes_L > 0 ? moes_L / goal->moes_L : 1;
+
+    contact_set_moes(&easy, fmin(fmax(goal->moes_M, 8), 20), moes_L);
+    easy.hertz_pressure = share * goal->hertz_pressure * sqrt(easy.moes_M / goal->moes_M);
+    easy.alpha_p_H = easy.lubricant.alpha * easy.hertz_pressure;
+    return easy;
+}
+
+/* Newton from the dry contact, and where that fails, a walk in M at small L, then in L. */
+static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver *solver,
+                                 const ehd_contact *contact, ehd_error *error) {
+    full_info part;
+
+    start_dry(state, solver, contact);
+    ehd_status status = full_solve(info, state, solver, contact, error);
+    if (status || info->status == EHD_OK) return status;
+    ehd_contact easy = easy_contact(contact);
+    start_dry(state, solver, &easy);
+    status = full_solve(&part, state, solver, &easy, error);
+    add_effort(info, &part);
+    if (status || part.status != EHD_OK) return status;
+    ehd_contact corner = easy;
+    contact_set_moes(&corner, contact->moes_M, easy.moes_L);
+    corner.hertz_pressure = easy.hertz_pressure * sqrt(contact->moes_M / easy.moes_M);
+    corner.alpha_p_H = corner.lubricant.alpha * corner.hertz_pressure;
+    status = walk(info, state, solver, &easy, &corner, error);
+    if (!status && info->status == EHD_OK)
+        status = walk(info, state, solver, &corner, contact, error);
+    return status;
+}
+
+/* Solves on a grid of twice the step and interpolates its pressure and exit to this one, so that the
+ * Newton count on the finest grid does not grow with its nodes. Leaves *started false where the
+ * coarse problem did not converge. */
+static ehd_status start_coarse(bool *started, full_state *state, full_solver *solver,
+                               const ehd_contact *contact, ehd_error *error) {
+    full_settings settings = *full_solver_settings(solver);
+    ehd_contact coarse = *contact;
+    full_solver *coarse_solver = NULL;
+    full_state from = {0};
+    full_info info;
+
+    *started = false;
+    coarse.grid.step *= 2;
+    coarse.grid.num_inner = (contact->grid.num_inner + 1) / 2;
+    coarse.grid.num_nodes = coarse.grid.num_inner + 2;
+    settings.tolerance = 1e-6; // better would not help: the discretisation error is larger
+    ehd_status status =
+        full_solver_create(&coarse_solver, contact->kind, &coarse.grid, &settings, error);
+    if (!status) status = full_state_init(&from, &coarse.grid, error);
+    if (!status) status = full_solve_cold(&info, &from, coarse_solver, &coarse, error);
+    if (!status && info.status == EHD_OK) {
+        size_t exit = 2 * from.exit - 1; // coarse node c is fine node 2c - 1
+        memset(state->pressure, 0, contact->grid.num_nodes * sizeof(double));
+        state->exit = exit < contact->grid.num_nodes ? exit : contact->grid.num_nodes - 1;
+        for (size_t k = 1; k < state->exit; k++)
+            state->pressure[k] = (from.pressure[(k + 1) / 2] + from.pressure[(k + 2) / 2]) / 2;
+        state->rigid_approach = from.rigid_approach;
+        *started = true;
+    }
+    full_state_free(&from);
+    full_solver_free(coarse_solver);
+    return status;
+}
+
+ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
+                           const ehd_contact *contact, ehd_error *error) {
+    const size_t coarsest =
+        500; // inner nodes, below which a coarser grid would not resolve the film
+    double before = program_seconds();
+    ehd_status status = EHD_OK;
+    bool started = false;
+
+    memset(info, 0, sizeof *info);
+    info->status = EHD_NOT_CONVERGED;
+    if (contact->grid.num_inner > coarsest)
+        status = start_coarse(&started, state, solver, contact, error);
+    if (!status && started) status = full_solve(info, state, solver, contact, error);
+    if (!status && info->status != EHD_OK) {
+        full_info part;
+        status = solve_from_dry(&part, state, solver, contact, error);
+        add_effort(info, &part);
+    }
+    info->seconds = program_seconds() - before;
+    return status;
+}
+
+ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
+                           const ehd_contact *start, const ehd_contact *contact, ehd_error *error) {
+    double before = program_seconds();
+    full_info part;
+
+    memset(info, 0, sizeof *info);
+    info->status = EHD_NOT_CONVERGED;
+    ehd_status status = walk(info, state, solver, start, contact, error);
+    if (!status && info->status != EHD_OK) {
+        status = full_solve_cold(&part, state, solver, contact, error);
+        add_effort(info, &part);
+    }
+    info->seconds = program_seconds() - before;
+    return status;
+}

@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fullrun/full_solver.h"
+
+#include "common/program/program.h"
+#include "fullrun/gmres.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct full_solver {
+    ehd_grid grid;
+    const contact_kind *kind;
+    full_settings settings;
+    ehd_deflection *deflection;
+    gmres_workspace *workspace;
+    reynolds_stencil *stencils; // [num_inner]
+    reynolds_row *rows;         // [num_inner]
+    double *row_scale;          // [num_inner]
+    double *step;               // [num_nodes]
+    double *step_film;          // [num_nodes]
+    double *fluid_memory;       // [4, num_nodes]
+    reynolds_fluid fluid;       // views of fluid_memory
+};
+
+full_settings full_default_settings(void) {
+    full_settings settings = {.tolerance = 1e-10,
+                              .max_iterations = 60,
+                              .near_field = 8,
+                              .linear_tolerance = 1e-8,
+                              .solve_linear = full_solve_gmres};
+    return settings;
+}
+
+full_solver *full_solver_free(full_solver *self) {
+    if (self) {
+        deflection_free(self->deflection);
+        gmres_workspace_free(self->workspace);
+        free(self->stencils);
+        free(self->rows);
+        free(self->row_scale);
+        free(self->step);
+        free(self->step_film);
+        free(self->fluid_memory);
+        free(self);
+    }
+    return NULL;
+}
+
+ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, const ehd_grid *grid,
+                              const full_settings *settings, ehd_error *error) {
+    size_t num_inner = grid->num_inner, num_nodes = grid->num_nodes;
+    full_solver *self = calloc(1, sizeof *self);
+    *solver = NULL;
+    if (!self)
+        return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
+
+    self->grid = *grid;
+    self->kind = kind;
+    self->settings = *settings;
+    if (self->settings.near_field > num_inner - 1) self->settings.near_field = num_inner - 1;
+    self->deflection = deflection_create(kind, grid);
+    self->workspace = gmres_workspace_create(grid, self->settings.near_field);
+    self->stencils = malloc(num_inner * sizeof *self->stencils);
+    self->rows = malloc(num_inner * sizeof *self->rows);
+    self->row_scale = malloc(num_inner * sizeof(double));
+    self->step = malloc(num_nodes * sizeof(double));
+    self->step_film = malloc(num_nodes * sizeof(double));
+    self->fluid_memory = malloc(4 * num_nodes * sizeof(double));
+    if (!self->deflection || !self->workspace || !self->stencils || !self->rows ||
+        !self->row_scale || !self->step || !self->step_film || !self->fluid_memory) {
+        full_solver_free(self);
+        return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
+    }
+    for (size_t r = 0; r < num_inner; r++)
+        self->stencils[r] = reynolds_stencil_at(grid, r + 1);
+    *solver = self;
+    return EHD_OK;
+}
+
+const full_settings *full_solver_settings(const full_solver *self) {
+    return &self->settings;
+}
+
+ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error) {
+    memset(state, 0, sizeof *state);
+    state->pressure = calloc(grid->num_nodes, sizeof(double));
+    state->film = calloc(grid->num_nodes, sizeof(double));
+    state->exit = grid->num_nodes - 1;
+    if (!state->pressure || !state->film) {
+        full_state_free(state);
+        return ehd_fail(error, EHD_MEMORY, "state: found no memory for %zu nodes", grid->num_nodes);
+    }
+    return EHD_OK;
+}
+
+void full_state_free(full_state *state) {
+    free(state->pressure);
+    free(state->film);
+    state->pressure = state->film = NULL;
+}
+
+void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid) {
+    memcpy(target->pressure, source->pressure, grid->num_nodes * sizeof(double));
+    memcpy(target->film, source->film, grid->num_nodes * sizeof(double));
+    target->rigid_approach = source->rigid_approach;
+    target->exit = source->exit;
+}
+
+void full_film(full_state *state, full_solver *self) {
+    deflection_apply(state->film, self->deflection, state->pressure);
+    for (size_t k = 0; k < self->grid.num_nodes; k++)
+        state->film[k] += state->rigid_approach + self->kind->gap(grid_x(&self->grid, k));
+}
+
+// ---- rows
+
+static double load_residual(const full_solver *self, const full_state *state) {
+    double sum = 0;
+
+    for (size_t k = 1; k < state->exit; k++)
+        sum += state->pressure[k];
+    return sum * self->grid.step - self->kind->load;
+}
+
+/* Film, fluid and all Reynolds rows at the state. */
+static void evaluate_rows(full_solver *self, const ehd_contact *contact, full_state *state) {
+    size_t num_nodes = self->grid.num_nodes;
+    double *memory = self->fluid_memory;
+    int compressible = contact->lubricant.density != NULL;
+    reynolds_fluid fluid = {memory, memory + num_nodes,
+                            compressible ? memory + 2 * num_nodes : NULL,
+                            compressible ? memory + 3 * num_nodes : NULL};
+
+    self->fluid = fluid;
+    full_film(state, self);
+    reynolds_fluid_evaluate(&self->fluid, contact, state->pressure, num_nodes);
+    reynolds_rows(self->rows, self->grid.step, 1, self->stencils, self->grid.num_inner,
+                  &self->fluid, state->pressure, state->film);
+}
+
+/* Largest entry of a row of the Jacobian: the film's influence counts through the kernel. */
+static double row_magnitude(const full_solver *self, size_t r) {
+    const reynolds_row *row = &self->rows[r];
+    double largest = 0, approach = 0;
+
+    for (int a = 0; a < NUM_STENCIL; a++) {
+        largest = fmax(largest, fabs(row->by_pressure[a]));
+        approach += row->by_film[a];
+    }
+    double film = fabs(row->by_film[NODE_HERE]) * fabs(deflection_kernel(self->deflection)[0]);
+    return fmax(fmax(largest, film), fabs(approach));
+}
+
+/* Scales the rows and returns the largest scaled residual of passive rows and load balance. */
+static double scale_rows(full_solver *self, const full_state *state) {
+    double largest = fabs(load_residual(self, state)) / self->grid.step;
+
+    for (size_t r = 0; r < self->grid.num_inner; r++) {
+        self->row_scale[r] = 1 / row_magnitude(self, r);
+        if (r + 1 < state->exit)
+            largest = fmax(largest, fabs(self->rows[r].residual * self->row_scale[r]));
+    }
+    return largest;
+}
+
+// ---- exit boundary
+
+static const double LONGEST_STRIDE = 0.1; // of the exit downstream in one iteration, half widths
+
+/* Flux U rho H - eps dP/dx across the half node before `node`. In the pressurised zone it is the same
+ * everywhere, and the exit condition P = dP/dx = 0 says that rho H equals it there. */
+static double flux_before(const full_solver *self, const full_state *state, size_t node) {
+    const double *film = state->film, *pressure = state->pressure;
+    const double *mobility = self->fluid.mobility, *density = self->fluid.density;
+    double mass = 0, eps = 0;
+
+    for (size_t k = node - 1; k <= node; k++) {
+        mass += 0.5 * (density ? density[k] : 1) * film[k];
+        eps += 0.5 * mobility[k] * film[k] * film[k] * film[k];
+    }
+    return mass - eps * (pressure[node] - pressure[node - 1]) / self->grid.step;
+}
+
+/* First node from `node` on, before `end`, where an unpressurised film would carry the flux. */
+static size_t node_with_flux(const full_state *state, double flux, size_t node, size_t end) {
+    while (node < end && state->film[node] < flux)
+        node++;
+    return node;
+}
+
+/* First node behind the contact centre with negative pressure, or `exit`. */
+static size_t first_negative(const full_solver *self, const full_state *state, double threshold) {
+    size_t node = (size_t)ceil(-self->grid.x_min / self->grid.step) + 1;
+
+    while (node < state->exit && state->pressure[node] >= -threshold)
+        node++;
+    return node;
+}
+
+/* Moves the exit: back on negative pressure, on where the multiplier Lambda = -f is negative. The flux
+ * says how far, so that the number of moves does not grow with the number of nodes; far from
+ * convergence the flux is not yet one number, hence the longest stride. Returns the new exit. */
+static size_t adapt_exit(const full_solver *self, const full_state *state) {
+    const double threshold = 0.1 * self->settings.tolerance;
+    size_t exit = state->exit, last = self->grid.num_nodes - 1;
+    size_t negative = first_negative(self, state, threshold);
+
+    if (negative < exit)
+        return node_with_flux(state, flux_before(self, state, negative), negative, exit - 1);
+    if (exit < last && self->rows[exit - 1].residual * self->row_scale[exit - 1] > threshold) {
+        size_t stride = (size_t)(LONGEST_STRIDE / self->grid.step) + 1;
+        size_t end = exit + stride < last ? exit + stride : last;
+        size_t target = node_with_flux(state, flux_before(self, state, exit), exit, end);
+        return target > exit ? target : exit + 1;
+    }
+    return exit;
+}
+
+static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
+    state->exit = exit;
+    memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
+}
+
+/* Watches the exit's moves: when it keeps stepping to and fro between two neighbours, the discrete
+ * problem is undecided by less than a node, and the side without negative pressure is kept. */
+typedef struct exit_watch {
+    size_t before, current;
+    int reversals;
+} exit_watch;
+
+static bool exit_cycles(exit_watch *watch, size_t next) {
+    bool back = next == watch->before && next != watch->current;
+    bool neighbours = next + 1 == watch->current || watch->current + 1 == next;
+
+    watch->reversals = back && neighbours ? watch->reversals + 1 : 0;
+    watch->before = watch->current;
+    watch->current = next;
+    return watch->reversals >= 4;
+}
+
+// ---- Newton
+
+static const double MOST_PRESSURE_CHANGE = 0.3; // of the Hertz pressure, in one step
+static const double LEAST_FILM_LEFT = 0.2;      // of the smallest film, in one step
+
+/* Damping factor (model.md, section 3). */
+static double damping(full_solver *self, const full_system *system, const full_state *state) {
+    size_t num_nodes = self->grid.num_nodes;
+    double largest = 0, least_film = INFINITY, factor = 1;
+
+    for (size_t k = 0; k < num_nodes; k++) {
+        largest = fmax(largest, fabs(system->step[k]));
+        least_film = fmin(least_film, state->film[k]);
+    }
+    if (largest > MOST_PRESSURE_CHANGE) factor = MOST_PRESSURE_CHANGE / largest;
+    deflection_apply(self->step_film, self->deflection, system->step);
+    for (size_t k = 0; k < num_nodes; k++) {
+        double change = self->step_film[k] + system->step_approach;
+        if (change < 0)
+            factor = fmin(factor, (state->film[k] - LEAST_FILM_LEFT * least_film) / -change);
+    }
+    return factor;
+}
+
+static ehd_status newton_step(double *factor, full_info *info, full_state *state, full_solver *self,
+                              ehd_error *error) {
+    size_t iterations = 0;
+    full_system system = {.grid = &self->grid,
+                          .deflection = self->deflection,
+                          .exit = state->exit,
+                          .stencils = self->stencils,
+                          .rows = self->rows,
+                          .row_scale = self->row_scale,
+                          .load_residual = load_residual(self, state),
+                          .near_field = self->settings.near_field,
+                          .step = self->step,
+                          .workspace = self->workspace};
+    ehd_status status =
+        self->settings.solve_linear(&system, self->settings.linear_tolerance, &iterations, error);
+    info->gmres_iterations += iterations;
+    if (status) return status;
+
+    *factor = damping(self, &system, state);
+    if (!(*factor > 0) || !isfinite(system.step_approach))
+        return ehd_fail(error, EHD_NOT_CONVERGED, "Newton step: found it not finite");
+    for (size_t k = 1; k < state->exit; k++)
+        state->pressure[k] += *factor * system.step[k];
+    state->rigid_approach += *factor * system.step_approach;
+    return EHD_OK;
+}
+
+/* Largest violation of P >= 0 and Lambda >= 0 (scaled as the rows). */
+static double complementarity(const full_solver *self, const full_state *state) {
+    double worst = 0;
+
+    for (size_t k = 1; k < state->exit; k++)
+        worst = fmax(worst, -state->pressure[k]);
+    for (size_t k = state->exit; k <= self->grid.num_inner; k++)
+        worst = fmax(worst, self->rows[k - 1].residual * self->row_scale[k - 1]);
+    return worst;
+}
+
+static ehd_status newton(full_info *info, full_state *state, full_solver *self,
+                         const ehd_contact *contact, ehd_error *error) {
+    exit_watch watch = {state->exit, state->exit, 0};
+    double factor = 1;
+    bool settled = false;
+    ehd_error ignored;
+
+    for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
+        double before = program_seconds();
+        evaluate_rows(self, contact, state);
+        info->residual = scale_rows(self, state);
+        if (!isfinite(info->residual)) {
+            info->reason = "residual not finite";
+            return EHD_OK;
+        }
+        // the exit follows the linearised pressure, so only once there was a step
+        size_t exit = state->exit;
+        if (iteration > 0 && !settled) {
+            exit = adapt_exit(self, state);
+            settled = exit_cycles(&watch, exit);
+            if (settled && exit > state->exit) exit = state->exit;
+        }
+        if (exit != state->exit) {
+            set_exit(state, exit, &self->grid);
+            evaluate_rows(self, contact, state);
+            info->residual = scale_rows(self, state);
+        } else if (iteration > 0 && info->residual < self->settings.tolerance) {
+            info->status = EHD_OK;
+            info->complementarity = complementarity(self, state);
+            info->seconds_rows += program_seconds() - before;
+            info->reason = "";
+            return EHD_OK;
+        }
+        info->seconds_rows += program_seconds() - before;
+        if (iteration == self->settings.max_iterations || program_interrupted()) break;
+
+        before = program_seconds();
+        ehd_status status = newton_step(&factor, info, state, self, &ignored);
+        info->seconds_linear += program_seconds() - before;
+        info->newton_iterations++;
+        if (status == EHD_NOT_CONVERGED) {
+            info->reason = "linear system singular";
+            return EHD_OK;
+        }
+        if (status) return ehd_fail(error, status, "%s", ignored.text);
+    }
+    if (program_interrupted()) return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
+    info->reason = "iteration limit reached";
+    return EHD_OK;
+}
+
+static void info_start(full_info *info) {
+    memset(info, 0, sizeof *info);
+    info->status = EHD_NOT_CONVERGED;
+    info->residual = INFINITY;
+    info->reason = "";
+}
+
+ehd_status full_solve(full_info *info, full_state *state, full_solver *solver,
+                      const ehd_contact *contact, ehd_error *error) {
+    double before = program_seconds();
+
+    info_start(info);
+    ehd_status status = newton(info, state, solver, contact, error);
+    info->seconds = program_seconds() - before;
+    return status;
+}

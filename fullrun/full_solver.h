@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Full-order solver: Newton on pressure and rigid approach, active set for the exit boundary, GMRES
+ * with FFT deflection and a factorised near field (model.md, section 3). */
+#ifndef EHD_FULL_SOLVER_H
+#define EHD_FULL_SOLVER_H
+
+#include "common/physics/contact.h"
+#include "common/physics/deflection.h"
+#include "common/physics/reynolds.h"
+#include "common/program/status.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+/* A state of the contact on its grid. */
+typedef struct full_state {
+    double *pressure; // [num_nodes], zero at the boundary nodes and from `exit` on
+    double *film;     // [num_nodes]
+    double rigid_approach;
+    size_t exit; // node where the film ruptures: the first without pressure, at most num_nodes - 1
+} full_state;
+
+typedef struct full_info {
+    ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
+    size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
+    size_t gmres_iterations;
+    double residual; // largest scaled residual of passive rows and load balance
+    double
+        complementarity; // how far the exit conditions are violated: max(-P), max(-Lambda) scaled
+    double seconds;
+    double seconds_rows, seconds_linear; // of it: rows and deflection; linear systems
+    const char *reason;                  // why it did not converge, or ""
+} full_info;
+
+typedef struct full_system full_system;
+
+/* Solves system->jacobian dz = -residual to the relative tolerance and writes dz to
+ * system->step. Entry of full_settings, so that tests can put a dense factorisation in. */
+typedef ehd_status full_linear_solver(full_system *system, double tolerance, size_t *iterations,
+                                      ehd_error *error);
+
+typedef struct full_settings {
+    double tolerance;                 // on the scaled residual; 1e-10
+    size_t max_iterations;            // Newton, of one solve; 60
+    size_t near_field;                // m, nodes kept of the kernel in the preconditioner; 8
+    double linear_tolerance;          // GMRES, relative; 1e-8
+    full_linear_solver *solve_linear; // full_solve_gmres
+} full_settings;
+
+full_settings full_default_settings(void);
+
+/* The linearised problem of one Newton step: unknowns are P at nodes 1 … exit-1, then H0. */
+struct full_system {
+    const ehd_grid *grid;
+    ehd_deflection *deflection;
+    size_t exit;
+    const reynolds_stencil *stencils; // [num_inner], row r belongs to node r + 1
+    const reynolds_row *rows;         // [num_inner], the first exit-1 count
+    const double *row_scale;          // [num_inner], 1 / largest entry of the row
+    double load_residual;             // h sum P - load
+    size_t near_field;
+    double *step; // [num_nodes], out: change of P at 0 … num_nodes-1 (zero where not unknown)
+    double step_approach; // out: change of H0
+    void *workspace;      // of the linear solver
+};
+
+full_linear_solver full_solve_gmres;
+
+typedef struct full_solver full_solver;
+
+/* Grid-sized memory and FFT plans; one object a thread. EHD_MEMORY. */
+ehd_status full_solver_create(
+    // output:
+    full_solver **solver, // free with full_solver_free
+    // input:
+    const contact_kind *kind, const ehd_grid *grid, const full_settings *settings,
+    ehd_error *error);
+full_solver *full_solver_free(full_solver *solver); // accepts and returns NULL
+const full_settings *full_solver_settings(const full_solver *solver);
+
+ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
+void full_state_free(full_state *state);
+void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
+
+/* Newton from the state given. Not converged is an outcome: the call returns EHD_OK and
+ * info->status is EHD_NOT_CONVERGED. Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
+ehd_status full_solve(
+    // output:
+    full_info *info,
+    // in and out: start and solution
+    full_state *state,
+    // input:
+    full_solver *solver, const ehd_contact *contact, ehd_error *error);
+
+/* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film; where
+ * that fails, continuation in M at small L, then in L. */
+ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
+                           const ehd_contact *contact, ehd_error *error);
+
+/* Newton from the solution of another contact on the same grid and with the same lubricant; where that
+ * fails, in smaller strides from there, then from a cold start. */
+ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
+                           const ehd_contact *start, const ehd_contact *contact, ehd_error *error);
+
+/* Film and deflection of the pressure in `state`, from scratch. */
+void full_film(full_state *state, full_solver *solver);
+
+/* Scalars of a solution (model.md, design.md "result.h5"). */
+typedef struct full_scalars {
+    double central_film_thickness; // H at X = 0, interpolated (cubic) where no node lies there
+    double minimum_film_thickness; // smallest nodal value
+    double central_pressure;
+    double exit_position; // X of the first node without pressure
+    double load;          // relative to the reference
+} full_scalars;
+full_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact);
+
+#endif

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Memory of the full solver's linear systems. */
+#ifndef EHD_GMRES_H
+#define EHD_GMRES_H
+
+#include "fullrun/full_solver.h"
+
+typedef struct gmres_workspace gmres_workspace;
+
+/* Memory for any exit on the grid; NULL when there is none. */
+gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field);
+gmres_workspace *gmres_workspace_free(gmres_workspace *workspace); // accepts and returns NULL
+
+#endif

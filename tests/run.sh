@@ -1,0 +1,65 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Runs test programs (cmocka or bats), JOBS at a time, shows what failed, and ends with the line
+# "N passed, N failed" over all test cases. Fails also when nothing was run.
+#
+#     tests/run.sh LOG_FOLDER TEST...
+set -u
+
+# Runs one test: its TAP output goes to LOG_FOLDER/NAME.tap, its counts to LOG_FOLDER/NAME.count, and
+# to stdout what failed. A crash, a sanitizer's report, a hang or a wrong number of cases is a failed
+# case too.
+run_one() {
+    local logs=$1 test=$2 name log code command passed failed planned skipped trouble=''
+    name=$(basename "$test")
+    log=$logs/$name.tap
+    command=("$test")
+    [[ $test == *.bats ]] && command=(bats --tap "$test")
+
+    CMOCKA_MESSAGE_OUTPUT=TAP timeout "${TIMEOUT:-1200}" "${command[@]}" >"$log" 2>&1 </dev/null
+    code=$?
+
+    passed=$(grep -ciE '^ok [0-9]+' "$log")
+    failed=$(grep -cE '^not ok [0-9]+' "$log")
+    skipped=$(grep -ciE '^(not )?ok [0-9]+.* # skip' "$log")
+    planned=$(sed -n 's/^1\.\.\([0-9]*\).*/\1/p' "$log" | head -n 1)
+    if ((passed + failed != ${planned:-0})) || [[ -z $planned ]]; then
+        trouble="ran $((passed + failed)) of ${planned:-unknown} cases"
+    elif ((code != 0 && failed == 0)); then
+        trouble="all cases passed"
+    fi
+    # cmocka calls a skipped case "not ok", bats "ok"; it is neither
+    ((passed -= $(grep -ciE '^ok [0-9]+.* # skip' "$log")))
+    ((failed -= $(grep -ciE '^not ok [0-9]+.* # skip' "$log")))
+    [[ -n $trouble ]] && ((failed += 1))
+    echo "$passed $failed" >"$logs/$name.count"
+
+    if ((failed)); then
+        printf '%s\n' "---- $test${trouble:+: $trouble, exit code $code}" \
+            "$(if [[ -n $trouble ]]; then tail -n 60 "$log"; else grep -vE '^(ok |1\.\.)' "$log"; fi)"
+    elif [[ ${V:-0} != 0 ]]; then
+        echo "$test: $passed passed"
+    fi
+    ((skipped == 0)) || echo "$test: $skipped skipped"
+}
+
+if [[ ${1-} == --one ]]; then
+    run_one "$2" "$3"
+    exit 0
+fi
+
+logs=$1
+shift
+rm -rf "$logs"
+mkdir -p "$logs"
+export OPENBLAS_NUM_THREADS=1
+(($# == 0)) || printf '%s\0' "$@" | xargs -0 -n 1 -P "${JOBS:-2}" "$0" --one "$logs"
+
+passed=0 failed=0
+for test in "$@"; do
+    count='0 1'
+    [[ -f $logs/$(basename "$test").count ]] && count=$(<"$logs/$(basename "$test").count")
+    ((passed += ${count% *}, failed += ${count#* }))
+done
+echo "$passed passed, $failed failed"
+((passed > 0 && failed == 0))

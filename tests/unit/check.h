@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Comparison of doubles in tests; include this instead of cmocka.h. cmocka's own assert_float_equal
+ * casts to float and lets NaN pass. */
+#ifndef EHD_CHECK_H
+#define EHD_CHECK_H
+
+// cmocka.h needs these four before it
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <stdbool.h>
+
+/* True when |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an infinity
+ * is only close to itself. */
+bool is_close(double actual, double expected, double relative, double absolute);
+
+/* Fail the running test, with values and limit in the message, unless is_close. */
+#define check_close(actual, expected, relative, absolute)                                          \
+    check_close_at(actual, expected, relative, absolute, #actual, __FILE__, __LINE__)
+
+/* Same for `length` pairs; the message names the first index that fails. */
+#define check_close_array(actual, expected, length, relative, absolute)                            \
+    check_close_array_at(actual, expected, length, relative, absolute, #actual, __FILE__, __LINE__)
+
+void check_close_at(double actual, double expected, double relative, double absolute,
+                    const char *what, const char *file, int line);
+void check_close_array_at(const double *actual, const double *expected, size_t length,
+                          double relative, double absolute, const char *what, const char *file,
+                          int line);
+
+#endif

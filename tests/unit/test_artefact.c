@@ -1,0 +1,1054 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/artefact/artefact.h"
+#include "tests/unit/check.h"
+
+#include <fcntl.h>
+#include <hdf5.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { NUM_STATES = 3, NUM_NODES = 4 };
+
+static char *words[] = {"snapgen", "it's a plan.yml", "-o", "snapshots.h5", NULL};
+static const program caller = {.name = "snapgen", .argc = 4, .argv = words};
+static const program forcing = {.name = "snapgen", .argc = 4, .argv = words, .force = true};
+static const artefact_schema *const snapshots_only[] = {&schema_snapshots, NULL};
+
+static char folder[64];
+static char path[128]; // of the file that a test is about
+static char partial[160];
+static ehd_error error;
+
+static int set_up(void **state) {
+    (void)state;
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-artefact-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/file.h5", folder);
+    snprintf(partial, sizeof partial, "%s.partial", path);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+// ---- helpers
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+static bool exists(const char *name) {
+    return access(name, F_OK) == 0;
+}
+
+static void check_refused(ehd_status found, ehd_status expected, const char *part) {
+    if (found != expected || !strstr(error.text, part)) {
+        fail_msg("found %d \"%s\", expected %d with \"%s\"", (int)found, error.text, (int)expected,
+                 part);
+    }
+}
+
+static double pressure_at(size_t state, size_t node) {
+    return (double)state + 0.1 * (double)node + 1.0 / 3.0;
+}
+
+static void put_grid(artefact *file) {
+    const double x[NUM_NODES] = {-1.0, -0.5, 0.0, 0.5};
+    check_ok(artefact_put_axis(file, "state", NUM_STATES, NULL, &error));
+    check_ok(artefact_put_axis(file, "x", NUM_NODES, x, &error));
+    check_ok(artefact_put_text(file, "contact", "line", &error));
+    check_ok(artefact_put_real(file, "x_min", -1.0, &error));
+    check_ok(artefact_put_real(file, "step", 0.5, &error));
+}
+
+static bool is_rank_one_real(const artefact_field *field) {
+    return field->type == ARTEFACT_REAL && !field->axes[1];
+}
+
+static void put_fields(artefact *file) {
+    double field[NUM_STATES][NUM_NODES];
+    const double scalar[NUM_STATES] = {0.5, 1.5, 2.5};
+    const int64_t integer[NUM_STATES] = {0, 1, INT64_MAX};
+    for (size_t i = 0; i < NUM_STATES; i++) {
+        for (size_t k = 0; k < NUM_NODES; k++)
+            field[i][k] = pressure_at(i, k);
+    }
+    for (const artefact_field *entry = schema_snapshots.fields; entry->name; entry++) {
+        if (entry->type == ARTEFACT_INTEGER) {
+            check_ok(artefact_put_integers(file, entry->name, integer, &error));
+        } else if (is_rank_one_real(entry)) {
+            check_ok(artefact_put(file, entry->name, scalar, &error));
+        } else {
+            check_ok(artefact_put(file, entry->name, field[0], &error));
+        }
+    }
+}
+
+static void write_snapshots(const char *settings) {
+    artefact *file = NULL;
+    check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, settings, NULL, &error));
+    put_grid(file);
+    put_fields(file);
+    check_ok(artefact_finish(&file, &error));
+    assert_null(file);
+}
+
+static artefact *reopen(void) {
+    artefact *file = NULL;
+    check_ok(artefact_open(&file, path, snapshots_only, &error));
+    return file;
+}
+
+/* All that the file says, as text; NULL when it is refused. */
+static char *content_of(const char *name) {
+    artefact *file = NULL;
+    char *text = NULL;
+    char *content = NULL;
+    size_t size = 0;
+    if (artefact_check(name, NULL) != EHD_OK) return NULL;
+    if (artefact_open(&file, name, snapshots_only, NULL) != EHD_OK) return NULL;
+    FILE *stream = open_memstream(&content, &size);
+    const char *const texts[] = {"settings", "history",     "creator",       "title",
+                                 "contact",  "Conventions", "schema_version"};
+    bool good = true;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts && good; i++) {
+        good = artefact_get_text(file, texts[i], &text, NULL) == EHD_OK;
+        if (good) fprintf(stream, "%s\n", text);
+        free(text);
+        text = NULL;
+    }
+    double numbers[NUM_STATES * NUM_NODES];
+    int64_t integers[NUM_STATES];
+    good = good && artefact_get_real(file, "x_min", &numbers[0], NULL) == EHD_OK &&
+           artefact_get_real(file, "step", &numbers[1], NULL) == EHD_OK;
+    good = good && artefact_length(file, "x") == NUM_NODES &&
+           artefact_length(file, "state") == NUM_STATES;
+    if (good) fprintf(stream, "%a %a\n", numbers[0], numbers[1]);
+    good = good && artefact_get_axis(file, "x", numbers, NULL) == EHD_OK;
+    for (size_t i = 0; i < NUM_NODES && good; i++)
+        fprintf(stream, "%a ", numbers[i]);
+    for (const artefact_field *field = schema_snapshots.fields; field->name && good; field++) {
+        size_t length = field->axes[1] ? NUM_STATES * NUM_NODES : NUM_STATES;
+        fprintf(stream, "\n%s %d:", field->name, artefact_has(file, field->name));
+        if (!artefact_has(file, field->name)) continue;
+        if (field->type == ARTEFACT_INTEGER) {
+            good = artefact_get_integers(file, field->name, integers, NULL) == EHD_OK;
+            for (size_t i = 0; i < length && good; i++)
+                fprintf(stream, " %ld", integers[i]);
+        } else {
+            good = artefact_get(file, field->name, numbers, NULL) == EHD_OK;
+            for (size_t i = 0; i < length && good; i++)
+                fprintf(stream, " %a", numbers[i]);
+        }
+    }
+    artefact_close(&file);
+    fclose(stream);
+    if (good) return content;
+    free(content);
+    return NULL;
+}
+
+static unsigned char *slurp(const char *name, size_t *size) {
+    FILE *stream = fopen(name, "rb");
+    assert_non_null(stream);
+    fseek(stream, 0, SEEK_END);
+    *size = (size_t)ftell(stream);
+    rewind(stream);
+    unsigned char *bytes = malloc(*size);
+    assert_int_equal(fread(bytes, 1, *size, stream), *size);
+    fclose(stream);
+    return bytes;
+}
+
+static void spill(const char *name, const void *bytes, size_t size) {
+    FILE *stream = fopen(name, "wb");
+    assert_non_null(stream);
+    assert_int_equal(fwrite(bytes, 1, size, stream), size);
+    assert_int_equal(fclose(stream), 0);
+}
+
+static ehd_status try_open(void) {
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, snapshots_only, &error);
+    artefact_close(&file);
+    return status;
+}
+
+/* A Python with h5py, NULL when there is none. */
+static const char *python(void) {
+    static const char *const candidates[] = {"python3", "/usr/bin/python3"};
+    for (size_t i = 0; i < 2; i++) {
+        char command[128];
+        snprintf(command, sizeof command, "%s -c 'import h5py' 2>/dev/null", candidates[i]);
+        if (system(command) == 0) return candidates[i];
+    }
+    return NULL;
+}
+
+static void need_python(void) {
+    if (python()) return;
+    print_message("no python3 with h5py\n");
+    skip();
+}
+
+/* Runs a script with `path` as its argument. */
+static void run_python(const char *script) {
+    char name[128];
+    char command[512];
+    snprintf(name, sizeof name, "%s/script.py", folder);
+    spill(name, script, strlen(script));
+    snprintf(command, sizeof command, "%s %s %s", python(), name, path);
+    assert_int_equal(system(command), 0);
+}
+
+// ---- writing and reading
+
+static void round_trip(void **state) {
+    (void)state;
+    write_snapshots("moes.M: 12\n");
+    assert_false(exists(partial));
+
+    artefact *file = reopen();
+    double x[NUM_NODES];
+    double pressure[NUM_STATES][NUM_NODES];
+    double row[NUM_NODES];
+    double step;
+    int64_t exits[NUM_STATES];
+    int64_t last;
+    assert_ptr_equal(artefact_kind(file), &schema_snapshots);
+    assert_string_equal(artefact_path(file), path);
+    assert_int_equal(artefact_length(file, "x"), NUM_NODES);
+    assert_int_equal(artefact_length(file, "state"), NUM_STATES);
+    assert_int_equal(artefact_length(file, "row"), 0);
+    assert_true(artefact_has(file, "pressure") && artefact_has(file, "step"));
+    assert_false(artefact_has(file, "weight"));
+
+    check_ok(artefact_get_axis(file, "x", x, &error));
+    check_close(x[1], -0.5, 0.0, 0.0);
+    check_ok(artefact_get(file, "pressure", pressure[0], &error));
+    check_close(pressure[2][3], pressure_at(2, 3), 0.0, 0.0);
+    check_ok(artefact_get_part(file, "pressure", 1, 1, row, &error));
+    check_close(row[2], pressure_at(1, 2), 0.0, 0.0);
+    check_ok(artefact_get_integers(file, "exit_node", exits, &error));
+    assert_true(exits[2] == INT64_MAX);
+    check_ok(artefact_get_integers_part(file, "exit_node", 1, 1, &last, &error));
+    assert_int_equal(last, 1);
+    check_ok(artefact_get_real(file, "step", &step, &error));
+    check_close(step, 0.5, 0.0, 0.0);
+    check_refused(artefact_get_part(file, "pressure", 2, 2, row, &error), EHD_INTERNAL, "pressure");
+    check_refused(artefact_get_real(file, "nothing", &step, &error), EHD_DATA, "nothing");
+    artefact_close(&file);
+    assert_null(file);
+    artefact_close(&file);
+}
+
+static void provenance(void **state) {
+    (void)state;
+    char input[96];
+    char missing[96];
+    snprintf(input, sizeof input, "%s/abc", folder);
+    snprintf(missing, sizeof missing, "%s/none", folder);
+    spill(input, "abc", 3);
+    write_snapshots("first");
+    char *first = strdup(path);
+    snprintf(path, sizeof path, "%s/second.h5", folder);
+
+    const char *inputs[] = {first, input, first, NULL};
+    artefact *file = NULL;
+    check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "caf\xc3\xa9 \xff", inputs,
+                             &error));
+    put_grid(file);
+    put_fields(file);
+    check_ok(artefact_finish(&file, &error));
+    file = reopen();
+    char *text = NULL;
+    check_ok(artefact_get_text(file, "settings", &text, &error));
+    assert_string_equal(text, "caf\xc3\xa9 ?");
+    free(text);
+    check_ok(artefact_get_text(file, "input_2_sha256", &text, &error));
+    assert_string_equal(text, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    free(text);
+    check_ok(artefact_get_text(file, "creator", &text, &error));
+    assert_non_null(strstr(text, program_build()));
+    free(text);
+
+    // one line of the two equal inputs, one of our own
+    check_ok(artefact_get_text(file, "history", &text, &error));
+    char *end = strchr(text, '\n');
+    assert_non_null(end);
+    assert_string_equal(strchr(end + 1, '\n'), "\n");
+    assert_non_null(strstr(text, " snapgen "));
+    assert_non_null(strstr(text, ": snapgen 'it'\\''s a plan.yml' -o snapshots.h5\n"));
+    assert_int_equal(text[10], 'T');
+    assert_int_equal(text[19], 'Z');
+    free(text);
+
+    char identity[65];
+    char again[65];
+    check_ok(artefact_identity(file, identity, &error));
+    artefact_close(&file);
+    file = NULL;
+    const char *second[] = {path, NULL};
+    char third[128];
+    snprintf(third, sizeof third, "%s/third.h5", folder);
+    check_ok(artefact_create(&file, third, &schema_snapshots, &caller, NULL, second, &error));
+    check_ok(artefact_get_text(file, "input_1_sha256", &text, &error));
+    assert_string_equal(text, identity);
+    free(text);
+    artefact_close(&file);
+    assert_false(exists(third));
+    inputs[1] = missing;
+    check_refused(artefact_create(&file, third, &schema_snapshots, &caller, NULL, inputs, &error),
+                  EHD_NOINPUT, "none");
+    assert_null(file);
+
+    snprintf(path, sizeof path, "%s", first);
+    free(first);
+    file = reopen();
+    check_ok(artefact_identity(file, again, &error));
+    assert_string_not_equal(again, identity);
+    artefact_close(&file);
+}
+
+/* More than an attribute can hold, cut between characters. */
+static void long_texts(void **state) {
+    (void)state;
+    const size_t length = 3000000;
+    char *longest = malloc(length + 1);
+    for (size_t i = 0; i < length; i += 3)
+        memcpy(longest + i, "\xe2\x82\xac", 3); // euro signs
+    longest[length] = '\0';
+    artefact *file = NULL;
+    check_ok(artefact_create(&file, path, &schema_basis, &caller, longest, NULL, &error));
+    char *text = NULL;
+    check_ok(artefact_get_text(file, "settings", &text, &error));
+    assert_string_equal(text, longest);
+    free(text);
+
+    check_ok(artefact_put_text(file, "contact", longest, &error));
+    assert_true(artefact_has(file, "contact_2"));
+    check_ok(artefact_put_text(file, "contact", "", &error));
+    assert_false(artefact_has(file, "contact_2"));
+    check_ok(artefact_get_text(file, "contact", &text, &error));
+    assert_string_equal(text, "");
+    free(text);
+    artefact_close(&file);
+
+    write_snapshots(longest);
+    file = reopen();
+    check_ok(artefact_get_text(file, "settings", &text, &error));
+    assert_string_equal(text, longest);
+    free(text);
+    artefact_close(&file);
+    free(longest);
+}
+
+static void misuse_is_internal(void **state) {
+    (void)state;
+    const double values[NUM_STATES] = {0};
+    artefact *file = NULL;
+    check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
+    check_refused(artefact_put(file, "moes_M", values, &error), EHD_INTERNAL, "no axis state");
+    check_refused(artefact_put_axis(file, "row", 3, NULL, &error), EHD_INTERNAL, "row");
+    check_refused(artefact_put_axis(file, "x", 0, NULL, &error), EHD_INTERNAL, "x");
+    put_grid(file);
+    check_refused(artefact_put_axis(file, "x", 3, NULL, &error), EHD_INTERNAL, "x");
+    check_refused(artefact_put(file, "weight", values, &error), EHD_INTERNAL, "weight");
+    check_refused(artefact_put(file, "status", values, &error), EHD_INTERNAL, "status");
+    check_refused(artefact_put_real(file, "contact", 1.0, &error), EHD_INTERNAL, "contact");
+    check_refused(artefact_begin_streaming(file, &error), EHD_INTERNAL, "pressure");
+    check_refused(artefact_finish(&file, &error), EHD_INTERNAL, "pressure");
+    assert_null(file);
+    assert_false(exists(path));
+}
+
+// ---- names
+
+static void output_names(void **state) {
+    (void)state;
+    artefact *file = NULL;
+    spill(path, "mine", 4);
+    check_refused(artefact_create(&file, path, &schema_result, &caller, "", NULL, &error),
+                  EHD_CANTCREATE, "--force");
+    check_ok(artefact_create(&file, path, &schema_result, &forcing, "", NULL, &error));
+    assert_true(exists(partial));
+    artefact_close(&file);
+    assert_false(exists(partial));
+    size_t size;
+    unsigned char *kept = slurp(path, &size);
+    assert_int_equal(size, 4);
+    free(kept);
+
+    check_refused(artefact_create(&file, folder, &schema_result, &forcing, "", NULL, &error),
+                  EHD_CANTCREATE, "regular");
+    check_refused(artefact_create(&file, "/dev/null", &schema_result, &forcing, "", NULL, &error),
+                  EHD_CANTCREATE, "regular");
+    check_refused(artefact_create(&file, "/none/x.h5", &schema_result, &forcing, "", NULL, &error),
+                  EHD_CANTCREATE, "No such");
+    check_refused(artefact_create(&file, "/proc/x.h5", &schema_result, &forcing, "", NULL, &error),
+                  EHD_CANTCREATE, "/proc/x.h5");
+}
+
+static void two_writers(void **state) {
+    (void)state;
+    artefact *first = NULL;
+    artefact *second = NULL;
+    check_ok(artefact_create(&first, path, &schema_snapshots, &caller, "", NULL, &error));
+    check_refused(artefact_create(&second, path, &schema_snapshots, &caller, "", NULL, &error),
+                  EHD_CANTCREATE, "another process");
+    assert_null(second);
+    put_grid(first);
+    put_fields(first);
+    check_ok(artefact_finish(&first, &error));
+    assert_true(exists(path));
+}
+
+// ---- what is refused
+
+static void refuses_what_is_no_artefact(void **state) {
+    (void)state;
+    check_refused(try_open(), EHD_NOINPUT, "No such file");
+    spill(path, "", 0);
+    check_refused(try_open(), EHD_DATA, "empty");
+    check_refused(artefact_check(path, &error), EHD_DATA, "empty");
+    spill(path, "not HDF5 at all", 15);
+    check_refused(try_open(), EHD_DATA, "no HDF5");
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(mkdir(path, 0777), 0);
+    check_refused(try_open(), EHD_NOINPUT, "regular");
+    assert_int_equal(rmdir(path), 0);
+
+    write_snapshots("");
+    check_ok(artefact_check(path, &error));
+    artefact *file = NULL;
+    const artefact_schema *const others[] = {&schema_basis, &schema_model, NULL};
+    check_refused(artefact_open(&file, path, others, &error), EHD_DATA,
+                  "found ehdrom-snapshots, expected ehdrom-basis or ehdrom-model");
+    size_t size;
+    unsigned char *bytes = slurp(path, &size);
+    spill(path, bytes, size / 2);
+    check_refused(try_open(), EHD_DATA, "truncated");
+    free(bytes);
+}
+
+static hid_t open_for_change(void) {
+    write_snapshots("");
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+    H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, access);
+    H5Pclose(access);
+    assert_true(file >= 0);
+    return file;
+}
+
+static void replace_attribute(hid_t file, const char *name, hid_t type, const void *value) {
+    H5Adelete(file, name);
+    hid_t space = H5Screate(H5S_SCALAR);
+    hid_t attribute = H5Acreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Awrite(attribute, type, value) >= 0);
+    H5Aclose(attribute);
+    H5Sclose(space);
+}
+
+static void replace_text(hid_t file, const char *name, const char *value) {
+    hid_t type = H5Tcopy(H5T_C_S1);
+    H5Tset_size(type, strlen(value) + 1);
+    replace_attribute(file, name, type, value);
+    H5Tclose(type);
+}
+
+static void replace_dataset(hid_t file, const char *name, hid_t type, int rank, hsize_t d0,
+                            hsize_t d1) {
+    hsize_t dims[] = {d0, d1};
+    H5Ldelete(file, name, H5P_DEFAULT);
+    hid_t space = H5Screate_simple(rank, dims, NULL);
+    hid_t dataset = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(dataset >= 0);
+    H5Dclose(dataset);
+    H5Sclose(space);
+}
+
+static void refuses_what_does_not_fit(void **state) {
+    (void)state;
+    const int64_t zero = 0;
+    hid_t file = open_for_change();
+    replace_attribute(file, "complete", H5T_NATIVE_INT64, &zero);
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "unfinished");
+
+    file = open_for_change();
+    replace_text(file, "schema_version", "2.0");
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "found 2.0");
+
+    file = open_for_change();
+    replace_text(file, "schema_version", "1.0x");
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "found 1.0x");
+
+    file = open_for_change();
+    replace_text(file, "schema_version", "1.7");
+    H5Fclose(file);
+    check_ok(try_open());
+
+    file = open_for_change();
+    H5Adelete(file, "schema_name");
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "schema_name: found none");
+
+    file = open_for_change();
+    H5Adelete(file, "step");
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "found no attribute step");
+
+    file = open_for_change();
+    replace_text(file, "step", "half");
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "attribute step");
+
+    file = open_for_change();
+    H5Ldelete(file, "pressure", H5P_DEFAULT);
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "found no dataset pressure");
+
+    file = open_for_change();
+    H5Ldelete(file, "film_thickness", H5P_DEFAULT);
+    H5Fclose(file);
+    check_ok(try_open());
+
+    file = open_for_change();
+    replace_dataset(file, "pressure", H5T_IEEE_F64LE, 1, NUM_STATES, 1);
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "found 1 axes, expected 2");
+
+    file = open_for_change();
+    replace_dataset(file, "film_thickness", H5T_IEEE_F64LE, 2, NUM_STATES, NUM_NODES + 1);
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "film_thickness: found length 5 along x, expected 4");
+
+    file = open_for_change();
+    replace_dataset(file, "status", H5T_IEEE_F64LE, 1, NUM_STATES, 1);
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "status: found values of another type");
+
+    file = open_for_change();
+    H5Ldelete(file, "pressure", H5P_DEFAULT);
+    hid_t group = H5Gcreate2(file, "pressure", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    H5Gclose(group);
+    H5Fclose(file);
+    check_refused(try_open(), EHD_DATA, "pressure");
+}
+
+// ---- damage
+
+static void damage_is_named(void **state) {
+    (void)state;
+    write_snapshots("");
+    size_t size;
+    unsigned char *bytes = slurp(path, &size);
+    const double wanted = pressure_at(1, 2);
+    unsigned char *found = memmem(bytes, size, &wanted, sizeof wanted);
+    assert_non_null(found);
+    found[3] ^= 0x10;
+    spill(path, bytes, size);
+    free(bytes);
+
+    double pressure[NUM_STATES][NUM_NODES];
+    artefact *file = reopen();
+    check_refused(artefact_get(file, "pressure", pressure[0], &error), EHD_DATA,
+                  "pressure: found damaged");
+    artefact_close(&file);
+    check_refused(artefact_check(path, &error), EHD_DATA, "pressure: found damaged");
+}
+
+/* Runs probe(i) for i = first, first + step, … below end in children, so that a crash is a finding and
+ * not the end. Each returns 0 when all is well. */
+static void probe_all(const char *what, int (*probe)(size_t), size_t first, size_t end,
+                      size_t step) {
+    const size_t batch = 500;
+    while (first < end) {
+        size_t last = first + batch * step < end ? first + batch * step : end;
+        int ends[2];
+        assert_int_equal(pipe(ends), 0);
+        fflush(NULL);
+        pid_t child = fork();
+        if (child == 0) {
+            alarm(120);
+            for (size_t i = first; i < last; i += step) {
+                if (write(ends[1], &i, sizeof i) < 0 || probe(i) != 0) _exit(1);
+            }
+            _exit(0);
+        }
+        close(ends[1]);
+        size_t reached = first;
+        while (read(ends[0], &reached, sizeof reached) > 0)
+            continue;
+        close(ends[0]);
+        int outcome = 0;
+        waitpid(child, &outcome, 0);
+        if (outcome != 0) fail_msg("%s at %zu: outcome %d", what, reached, outcome);
+        first = last;
+    }
+}
+
+static unsigned char *whole;
+static size_t whole_size;
+static char *whole_content;
+
+/* Refused, or read as it was. */
+static int read_changed_file(void) {
+    char *content = content_of(path);
+    int outcome = content && strcmp(content, whole_content) != 0;
+    free(content);
+    return outcome;
+}
+
+static int flip_byte(size_t offset) {
+    unsigned char flipped = (unsigned char)(whole[offset] ^ (1U << (offset % 8)));
+    int descriptor = open(path, O_WRONLY);
+    if (pwrite(descriptor, &flipped, 1, (off_t)offset) != 1) return 1;
+    int outcome = read_changed_file();
+    if (pwrite(descriptor, &whole[offset], 1, (off_t)offset) != 1) return 1;
+    close(descriptor);
+    return outcome;
+}
+
+static int cut_file(size_t size) {
+    spill(path, whole, size);
+    return artefact_check(path, NULL) == EHD_OK;
+}
+
+static void fuzz(void **state) {
+    (void)state;
+    // every byte takes a minute; a part of them is enough from day to day
+    const char *stride = getenv("EHD_FUZZ_STRIDE");
+    size_t step = stride ? strtoul(stride, NULL, 10) : 5;
+    write_snapshots("moes.M: 12\n");
+    whole = slurp(path, &whole_size);
+    whole_content = content_of(path);
+    assert_non_null(whole_content);
+    assert_int_equal(read_changed_file(), 0);
+    probe_all("flipped byte", flip_byte, 0, whole_size, step);
+    probe_all("truncated file", cut_file, 0, whole_size, whole_size / 200 + 1);
+    probe_all("truncated file", cut_file, whole_size - 40, whole_size, 1);
+    free(whole);
+    free(whole_content);
+}
+
+// ---- failing writes
+
+/* Like write_snapshots, but a failure is passed on. Long enough to need more than one block. */
+static ehd_status attempt(bool streaming, ehd_error *text) {
+    enum { MANY = 400 };
+    static double field[NUM_STATES][MANY];
+    static int64_t integer[NUM_STATES];
+    artefact *file = NULL;
+    ehd_status status = artefact_create(&file, path, &schema_snapshots, &caller, "s", NULL, text);
+    if (status != EHD_OK) return status;
+    const ehd_status setup[] = {artefact_put_axis(file, "state", NUM_STATES, NULL, text),
+                                artefact_put_axis(file, "x", MANY, NULL, text),
+                                artefact_put_text(file, "contact", "line", text),
+                                artefact_put_real(file, "x_min", -1.0, text),
+                                artefact_put_real(file, "step", 0.5, text)};
+    for (size_t i = 0; i < sizeof setup / sizeof *setup && status == EHD_OK; i++)
+        status = setup[i];
+    const artefact_field *fields = schema_snapshots.fields;
+    for (size_t i = 0; fields[i].name && status == EHD_OK && streaming; i++) {
+        status = artefact_declare(file, fields[i].name, text);
+    }
+    if (streaming && status == EHD_OK) status = artefact_begin_streaming(file, text);
+    for (size_t i = 0; fields[i].name && status == EHD_OK; i++) {
+        status = fields[i].type == ARTEFACT_INTEGER
+                     ? artefact_put_integers(file, fields[i].name, integer, text)
+                     : artefact_put(file, fields[i].name, field[0], text);
+    }
+    ehd_status last = artefact_finish(&file, status == EHD_OK ? text : NULL);
+    return status == EHD_OK ? last : status;
+}
+
+static bool limited_streaming;
+
+/* With files limited to `size` bytes: either EHD_IO and no file, or a whole file; and a silent exit. */
+static int write_with_limit(size_t size) {
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) {
+        char errors[96];
+        snprintf(errors, sizeof errors, "%s/stderr", folder);
+        if (!freopen(errors, "w", stderr)) _exit(1);
+        signal(SIGXFSZ, SIG_IGN);
+        struct rlimit limit = {size, size};
+        setrlimit(RLIMIT_FSIZE, &limit);
+        ehd_status status = attempt(limited_streaming, &error);
+        bool sound = status == EHD_OK ? artefact_check(path, NULL) == EHD_OK : !exists(path);
+        bool known = status == EHD_OK || ((status == EHD_IO || status == EHD_CANTCREATE) &&
+                                          strstr(error.text, "File too large"));
+        if (!known) fprintf(stderr, "%d %s\n", (int)status, error.text);
+        exit(sound && known ? 0 : 1); // through what HDF5 may do at exit
+    }
+    int outcome = 0;
+    waitpid(child, &outcome, 0);
+    char errors[96];
+    struct stat printed;
+    snprintf(errors, sizeof errors, "%s/stderr", folder);
+    if (outcome == 0 && (stat(errors, &printed) != 0 || printed.st_size > 0)) outcome = 1;
+    if (outcome != 0) {
+        size_t length = 0;
+        unsigned char *text = slurp(errors, &length);
+        printf("limit %zu: %.*s\n", size, (int)length, (char *)text);
+        free(text);
+    }
+    unlink(path);
+    unlink(partial);
+    return outcome;
+}
+
+static void failing_writes(void **state) {
+    (void)state;
+    for (int streaming = 0; streaming < 2; streaming++) {
+        limited_streaming = streaming;
+        check_ok(attempt(limited_streaming, &error));
+        struct stat normal;
+        assert_int_equal(stat(path, &normal), 0);
+        size_t size = (size_t)normal.st_size;
+        unlink(path);
+        for (size_t limit = 0; limit < size + 4096; limit += 487) {
+            int outcome = write_with_limit(limit);
+            if (outcome) fail_msg("limit %zu of %zu: outcome %d", limit, size, outcome);
+        }
+    }
+}
+
+/* Room that comes back does not make good what could not be written. */
+static void failure_is_remembered(void **state) {
+    (void)state;
+    const double values[NUM_STATES] = {0.5, 1.5, 2.5};
+    struct rlimit normal;
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &normal);
+    const struct rlimit tight = {16, normal.rlim_max};
+    artefact *file = NULL;
+    check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
+    put_grid(file);
+    put_fields(file);
+    check_ok(artefact_flush(file, &error));
+    setrlimit(RLIMIT_FSIZE, &tight);
+    ehd_status refused = artefact_put(file, "rigid_approach", values, &error);
+    setrlimit(RLIMIT_FSIZE, &normal);
+    check_refused(refused, EHD_IO, "rigid_approach: found a write failure (File too large)");
+    check_refused(artefact_finish(&file, &error), EHD_IO, "earlier write failure");
+    assert_true(exists(partial));
+    assert_false(exists(path));
+}
+
+// ---- streaming
+
+static artefact *start_stream(const char *settings) {
+    artefact *file = NULL;
+    check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, settings, NULL, &error));
+    put_grid(file);
+    for (const artefact_field *field = schema_snapshots.fields; field->name; field++) {
+        check_ok(artefact_declare(file, field->name, &error));
+    }
+    check_ok(artefact_begin_streaming(file, &error));
+    return file;
+}
+
+static void stream_state(artefact *file, size_t number) {
+    double row[NUM_NODES];
+    const int64_t done = 0;
+    for (size_t k = 0; k < NUM_NODES; k++)
+        row[k] = pressure_at(number, k);
+    check_ok(artefact_put_part(file, "pressure", number, 1, row, &error));
+    check_ok(artefact_put_integers_part(file, "status", number, 1, &done, &error));
+}
+
+/* A child streams two states and is killed; `flush` or not. */
+static void killed_stream(bool flush) {
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) {
+        artefact *file = start_stream("same");
+        stream_state(file, 0);
+        stream_state(file, 2);
+        if (flush) check_ok(artefact_flush(file, &error));
+        kill(getpid(), SIGKILL);
+    }
+    int outcome = 0;
+    waitpid(child, &outcome, 0);
+    assert_true(WIFSIGNALED(outcome) && WTERMSIG(outcome) == SIGKILL);
+    assert_true(exists(partial));
+    assert_false(exists(path));
+}
+
+static void check_streamed(artefact *file, bool second) {
+    double pressure[NUM_STATES][NUM_NODES];
+    int64_t status[NUM_STATES];
+    check_ok(artefact_get(file, "pressure", pressure[0], &error));
+    check_ok(artefact_get_integers(file, "status", status, &error));
+    assert_true(status[0] == 0 && status[2] == 0);
+    assert_true(status[1] == (second ? 0 : -1));
+    check_close(pressure[0][1], pressure_at(0, 1), 0.0, 0.0);
+    check_close(pressure[2][3], pressure_at(2, 3), 0.0, 0.0);
+    if (second) check_close(pressure[1][2], pressure_at(1, 2), 0.0, 0.0);
+    if (!second) assert_true(isnan(pressure[1][2]));
+}
+
+static void resume_after_kill(void **state) {
+    (void)state;
+    artefact *file = NULL;
+    check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error),
+                  EHD_NOINPUT, "No such file");
+    assert_false(exists(partial));
+    for (int flush = 0; flush < 2; flush++) {
+        killed_stream(flush);
+        check_refused(artefact_open(&file, partial, snapshots_only, &error), EHD_DATA, "killed");
+        check_refused(artefact_resume(&file, path, &schema_result, &caller, "same", &error),
+                      EHD_DATA, "ehdrom-snapshots");
+        check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "other", &error),
+                      EHD_DATA, "other settings");
+        check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
+        check_streamed(file, false);
+        artefact_close(&file); // interrupted again, politely
+        assert_true(exists(partial));
+        check_refused(artefact_open(&file, partial, snapshots_only, &error), EHD_DATA,
+                      "unfinished");
+        check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
+        stream_state(file, 1);
+        check_ok(artefact_flush(file, &error));
+        check_ok(artefact_finish(&file, &error));
+        assert_false(exists(partial));
+
+        check_ok(artefact_check(path, &error));
+        file = reopen();
+        check_streamed(file, true);
+        char *history = NULL;
+        check_ok(artefact_get_text(file, "history", &history, &error));
+        assert_string_equal(strchr(strchr(history, '\n') + 1, '\n'), "\n"); // started, resumed
+        free(history);
+        artefact_close(&file);
+        check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error),
+                      EHD_CANTCREATE, "--force");
+        unlink(path);
+    }
+}
+
+static void resume_refuses_damage(void **state) {
+    (void)state;
+    killed_stream(true);
+    size_t size;
+    unsigned char *bytes = slurp(partial, &size);
+    const double wanted = pressure_at(2, 1);
+    unsigned char *found = memmem(bytes, size, &wanted, sizeof wanted);
+    assert_non_null(found);
+    *found ^= 1;
+    spill(partial, bytes, size);
+    free(bytes);
+    artefact *file = NULL;
+    check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error),
+                  EHD_DATA, "damaged");
+    spill(partial, "junk", 4);
+    check_refused(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error),
+                  EHD_DATA, "no whole HDF5 file");
+    assert_true(exists(partial));
+}
+
+/* Killed before streaming began: nothing that resuming could build on. */
+static void kill_before_stream(void **state) {
+    (void)state;
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) {
+        artefact *file = NULL;
+        check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, "same", NULL, &error));
+        put_grid(file);
+        put_fields(file);
+        kill(getpid(), SIGKILL);
+    }
+    waitpid(child, NULL, 0);
+    artefact *file = NULL;
+    ehd_status status = artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error);
+    check_refused(status, EHD_DATA, ".partial");
+    write_snapshots("same"); // and the next run starts anew
+}
+
+static void attributes_after_streaming(void **state) {
+    (void)state;
+    artefact *file = start_stream("s");
+    check_refused(artefact_put_real(file, "step", 0.25, &error), EHD_INTERNAL, "streaming");
+    check_refused(artefact_put_axis(file, "x", 3, NULL, &error), EHD_INTERNAL, "x");
+    stream_state(file, 0);
+    check_ok(artefact_end_streaming(file, &error));
+    check_ok(artefact_put_real(file, "step", 0.25, &error));
+    check_ok(artefact_finish(&file, &error));
+    double step;
+    file = reopen();
+    check_ok(artefact_get_real(file, "step", &step, &error));
+    check_close(step, 0.25, 0.0, 0.0);
+    artefact_close(&file);
+}
+
+static void readable_while_it_grows(void **state) {
+    (void)state;
+    need_python();
+    artefact *file = start_stream("s");
+    stream_state(file, 0);
+    run_python("import h5py, sys\n"
+               "with h5py.File(sys.argv[1] + '.partial', 'r', libver='latest', swmr=True) as f:\n"
+               "    assert f.attrs['complete'] == 0\n"
+               "    assert list(f['status'][:]) == [0, -1, -1], f['status'][:]\n"
+               "    assert f['pressure'][0, 0] == 1 / 3\n");
+    check_ok(artefact_finish(&file, &error));
+}
+
+// ---- other people's files and tools
+
+/* The least that a foreign program may write, in other types and layouts. */
+static const char foreign[] =
+    "import h5py, numpy, sys\n"
+    "with h5py.File(sys.argv[1], 'w') as f:\n"
+    "    f.attrs['schema_name'] = 'ehdrom-snapshots'\n"
+    "    f.attrs['schema_version'] = numpy.bytes_('1.3')\n"
+    "    f.attrs['contact'] = 'line'\n"
+    "    f.attrs['x_min'] = -1\n"
+    "    f.attrs['step'] = numpy.array([0.5], '>f4')\n"
+    "    p = numpy.arange(12.0).reshape(3, 4)\n"
+    "    f.create_dataset('pressure', data=p.astype('>f4'), chunks=(2, 3), compression='gzip')\n"
+    "    f['rigid_approach'] = numpy.array([1.5, 2.5, 3.5])\n"
+    "    f['exit_node'] = numpy.array([3, 4, 4], '>i2')\n"
+    "    f['status'] = numpy.zeros(3, 'u1')\n"
+    "    f['moes_M'] = numpy.array([5, 8, 12], 'i4')\n"
+    "    f['alpha_p_H'] = numpy.array([5, 8, 12], 'f4')\n";
+
+static void foreign_file(void **state) {
+    (void)state;
+    need_python();
+    run_python(foreign);
+    check_ok(artefact_check(path, &error));
+    artefact *file = reopen();
+    double pressure[NUM_STATES][NUM_NODES];
+    double numbers[NUM_NODES];
+    int64_t exits[NUM_STATES];
+    assert_int_equal(artefact_length(file, "x"), NUM_NODES);
+    assert_int_equal(artefact_length(file, "state"), NUM_STATES);
+    check_ok(artefact_get(file, "pressure", pressure[0], &error));
+    check_close(pressure[2][3], 11.0, 0.0, 0.0);
+    check_ok(artefact_get_integers(file, "exit_node", exits, &error));
+    assert_int_equal(exits[0], 3);
+    check_ok(artefact_get(file, "moes_M", numbers, &error));
+    check_close(numbers[2], 12.0, 0.0, 0.0);
+    check_ok(artefact_get_real(file, "x_min", &numbers[0], &error));
+    check_ok(artefact_get_real(file, "step", &numbers[1], &error));
+    check_close(numbers[0], -1.0, 0.0, 0.0);
+    check_close(numbers[1], 0.5, 0.0, 0.0);
+    char *text = NULL;
+    check_ok(artefact_get_text(file, "contact", &text, &error));
+    assert_string_equal(text, "line");
+    free(text);
+    check_refused(artefact_get_axis(file, "x", numbers, &error), EHD_DATA, "axis x");
+    check_refused(artefact_get(file, "film_thickness", pressure[0], &error), EHD_DATA,
+                  "found no dataset film_thickness");
+    check_refused(artefact_get_text(file, "history", &text, &error), EHD_DATA, "history");
+    artefact_close(&file);
+
+    // its history is empty, its identity is not
+    const char *inputs[] = {path, NULL};
+    char next[128];
+    snprintf(next, sizeof next, "%s/next.h5", folder);
+    check_ok(artefact_create(&file, next, &schema_basis, &caller, "", inputs, &error));
+    check_ok(artefact_get_text(file, "history", &text, &error));
+    assert_string_equal(strchr(text, '\n'), "\n");
+    free(text);
+    artefact_close(&file);
+}
+
+static void foreign_netcdf(void **state) {
+    (void)state;
+    need_python();
+    run_python(
+        "import numpy, sys, xarray\n"
+        "s, x = 3, 4\n"
+        "d = xarray.Dataset({'pressure': (('state', 'x'), numpy.ones((s, x))),\n"
+        "  'exit_node': ('state', numpy.full(s, x)), 'status': ('state', numpy.zeros(s, int))},\n"
+        "  coords={'x': numpy.linspace(-1, 0.5, x)},\n"
+        "  attrs={'schema_name': 'ehdrom-snapshots', 'schema_version': '1.0',\n"
+        "         'contact': 'line', 'x_min': -1.0, 'step': 0.5})\n"
+        "for n in 'rigid_approach', 'moes_M', 'alpha_p_H': d[n] = ('state', numpy.ones(s))\n"
+        "d.to_netcdf(sys.argv[1], engine='netcdf4')\n");
+    check_ok(artefact_check(path, &error));
+    artefact *file = reopen();
+    double x[NUM_NODES];
+    double index[NUM_STATES];
+    check_ok(artefact_get_axis(file, "x", x, &error));
+    check_close(x[3], 0.5, 1e-15, 0.0);
+    check_refused(artefact_get_axis(file, "state", index, &error), EHD_DATA, "axis state");
+    artefact_close(&file);
+}
+
+static void transposed_square_field(void **state) {
+    (void)state;
+    need_python();
+    run_python("import h5py, numpy, sys\n"
+               "with h5py.File(sys.argv[1], 'w') as f:\n"
+               "    f.attrs.update(schema_name='ehdrom-snapshots', schema_version='1.0')\n"
+               "    f.attrs.update(contact='line', x_min=-1.0, step=0.5)\n"
+               "    for n in 'rigid_approach', 'moes_M', 'alpha_p_H': f[n] = numpy.ones(3)\n"
+               "    for n in 'exit_node', 'status': f[n] = numpy.zeros(3, int)\n"
+               "    for n in 'x', 'state': f[n] = numpy.arange(3.0); f[n].make_scale(n)\n"
+               "    f['pressure'] = numpy.ones((3, 3))\n"
+               "    f['pressure'].dims[0].attach_scale(f['x'])\n"
+               "    f['pressure'].dims[1].attach_scale(f['state'])\n");
+    check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
+}
+
+static void opens_elsewhere(void **state) {
+    (void)state;
+    need_python();
+    write_snapshots("moes.M: 12\n");
+    char command[256];
+    snprintf(command, sizeof command, "%s tests/pipeline/open_elsewhere.py %s > %s/out", python(),
+             path, folder);
+    int outcome = system(command);
+    if (outcome != 0) {
+        size_t size;
+        snprintf(command, sizeof command, "%s/out", folder);
+        unsigned char *out = slurp(command, &size);
+        fail_msg("%.*s", (int)size, (char *)out);
+    }
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(round_trip),
+        TEST(provenance),
+        TEST(long_texts),
+        TEST(misuse_is_internal),
+        TEST(output_names),
+        TEST(two_writers),
+        TEST(refuses_what_is_no_artefact),
+        TEST(refuses_what_does_not_fit),
+        TEST(damage_is_named),
+        TEST(fuzz),
+        TEST(failing_writes),
+        TEST(failure_is_remembered),
+        TEST(resume_after_kill),
+        TEST(resume_refuses_damage),
+        TEST(kill_before_stream),
+        TEST(attributes_after_streaming),
+        TEST(readable_while_it_grows),
+        TEST(foreign_file),
+        TEST(foreign_netcdf),
+        TEST(transposed_square_field),
+        TEST(opens_elsewhere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

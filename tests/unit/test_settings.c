@@ -1,0 +1,788 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scene and plan files: what is accepted, what is refused, and with which words. */
+#include "common/settings/scene.h"
+#include "common/settings/settings_table.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char good[] = "contact: line\n"
+                           "regime: stationary\n"
+                           "moes: {M: 12, L: 12}\n"
+                           "lubricant:\n"
+                           "  viscosity: {law: wlf, preset: no1}\n"
+                           "  density: {law: dowson-higginson}\n";
+
+// ---- helpers
+
+static ehd_status parse(scene *of, const char *text, ehd_error *error) {
+    return scene_parse(of, text, strlen(text), "s.yml", NULL, 0, error);
+}
+
+/* The text is refused with EHD_DATA and one line that contains `part`. */
+static void refuses(const char *text, const char *part) {
+    scene of;
+    ehd_error error = {""};
+    const ehd_status status = parse(&of, text, &error);
+    if (status != EHD_DATA || !strstr(error.text, part) || strchr(error.text, '\n'))
+        fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
+}
+
+/* The good scene with one line added, or with `key` set. */
+static void refuses_line(const char *line, const char *part) {
+    char text[1024];
+    snprintf(text, sizeof text, "%s%s\n", good, line);
+    refuses(text, part);
+}
+
+static void refuses_set(const char *override, const char *part) {
+    scene of;
+    ehd_error error = {""};
+    const ehd_status status = scene_parse(&of, good, strlen(good), "s.yml", &override, 1, &error);
+    if (status != EHD_DATA || !strstr(error.text, part))
+        fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
+}
+
+static void refuses_grid(const char *grid, const char *part) {
+    char line[256];
+    snprintf(line, sizeof line, "grid: {%s}", grid);
+    refuses_line(line, part);
+}
+
+static void refuses_viscosity(const char *viscosity, const char *part) {
+    char text[512];
+    snprintf(text, sizeof text,
+             "contact: line\nregime: stationary\nmoes: {M: 12, L: 12}\n"
+             "lubricant: {viscosity: {%s}}\n",
+             viscosity);
+    refuses(text, part);
+}
+
+static void accepts(scene *of, const char *text) {
+    ehd_error error = {""};
+    const ehd_status status = parse(of, text, &error);
+    if (status) fail_msg("status %d: %s", status, error.text);
+}
+
+// ---- a folder for files
+
+static char folder[] = "/tmp/ehdrom-settings-XXXXXX";
+
+static int make_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    char command[128];
+    (void)state;
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return system(command);
+}
+
+static const char *path_of(const char *name) {
+    static char path[128];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static void write_bytes(const char *name, const char *text, size_t length) {
+    FILE *file = fopen(path_of(name), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text, 1, length, file), length);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void write_file(const char *name, const char *text) {
+    write_bytes(name, text, strlen(text));
+}
+
+static void refuses_plan(const char *text, const char *part) {
+    plan of;
+    ehd_error error = {""};
+    write_file("plan.yml", text);
+    const ehd_status status = plan_read(&of, path_of("plan.yml"), NULL, 0, &error);
+    if (status != EHD_DATA || !strstr(error.text, part) || strchr(error.text, '\n'))
+        fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
+    assert_null(of.points);
+}
+
+static void accepts_plan(plan *of, const char *text) {
+    ehd_error error = {""};
+    write_file("plan.yml", text);
+    const ehd_status status = plan_read(of, path_of("plan.yml"), NULL, 0, &error);
+    if (status) fail_msg("status %d: %s", status, error.text);
+}
+
+// ---- scenes
+
+static void reads_a_scene_and_fills_defaults(void **state) {
+    scene of;
+    (void)state;
+    accepts(&of, good);
+    assert_string_equal(of.contact, "line");
+    assert_string_equal(of.regime, "stationary");
+    assert_string_equal(of.closure, "load");
+    assert_string_equal(of.lubricant.viscosity_law, "wlf");
+    assert_string_equal(of.lubricant.viscosity_preset, "no1");
+    assert_string_equal(of.lubricant.density_law, "dowson-higginson");
+    check_close(of.moes_M, 12, 0, 0);
+    check_close(of.moes_L, 12, 0, 0);
+    check_close(of.x_min, -4, 0, 0);
+    check_close(of.x_max, 2, 0, 0);
+    check_close(of.step, 0.005, 0, 0);
+    check_close(of.lubricant.temperature, 25, 0, 0);
+    assert_true(isnan(of.hertz_pressure) && isnan(of.load) && isnan(of.lubricant.alpha));
+    assert_int_equal(of.output_fields, -1);
+}
+
+static void reads_physical_numbers_and_every_law(void **state) {
+    scene of;
+    (void)state;
+    accepts(&of, "contact: line\nregime: stationary\n"
+                 "physical: {load: 2e5, radius: 0.01, speed: 1.5, modulus: 2.3e11, "
+                 "viscosity: 0.04}\n"
+                 "lubricant: {viscosity: {law: barus, alpha: 2e-8}}\noutput: {fields: false}\n");
+    check_close(of.load, 2e5, 0, 0);
+    check_close(of.viscosity, 0.04, 0, 0);
+    check_close(of.lubricant.alpha, 2e-8, 0, 0);
+    assert_true(isnan(of.moes_M) && isnan(of.lubricant.temperature));
+    assert_string_equal(of.lubricant.density_law, "incompressible");
+    assert_int_equal(of.output_fields, 0);
+    accepts(&of, "contact: line\nregime: stationary\nmoes.M: 5\nmoes.L: 0\n"
+                 "lubricant.viscosity: {law: roelands, eta0: 0.04, alpha: 2e-8}\n");
+    check_close(of.lubricant.eta0, 0.04, 0, 0);
+    accepts(&of, "contact: line\nregime: stationary\nmoes: {M: 5, L: 1}\n"
+                 "lubricant:\n  viscosity:\n    {law: wlf, A1: 19.17, A2: 4.07, B1: 0.23, "
+                 "B2: 0.0249, C1: 16.04, C2: 18.18, Tg0: -73.86, mu_g: 1e12, temperature: 40}\n");
+    check_close(of.lubricant.wlf[WLF_A1], 19.17, 0, 0);
+    check_close(of.lubricant.wlf[WLF_MU_G], 1e12, 0, 0);
+    check_close(of.lubricant.temperature, 40, 0, 0);
+}
+
+static void names_missing_keys(void **state) {
+    (void)state;
+    refuses("moes: {M: 12, L: 12}\n",
+            "s.yml: contact, regime, lubricant.viscosity.law: found nothing");
+    refuses("contact: line\nregime: stationary\nlubricant.viscosity: {law: wlf, preset: no1}\n",
+            "found neither moes nor physical");
+    refuses("contact: line\nregime: stationary\nmoes: {M: 1}\n"
+            "lubricant.viscosity: {law: wlf, preset: no1}\n",
+            "expected also moes.L");
+    refuses("contact: line\nregime: stationary\nphysical: {load: 1e5, radius: 0.01, speed: 1}\n"
+            "lubricant.viscosity: {law: wlf, preset: no1}\n",
+            "found 3 of its 5 keys, expected also physical.modulus, physical.viscosity");
+    refuses_line("physical: {load: 1e5}", "found moes and physical");
+}
+
+static void refuses_bad_numbers(void **state) {
+    static const char *const bad[] = {"1e-1O", "nan",  ".nan", "inf",  "-.inf", "1e999",
+                                      "''",    "0x10", "1_0",  "1,5",  "~",     "1 2",
+                                      "true",  "1e",   "--1",  "' 1'", "1e-999"};
+    char text[1024], expected[128];
+    (void)state;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        snprintf(text, sizeof text, "contact: line\nmoes:\n  M: %s\n", bad[i]);
+        refuses(text, "s.yml:3: moes.M: found ");
+    }
+    refuses("moes: {M: 1e-1O}",
+            "s.yml:1: moes.M: found 1e-1O, expected a number from 0.1 to 100000");
+    refuses("moes: {M: }", "moes.M: found nothing, expected a number");
+    refuses("hertz_pressure: 1",
+            "hertz_pressure: found 1, expected a number from 100000 to 2e+10 Pa");
+    refuses("hertz_pressure: \"1\\n2\"", "hertz_pressure: found 1?2, expected");
+    snprintf(text, sizeof text, "moes: {M: %0500d}", 1);
+    snprintf(expected, sizeof expected, "moes.M: found %060d..., expected", 0);
+    text[strlen(text) - 1] = 'x'; // no number any more, and the map stays open
+    strcat(text, "}");
+    refuses(text, expected);
+}
+
+static void refuses_numbers_out_of_range(void **state) {
+    (void)state;
+    for (const setting *row = scene_settings; row->key; row++) {
+        char number[64], text[256];
+        if (row->type != SETTING_REAL) continue;
+        const double excess[] = {row->least - fmax(1e-3 * fabs(row->least), 1e-3),
+                                 row->most + fmax(1e-3 * fabs(row->most), 1e-3)};
+        for (size_t i = 0; i < 2; i++) {
+            snprintf(number, sizeof number, "%.17g", excess[i]);
+            snprintf(text, sizeof text, "%s: %s\n", row->key, number);
+            refuses(text, row->key);
+        }
+    }
+}
+
+static void refuses_bad_choices_and_kinds(void **state) {
+    (void)state;
+    refuses("contact: point", "s.yml:1: contact: found point, expected line");
+    refuses("contact: ''", "contact: found nothing, expected line");
+    refuses("regime: transient", "regime: found transient, expected stationary");
+    refuses("closure: approach", "closure: found approach, expected load");
+    refuses("lubricant: {viscosity: {law: was}}",
+            "lubricant.viscosity.law: found was, expected barus|roelands|wlf");
+    refuses("lubricant: {viscosity: {law: roelands|wlf}}", "expected barus|roelands|wlf");
+    refuses("lubricant: {viscosity: {preset: no4}}", "found no4, expected no1|no2|no3");
+    refuses("output: {fields: yes}", "output.fields: found yes, expected true|false");
+    refuses("contact: [line]", "contact: found a list, expected a single value");
+    refuses("contact: {line: 1}", "contact: found a map, expected a single value");
+    refuses("moes: 12", "moes: found a value, expected keys below it: moes.M, moes.L");
+    refuses("- contact", "found a list, expected settings");
+    refuses("contact", "found contact, expected settings");
+}
+
+static void refuses_unknown_keys_and_names_the_nearest(void **state) {
+    (void)state;
+    refuses_line("hertz_presure: 1e9", "s.yml:7: hertz_presure: found an unknown key, "
+                                       "expected hertz_pressure (did you mean");
+    refuses_line("grid: {stp: 0.01}", "grid.stp: found an unknown key, expected grid.step");
+    refuses_line("Closure: load", "expected closure");
+    refuses_line("lubricant.alpha: 1e-8", "expected lubricant.viscosity.alpha");
+    refuses_line("transient: {}", "transient: found an unknown key");
+    refuses_line("nothing_like_it_at_all: 1", "expected one of those --help shows");
+    refuses_line("'': 1", "found an unknown key");
+    refuses_line("\"a\\nb\": 1", "a?b: found an unknown key");
+    refuses_line("grid: {x_min: {deeper: 1}}", "grid.x_min: found a map");
+}
+
+static void refuses_double_keys(void **state) {
+    (void)state;
+    refuses_line("contact: line",
+                 "s.yml:7: contact: found again, expected only once (first in line 1");
+    refuses_line("moes.M: 12", "s.yml:7: moes.M: found again, expected only once (first in line 3");
+    refuses_line("grid: {step: 0.01, step: 0.02}", "step: found again");
+}
+
+static void refuses_what_is_not_plain_yaml(void **state) {
+    static const char utf16[] = {'\xff', '\xfe', 'a', 0, ':', 0, ' ', 0, '1', 0};
+    char deep[256] = "a: ", wide[8192] = "";
+    scene of;
+    ehd_error error;
+    (void)state;
+    refuses("", "found no settings");
+    refuses("# only a comment\n", "found no settings");
+    refuses("---\n", "found nothing, expected settings");
+    refuses("contact: &x line", "s.yml:1: found an anchor");
+    refuses("contact: line\nregime: *x", "s.yml:2: found an alias");
+    refuses("contact: !!str line", "found a tag");
+    refuses("moes: !m {M: 1}", "found a tag");
+    refuses("moes: &m {M: 1}", "found an anchor");
+    refuses("contact: line\n---\nregime: stationary\n", "s.yml:2: found a second YAML document");
+    refuses("contact: line\nmoes:\n\tM: 12\n", "s.yml:3: found a tab, expected spaces");
+    refuses("contact: line: 1\n", "s.yml:1: found malformed YAML");
+    refuses("moes: {M: 1\n", "found malformed YAML");
+    refuses("moes: {M: 1, [L]: 2}\n", "found a map or list as key");
+    refuses("contact: line\nregime: \xff\n", "s.yml:2: found bytes that are no text");
+    refuses("\xff\xfe"
+            "c",
+            "found bytes that are no text");
+    assert_int_equal(scene_parse(&of, utf16, sizeof utf16, "s.yml", NULL, 0, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "s.yml:1: found bytes that are no text"));
+    refuses("contact: \"a\\0b\"\n", "found a zero byte");
+    memset(deep + 3, '[', 100);
+    refuses(deep, "found more than 16 maps and lists inside");
+    for (int i = 0; i < 300; i++)
+        snprintf(wide + strlen(wide), sizeof wide - strlen(wide), "k%d: 1\n", i);
+    refuses(wide, "found more than 256 keys");
+}
+
+static void refuses_keys_that_the_law_lacks_or_ignores(void **state) {
+    static const char constants[] = "A1: 19.17, A2: 4.07, B1: 0.23, B2: 0.0249, C1: 16.04, "
+                                    "C2: 18.18, Tg0: -73.86";
+    char text[256];
+    (void)state;
+    refuses_viscosity("law: barus", "s.yml:4: lubricant.viscosity.alpha: found nothing, "
+                                    "expected a value with the law barus");
+    refuses_viscosity("law: roelands, alpha: 1e-8", "lubricant.viscosity.eta0: found nothing");
+    refuses_viscosity("law: roelands",
+                      "lubricant.viscosity.alpha, lubricant.viscosity.eta0: found");
+    refuses_viscosity("law: wlf", "found neither preset nor constants");
+    refuses_viscosity("law: wlf, preset: no1, C1: 16", "found preset and constants");
+    snprintf(text, sizeof text, "law: wlf, %s", constants);
+    refuses_viscosity(text, "expected also lubricant.viscosity.mu_g");
+    refuses_viscosity("law: wlf, preset: no1, alpha: 1e-8",
+                      "s.yml:4: lubricant.viscosity.alpha: found a value, expected none with the "
+                      "law wlf");
+    refuses_viscosity("law: barus, alpha: 1e-8, eta0: 0.1", "lubricant.viscosity.eta0: found a");
+    refuses_viscosity("law: barus, alpha: 1e-8, temperature: 25", "temperature: found a value");
+    refuses_viscosity("law: barus, alpha: 1e-8, preset: no1", "preset: found a value");
+    refuses_viscosity("law: roelands, alpha: 1e-8, eta0: 0.1, B1: 1", "B1: found a value");
+}
+
+static void refuses_grids_that_do_not_fit(void **state) {
+    scene of;
+    char text[512];
+    (void)state;
+    refuses_grid("x_min: -1", "s.yml:7: grid.x_min: found -1, expected less than -1");
+    refuses_grid("x_max: 1", "grid.x_max: found 1, expected more than 1");
+    refuses_grid("step: 0.007", "grid.step: found 0.007, expected a whole number of steps from -4 "
+                                "to 2, such as with 0.0070011668611435");
+    refuses_grid("step: 0.2", "grid.step: found 0.2, expected a number from 1e-06 to 0.125");
+    refuses_grid("step: 0", "grid.step: found 0, expected a number");
+    refuses_grid("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
+    refuses_grid("x_max: 2.00001", "expected a whole number of steps");
+    // the nearest whole number, 48, would make the step too wide
+    refuses_grid("x_max: 2.04, step: 0.125", "such as with 0.1232653061224");
+    // in binary 5.6 is not exactly 2800 times 0.002, but within the tolerance
+    snprintf(text, sizeof text, "%sgrid: {x_max: 1.6, step: 0.002}\n", good);
+    accepts(&of, text);
+    snprintf(text, sizeof text, "%sgrid: {step: 0.125}\n", good);
+    accepts(&of, text);
+}
+
+static void overrides_come_after_the_file(void **state) {
+    static const char *const overrides[] = {"moes.M=20", "grid.step=0.01", "moes.M=25"};
+    scene of;
+    ehd_error error;
+    (void)state;
+    assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 3, &error), EHD_OK);
+    check_close(of.moes_M, 25, 0, 0);
+    check_close(of.step, 0.01, 0, 0);
+    refuses_set("moes.M=1e6", "--set: moes.M: found 1e6, expected a number from 0.1 to 100000");
+    refuses_set("moes.M=", "--set: moes.M: found nothing");
+    refuses_set("moes.N=1", "--set: moes.N: found an unknown key, expected moes.M");
+    refuses_set("moes=1", "expected keys below it: moes.M, moes.L");
+    refuses_set("moes.M", "--set: found moes.M, expected KEY=VALUE");
+    refuses_set("grid.step=0.007", "--set: grid.step: found 0.007, expected a whole number");
+    refuses_set("lubricant.viscosity.law=barus", "expected none with the law barus");
+}
+
+static void scene_set_sets_one_key(void **state) {
+    scene of;
+    ehd_error error;
+    (void)state;
+    scene_defaults(&of);
+    assert_true(isnan(of.moes_M) && isnan(of.lubricant.temperature));
+    check_close(of.step, 0.005, 0, 0);
+    assert_int_equal(scene_set(&of, "contact", "line", "here", &error), EHD_OK);
+    assert_int_equal(scene_set(&of, "regime", "stationary", "here", &error), EHD_OK);
+    assert_int_equal(scene_set(&of, "moes.M", "12", "here", &error), EHD_OK);
+    assert_int_equal(scene_set(&of, "moes.L", "-0", "here", &error), EHD_OK);
+    assert_false(signbit(of.moes_L));
+    assert_int_equal(scene_set(&of, "lubricant.viscosity.law", "wlf", "here", &error), EHD_OK);
+    assert_int_equal(scene_set(&of, "lubricant.viscosity.preset", "no2", "here", &error), EHD_OK);
+    assert_int_equal(scene_set(&of, "moes.M", "x", "here", &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "here: moes.M: found x"));
+    check_close(of.moes_M, 12, 0, 0);
+    assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
+    of.step = NAN;
+    assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
+    scene_complete(&of);
+    check_close(of.lubricant.temperature, 25, 0, 0);
+}
+
+static void text_round_trips(void **state) {
+    scene of, again;
+    (void)state;
+    accepts(&of, "contact: line\nregime: stationary\n"
+                 "physical: {load: 123456.78901234567, radius: 0.1, speed: 0.3333333333333333, "
+                 "modulus: 2.3e11, viscosity: 4.000000000000001e-2}\n"
+                 "hertz_pressure: 0.70e9\noutput: {fields: true}\n"
+                 "lubricant: {viscosity: {law: roelands, alpha: 1.7e-8, eta0: 0.04}}\n");
+    char *text = scene_text(&of);
+    accepts(&again, text);
+    char *second = scene_text(&again);
+    assert_string_equal(text, second);
+    check_close(again.load, 123456.78901234567, 0, 0);
+    check_close(again.speed, 0.3333333333333333, 0, 0);
+    check_close(again.viscosity, 4.000000000000001e-2, 0, 0);
+    assert_non_null(strstr(text, "hertz_pressure: 700000000\n"));
+    assert_non_null(strstr(text, "grid.step: 0.005\n"));
+    assert_non_null(strstr(text, "output.fields: true\n"));
+    assert_null(strstr(text, "moes"));
+    free(text);
+    free(second);
+}
+
+static void refuses_files_that_cannot_be_read(void **state) {
+    scene of;
+    ehd_error error;
+    (void)state;
+    assert_int_equal(scene_read(&of, path_of("missing.yml"), NULL, 0, &error), EHD_NOINPUT);
+    assert_non_null(strstr(error.text, "missing.yml: found nothing (No such file"));
+    assert_int_equal(scene_read(&of, folder, NULL, 0, &error), EHD_NOINPUT);
+    assert_non_null(strstr(error.text, "found a folder, expected a file"));
+    assert_int_equal(scene_read(&of, "", NULL, 0, &error), EHD_NOINPUT);
+    assert_int_equal(scene_read(&of, "/dev/zero", NULL, 0, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "found more than 16777216 bytes"));
+    write_file("empty.yml", "");
+    assert_int_equal(scene_read(&of, path_of("empty.yml"), NULL, 0, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "empty.yml:1: found no settings"));
+    write_file("good.yml", good);
+    assert_int_equal(scene_read(&of, path_of("good.yml"), NULL, 0, &error), EHD_OK);
+    check_close(of.moes_M, 12, 0, 0);
+    // a file longer than one read
+    char *text = calloc(1, 40000);
+    assert_non_null(text);
+    memset(text, '#', 30000);
+    sprintf(text + 30000, "\n%s", good);
+    write_file("long.yml", text);
+    free(text);
+    assert_int_equal(scene_read(&of, path_of("long.yml"), NULL, 0, &error), EHD_OK);
+}
+
+// ---- the table
+
+static void defaults_of_the_table_are_valid(void **state) {
+    scene of;
+    ehd_error error;
+    (void)state;
+    for (const setting *row = scene_settings; row->key; row++) {
+        assert_true(setting_find(row->key) == row && !setting_is_group(row->key));
+        assert_true(strlen(row->key) < MAX_KEY);
+        if (row->fallback)
+            assert_int_equal(scene_set(&of, row->key, row->fallback, "", &error), EHD_OK);
+        // texts are as short as the scene's strings, with their zero
+        const char *choice = row->choices;
+        for (size_t length; choice && (length = strcspn(choice, "|")) > 0;) {
+            assert_true(length < row->size);
+            choice += length + (choice[length] == '|');
+        }
+    }
+}
+
+static void schema_page_shows_the_table(void **state) {
+    char *printed = NULL, page[32768];
+    size_t length = 0;
+    (void)state;
+    FILE *stream = open_memstream(&printed, &length);
+    scene_print_markdown(stream);
+    assert_int_equal(fclose(stream), 0);
+    FILE *file = fopen("schemas/scene.md", "r");
+    assert_non_null(file);
+    page[fread(page, 1, sizeof page - 1, file)] = '\0';
+    fclose(file);
+    char *start = strstr(page, "<!-- table -->\n");
+    assert_non_null(start);
+    start += strlen("<!-- table -->\n");
+    char *end = strstr(start, "<!-- end -->");
+    assert_non_null(end);
+    *end = '\0';
+    assert_string_equal(start, printed);
+    free(printed);
+}
+
+static void help_shows_every_key(void **state) {
+    char *printed = NULL;
+    size_t length = 0;
+    (void)state;
+    FILE *stream = open_memstream(&printed, &length);
+    scene_print_help(stream);
+    assert_int_equal(fclose(stream), 0);
+    for (const setting *row = scene_settings; row->key; row++)
+        assert_non_null(strstr(printed, row->key));
+    free(printed);
+}
+
+// ---- plans
+
+static void plan_combines_a_grid(void **state) {
+    plan of;
+    (void)state;
+    write_file("scene.yml", good);
+    accepts_plan(&of, "groups:\n"
+                      "  - scene: scene.yml\n"
+                      "    vary: {moes.M: [5, 8, 10], moes.L: [1, 3]}\n"
+                      "    where: {alpha_p_H: [0, 80]}\n"
+                      "  - scene: {contact: line, regime: stationary, moes: {M: 7, L: 0},\n"
+                      "            lubricant: {viscosity: {law: barus, alpha: 1e-8}}}\n");
+    assert_int_equal(of.num_points, 7);
+    assert_int_equal(of.num_groups, 2);
+    const double moes_M[] = {5, 5, 8, 8, 10, 10, 7}, moes_L[] = {1, 3, 1, 3, 1, 3, 0};
+    for (size_t i = 0; i < 7; i++) {
+        check_close(of.points[i].scene.moes_M, moes_M[i], 0, 0);
+        check_close(of.points[i].scene.moes_L, moes_L[i], 0, 0);
+        assert_int_equal(of.points[i].group, i == 6);
+    }
+    assert_string_equal(of.points[6].scene.lubricant.viscosity_law, "barus");
+    check_close_array(of.where_bounds[0], ((double[]){0, 80}), 2, 0, 0);
+    check_close_array(of.where_bounds[1], ((double[]){-INFINITY, INFINITY}), 2, 0, 0);
+    plan_free(&of);
+    assert_null(of.points);
+}
+
+static void plan_takes_lists_together(void **state) {
+    plan of;
+    (void)state;
+    write_file("scene.yml", good);
+    accepts_plan(&of, "groups:\n- scene: scene.yml\n  combine: list\n"
+                      "  vary: {M: [5, 8, 10], L: [1, 3, 4]}\n");
+    assert_int_equal(of.num_points, 3);
+    check_close(of.points[1].scene.moes_M, 8, 0, 0);
+    check_close(of.points[2].scene.moes_L, 4, 0, 0);
+    plan_free(&of);
+    refuses_plan("groups:\n- scene: scene.yml\n  combine: list\n"
+                 "  vary: {moes.M: [5, 8, 10], moes.L: [1, 3]}\n",
+                 "found 3 values of moes.M and 2 of moes.L");
+}
+
+static void plan_reads_csv_points(void **state) {
+    static const char text[] = "groups:\n- scene: scene.yml\n  points: sub/points.csv\n";
+    plan of;
+    (void)state;
+    write_file("scene.yml", good);
+    mkdir(path_of("sub"), 0700);
+    write_file("sub/points.csv", "\xef\xbb\xbfM, moes.L\r\n50,1\r\n\r\n58 ,3\r\n");
+    accepts_plan(&of, text);
+    assert_int_equal(of.num_points, 2);
+    check_close(of.points[1].scene.moes_M, 58, 0, 0);
+    check_close(of.points[1].scene.moes_L, 3, 0, 0);
+    plan_free(&of);
+    write_file("sub/points.csv", "M,L\n50,1\n60\n");
+    refuses_plan(text, "sub/points.csv:3: found 1 column, expected 2");
+    write_file("sub/points.csv", "M,L\n50,1,2\n");
+    refuses_plan(text, "sub/points.csv:2: found 3 columns, expected 2");
+    write_file("sub/points.csv", "M,L\n50,1\n\n51,1O\n");
+    refuses_plan(text, "sub/points.csv:4: moes.L: found 1O, expected a number");
+    write_file("sub/points.csv", "M,L\n50,\n");
+    refuses_plan(text, "sub/points.csv:2: moes.L: found nothing");
+    write_file("sub/points.csv", "M,moes.M\n50,1\n");
+    refuses_plan(text, "sub/points.csv:1: moes.M: found again");
+    write_file("sub/points.csv", "M,Q\n50,1\n");
+    refuses_plan(text, "sub/points.csv:1: Q: found an unknown key");
+    write_file("sub/points.csv", "M,law\n50,1\n");
+    refuses_plan(text, "sub/points.csv:1: law: found an unknown key");
+    write_file("sub/points.csv", "M,L\n");
+    refuses_plan(text, "sub/points.csv: found a header only");
+    write_file("sub/points.csv", "");
+    refuses_plan(text, "sub/points.csv: found an empty file");
+    write_bytes("sub/points.csv", "M,L\n5\0000,1\n", 11);
+    refuses_plan(text, "sub/points.csv:2: found a zero byte");
+}
+
+static void plan_names_files_that_are_missing(void **state) {
+    plan of;
+    ehd_error error;
+    (void)state;
+    write_file("scene.yml", good);
+    assert_int_equal(plan_read(&of, path_of("missing.yml"), NULL, 0, &error), EHD_NOINPUT);
+    write_file("plan.yml", "groups:\n- scene: no-scene.yml\n");
+    assert_int_equal(plan_read(&of, path_of("plan.yml"), NULL, 0, &error), EHD_NOINPUT);
+    assert_non_null(strstr(error.text, path_of("no-scene.yml")));
+    write_file("plan.yml", "groups:\n- scene: scene.yml\n  points: no-points.csv\n");
+    assert_int_equal(plan_read(&of, path_of("plan.yml"), NULL, 0, &error), EHD_NOINPUT);
+    assert_non_null(strstr(error.text, "no-points.csv: found nothing"));
+}
+
+static void plan_refuses_bad_groups(void **state) {
+    (void)state;
+    write_file("scene.yml", good);
+    refuses_plan("groups: []\n", "plan.yml:1: groups: found none");
+    refuses_plan("groups:\n", "groups: found none");
+    refuses_plan("groups: {scene: scene.yml}\n", "groups: found none");
+    refuses_plan("groups:\n- scene.yml\n", "plan.yml:2: groups: found scene.yml, expected a map");
+    refuses_plan("groups:\n- scene: scene.yml\nmore: 1\n",
+                 "plan.yml:3: more: found an unknown key");
+    refuses_plan("groups:\n- vary: {moes.M: [1]}\n", "scene: found nothing");
+    refuses_plan("groups:\n- scene: [1]\n", "scene: found a list");
+    refuses_plan("groups:\n- scene: ''\n", "scene: found nothing");
+    refuses_plan("groups:\n- scene: scene.yml\n  varry: {}\n",
+                 "plan.yml:3: varry: found an unknown");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: [1]\n", "vary: found a list");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: 5}\n",
+                 "moes.M: found 5, expected a");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: []}\n",
+                 "moes.M: found an empty list");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [[1]]}\n", "moes.M: found a list");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.X: [1]}\n", "expected moes.M");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [1], M: [2]}\n",
+                 "moes.M: found again");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [1]}\n  combine: all\n",
+                 "plan.yml:4: combine: found all, expected grid|list");
+    refuses_plan("groups:\n- scene: scene.yml\n  combine: grid\n",
+                 "combine: found it without vary");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [1]}\n  points: p.csv\n",
+                 "points: found points and vary");
+    refuses_plan("groups:\n- scene: scene.yml\n  points: [1]\n", "points: found a list");
+    refuses_plan("groups:\n- scene: scene.yml\n  where: {p_H: [0, 1]}\n",
+                 "p_H: found an unknown key");
+    refuses_plan("groups:\n- scene: scene.yml\n  where: {alpha_p_H: 3}\n",
+                 "expected [lowest, highest]");
+    refuses_plan("groups:\n- scene: scene.yml\n  where: {alpha_p_H: [3, 1]}\n", "found 3 above 1");
+    refuses_plan("groups:\n- scene: scene.yml\n  where: {alpha_p_H: [0, x]}\n",
+                 "found x, expected a");
+    refuses_plan("just text\n", "found just text, expected settings");
+}
+
+static void plan_refuses_bad_points_with_their_values(void **state) {
+    (void)state;
+    write_file("scene.yml", good);
+    refuses_plan("groups:\n- scene: scene.yml\n  vary:\n    moes.M: [5, 6]\n    moes.L: [1, 1e3]\n",
+                 "plan.yml:5: moes.L: found 1e3, expected a number from 0 to 100");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [5], grid.step: [0.01, 0.007]}\n",
+                 "plan.yml: point moes.M=5, grid.step=0.007: ");
+    refuses_plan("groups:\n- scene: {contact: line}\n  vary: {moes.M: [5]}\n",
+                 "regime, lubricant.viscosity.law: found nothing");
+    write_file("bad.yml", "contact: line\nregime: never\n");
+    refuses_plan("groups:\n- scene: bad.yml\n", "bad.yml:2: regime: found never");
+    write_file("list.yml", "- 1\n");
+    refuses_plan("groups:\n- scene: list.yml\n", "list.yml:1: found a list, expected settings");
+}
+
+static void plan_refuses_too_many_points(void **state) {
+    char text[16384] = "groups:\n- scene: scene.yml\n  vary:\n";
+    static const char *const keys[] = {"moes.M", "moes.L", "hertz_pressure"};
+    (void)state;
+    write_file("scene.yml", good);
+    for (size_t k = 0; k < 3; k++) {
+        snprintf(text + strlen(text), 64, "    %s: [1", keys[k]);
+        for (int i = 2; i <= 101; i++)
+            snprintf(text + strlen(text), 16, ", %d", i);
+        strcat(text, "]\n");
+    }
+    refuses_plan(text, "plan.yml:2: groups: found more than 1000000 points");
+}
+
+static void a_scene_is_a_plan_of_one_point(void **state) {
+    static const char *const overrides[] = {"moes.M=20"};
+    plan of;
+    ehd_error error;
+    (void)state;
+    write_file("scene.yml", good);
+    assert_int_equal(plan_read(&of, path_of("scene.yml"), overrides, 1, &error), EHD_OK);
+    assert_int_equal(of.num_points, 1);
+    assert_int_equal(of.num_groups, 1);
+    check_close(of.points[0].scene.moes_M, 20, 0, 0);
+    check_close_array(of.where_bounds[0], ((double[]){-INFINITY, INFINITY}), 2, 0, 0);
+    plan_free(&of);
+}
+
+static void plan_overrides_act_on_every_scene(void **state) {
+    static const char *const step[] = {"grid.step=0.01"}, *const varied[] = {"moes.M=20"};
+    plan of;
+    ehd_error error;
+    (void)state;
+    write_file("scene.yml", good);
+    write_file("plan.yml", "groups:\n- scene: scene.yml\n  vary: {moes.M: [5, 6]}\n");
+    assert_int_equal(plan_read(&of, path_of("plan.yml"), step, 1, &error), EHD_OK);
+    check_close(of.points[1].scene.step, 0.01, 0, 0);
+    plan_free(&of);
+    assert_int_equal(plan_read(&of, path_of("plan.yml"), varied, 1, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "--set: moes.M: found a key that"));
+}
+
+static void plan_keeps_the_first_of_equal_points(void **state) {
+    plan of;
+    (void)state;
+    write_file("scene.yml", good);
+    accepts_plan(&of, "groups:\n"
+                      "- {scene: scene.yml, vary: {M: [9, 5, 5.0, 6, 9]}}\n"
+                      "- {scene: scene.yml, vary: {M: [7, 6]}}\n"
+                      "- {scene: scene.yml, vary: {M: [6]}, where: {alpha_p_H: [0, 1]}}\n");
+    assert_int_equal(of.num_points, 5);
+    const double moes_M[] = {9, 5, 6, 7, 6};
+    const size_t group[] = {0, 0, 0, 1, 2};
+    for (size_t i = 0; i < 5; i++) {
+        check_close(of.points[i].scene.moes_M, moes_M[i], 0, 0);
+        assert_int_equal(of.points[i].group, group[i]);
+    }
+    plan_free(&of);
+}
+
+/* The text of a plan of one group. */
+static char *text_of_plan(const char *group) {
+    char yaml[256];
+    plan of;
+    snprintf(yaml, sizeof yaml, "groups: [{scene: scene.yml, %s}]\n", group);
+    accepts_plan(&of, yaml);
+    char *text = of.text;
+    of.text = NULL;
+    plan_free(&of);
+    return text;
+}
+
+static void plan_text_identifies_the_plan(void **state) {
+    static const char *const others[] = {"vary: {M: [5, 7]}", "vary: {M: [6, 5]}", "vary: {M: [5]}",
+                                         "vary: {L: [5, 6]}",
+                                         "vary: {M: [5, 6]}, where: "
+                                         "{alpha_p_H: [0, 1]}"};
+    (void)state;
+    write_file("scene.yml", good);
+    char *text = text_of_plan("vary: {M: [5, 6]}");
+    char *same = text_of_plan("vary: {moes.M: [5.0, 6e0]}");
+    assert_string_equal(text, same);
+    assert_non_null(strstr(text, "contact: line\n"));
+    assert_non_null(strstr(text, "# point 1\nmoes.M: 6\n"));
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        char *other = text_of_plan(others[i]);
+        assert_string_not_equal(text, other);
+        free(other);
+    }
+    free(text);
+    free(same);
+}
+
+// ---- memory
+
+static void survives_failing_allocations(void **state) {
+    scene read;
+    plan of;
+    ehd_error error;
+    ehd_status status;
+    size_t call = 0;
+    (void)state;
+    write_file("scene.yml", good);
+    write_file("points.csv", "M,L\n50,1\n51,2\n");
+    write_file("plan.yml", "groups:\n- {scene: scene.yml, points: points.csv}\n"
+                           "- {scene: scene.yml, vary: {M: [1, 2]}}\n");
+    for (bool failed = true; failed; call++) {
+        error.text[0] = '\0';
+        allocation_fail_at(call);
+        status = plan_read(&of, path_of("plan.yml"), NULL, 0, &error);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+        if (failed) assert_non_null(strstr(error.text, "found no memory"));
+        plan_free(&of);
+    }
+    assert_true(call > 20);
+    call = 0;
+    for (bool failed = true; failed; call++) {
+        allocation_fail_at(call);
+        status = scene_read(&read, path_of("scene.yml"), NULL, 0, NULL);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+    }
+    assert_true(call > 10);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_a_scene_and_fills_defaults),
+        cmocka_unit_test(reads_physical_numbers_and_every_law),
+        cmocka_unit_test(names_missing_keys),
+        cmocka_unit_test(refuses_bad_numbers),
+        cmocka_unit_test(refuses_numbers_out_of_range),
+        cmocka_unit_test(refuses_bad_choices_and_kinds),
+        cmocka_unit_test(refuses_unknown_keys_and_names_the_nearest),
+        cmocka_unit_test(refuses_double_keys),
+        cmocka_unit_test(refuses_what_is_not_plain_yaml),
+        cmocka_unit_test(refuses_keys_that_the_law_lacks_or_ignores),
+        cmocka_unit_test(refuses_grids_that_do_not_fit),
+        cmocka_unit_test(overrides_come_after_the_file),
+        cmocka_unit_test(scene_set_sets_one_key),
+        cmocka_unit_test(text_round_trips),
+        cmocka_unit_test(refuses_files_that_cannot_be_read),
+        cmocka_unit_test(defaults_of_the_table_are_valid),
+        cmocka_unit_test(schema_page_shows_the_table),
+        cmocka_unit_test(help_shows_every_key),
+        cmocka_unit_test(plan_combines_a_grid),
+        cmocka_unit_test(plan_takes_lists_together),
+        cmocka_unit_test(plan_reads_csv_points),
+        cmocka_unit_test(plan_names_files_that_are_missing),
+        cmocka_unit_test(plan_refuses_bad_groups),
+        cmocka_unit_test(plan_refuses_bad_points_with_their_values),
+        cmocka_unit_test(plan_refuses_too_many_points),
+        cmocka_unit_test(a_scene_is_a_plan_of_one_point),
+        cmocka_unit_test(plan_overrides_act_on_every_scene),
+        cmocka_unit_test(plan_keeps_the_first_of_equal_points),
+        cmocka_unit_test(plan_text_identifies_the_plan),
+        cmocka_unit_test(survives_failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
