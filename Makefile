@@ -214,7 +214,8 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(WRAP) -lcmocka $(ALL_LIBS)
 
-$(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(LIB)
+$(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
+                             $(BUILD)/tests/unit/sample.o $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

@@ -6,7 +6,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Hertz pressure, and the film it leaves when the estimated central film is added. */
+/* Times the estimate: Newton comes down from a film that is too thick in a few steps, while one that is
+ * too thin at the contact's edges is driven to zero there. */
+static const double START_FILM = 2;
+
+/* Hertz pressure, and the film it leaves on top of which stands the estimated central film. */
 static void start_dry(full_state *state, full_solver *solver, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
 
@@ -24,7 +28,8 @@ static void start_dry(full_state *state, full_solver *solver, const ehd_contact 
     state->rigid_approach = 0;
     full_film(state, solver);
     double level = full_evaluate_scalars(state, contact).central_film_thickness;
-    state->rigid_approach = contact->kind->central_film(contact->moes_M, contact->moes_L) - level;
+    state->rigid_approach =
+        START_FILM * contact->kind->central_film(contact->moes_M, contact->moes_L) - level;
 }
 
 static void add_effort(full_info *total, const full_info *part) {

@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The linear systems of Newton: the exact Jacobian by rows and FFT, preconditioned by UMFPACK on a
- * sparse Jacobian in which the kernel is its shifted near field (model.md, section 3). */
+ * sparse Jacobian in which the kernel is its shifted near field (model.md, section 3).
+ *
+ * The sparse Jacobian is a band B, bordered by the column c of H0 and the load row, all ones. Only the
+ * band is factorised, for with a full row in it UMFPACK's analysis takes O(n^2); the border follows
+ * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero), which
+ * keeps the band away from singular. */
 #include "fullrun/gmres.h"
 
 #include <cblas.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <umfpack.h>
@@ -17,7 +23,10 @@ struct gmres_workspace {
     double *vector;   // [size]
     double *spread;   // [size + 1] a vector on all grid nodes
     double *response; // [size + 1] its deflection
-    // sparse Jacobian by rows, which UMFPACK sees as the columns of the transpose
+    double *approach; // [size] c, the column of H0
+    double *border;   // [size] w = B^-1 c
+    double border_sum;
+    // B by rows, which UMFPACK sees as the columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
@@ -32,6 +41,8 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
         free(self->vector);
         free(self->spread);
         free(self->response);
+        free(self->approach);
+        free(self->border);
         free(self->row_start);
         free(self->column);
         free(self->value);
@@ -46,19 +57,22 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     gmres_workspace *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     size_t size = self->size = grid->num_inner + 1;
-    // a row holds its stencil widened by the near field, and the column of H0; the last row is full
-    self->capacity = size * (2 * near_field + NUM_STENCIL + 2) + size;
+    // a row holds its stencil widened by the near field
+    self->capacity = size * (2 * near_field + NUM_STENCIL);
     self->krylov = malloc((MOST_ITERATIONS + 1) * size * sizeof(double));
     self->vector = malloc(size * sizeof(double));
     self->spread = calloc(size + 1, sizeof(double));
     self->response = malloc((size + 1) * sizeof(double));
+    self->approach = malloc(size * sizeof(double));
+    self->border = malloc(size * sizeof(double));
     self->row_start = malloc((size + 1) * sizeof(int));
     self->column = malloc(self->capacity * sizeof(int));
     self->value = malloc(self->capacity * sizeof(double));
     self->solve_work = malloc(5 * size * sizeof(double));
     self->solve_index = malloc(size * sizeof(int));
-    if (!self->krylov || !self->vector || !self->spread || !self->response || !self->row_start ||
-        !self->column || !self->value || !self->solve_work || !self->solve_index)
+    if (!self->krylov || !self->vector || !self->spread || !self->response || !self->approach ||
+        !self->border || !self->row_start || !self->column || !self->value || !self->solve_work ||
+        !self->solve_index)
         return gmres_workspace_free(self);
     return self;
 }
@@ -88,8 +102,9 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
     y[num_passive] = sum; // the load row h sum P, scaled by 1/h
 }
 
-/* Row r of the sparse Jacobian: stencil and near field. */
-static int fill_near_row(int *column, double *value, const full_system *system, size_t r) {
+/* Row r of the band, stencil and near field, and of the column of H0. Returns the band's entries. */
+static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
+                         size_t r) {
     const reynolds_row *row = &system->rows[r];
     const reynolds_stencil *stencil = &system->stencils[r];
     const double *kernel = deflection_kernel(system->deflection);
@@ -98,8 +113,9 @@ static int fill_near_row(int *column, double *value, const full_system *system, 
     ptrdiff_t here = (ptrdiff_t)r + 1;
     ptrdiff_t first = here - 2 - m < 1 ? 1 : here - 2 - m;
     ptrdiff_t last = here + 1 + m > num_passive ? num_passive : here + 1 + m;
-    double approach = 0, scale = system->row_scale[r];
+    double scale = system->row_scale[r];
 
+    *approach = 0;
     for (ptrdiff_t node = first; node <= last; node++) {
         column[node - first] = (int)(node - 1);
         value[node - first] = 0;
@@ -113,12 +129,9 @@ static int fill_near_row(int *column, double *value, const full_system *system, 
         for (ptrdiff_t j = low; j <= high; j++)
             value[j - first] += by_film * (kernel[labs(j - node)] - far);
         if (node >= 1 && node <= num_passive) value[node - first] += row->by_pressure[a] * scale;
-        approach += by_film;
+        *approach += by_film;
     }
-    int count = (int)(last - first + 1);
-    column[count] = (int)num_passive;
-    value[count] = approach;
-    return count + 1;
+    return (int)(last - first + 1);
 }
 
 static void assemble_near_field(full_system *system) {
@@ -128,25 +141,21 @@ static void assemble_near_field(full_system *system) {
 
     for (size_t r = 0; r < num_passive; r++) {
         work->row_start[r] = count;
-        count += fill_near_row(work->column + count, work->value + count, system, r);
+        count +=
+            fill_near_row(work->column + count, work->value + count, work->approach + r, system, r);
     }
     work->row_start[num_passive] = count;
-    for (size_t r = 0; r < num_passive; r++) {
-        work->column[count] = (int)r;
-        work->value[count++] = 1;
-    }
-    work->row_start[num_passive + 1] = count;
 }
 
-/* Factors of the near-field Jacobian; NULL when singular or out of memory. */
+/* Factors of the band; NULL when singular or out of memory. */
 static void *factorise(const full_system *system, double *control) {
     const gmres_workspace *work = system->workspace;
-    int size = (int)system->exit;
+    int size = (int)system->exit - 1;
     void *symbolic = NULL, *numeric = NULL;
 
     umfpack_di_defaults(control);
-    // a band with one full row and column: the natural order has the least fill, and a preconditioner
-    // can do with weak pivoting, which keeps it
+    // the natural order of a band has the least fill, and a preconditioner can do with weak pivoting,
+    // which keeps it
     control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
     control[UMFPACK_ORDERING] = UMFPACK_ORDERING_NONE;
     control[UMFPACK_PIVOT_TOLERANCE] = 1e-3;
@@ -161,13 +170,39 @@ static void *factorise(const full_system *system, double *control) {
     return numeric;
 }
 
+/* y = B^-1 x on the passive rows; false when UMFPACK cannot. */
+static bool solve_band(double *y, const double *x, gmres_workspace *work, void *numeric,
+                       const double *control) {
+    // the rows were stored, so UMFPACK's matrix is the transpose
+    return umfpack_di_wsolve(UMFPACK_Aat, work->row_start, work->column, work->value, y, x, numeric,
+                             control, NULL, work->solve_index, work->solve_work) == UMFPACK_OK;
+}
+
+/* w = B^-1 c and its sum, which is the load's answer to the approach; false when singular. */
+static bool solve_border(const full_system *system, void *numeric, const double *control) {
+    gmres_workspace *work = system->workspace;
+
+    if (!solve_band(work->border, work->approach, work, numeric, control)) return false;
+    work->border_sum = 0;
+    for (size_t r = 0; r + 1 < system->exit; r++)
+        work->border_sum += work->border[r];
+    return isfinite(work->border_sum) && work->border_sum != 0;
+}
+
+/* y = [B c; 1 0]^-1 x. */
 static void precondition(double *y, const double *x, const full_system *system, void *numeric,
                          const double *control) {
     gmres_workspace *work = system->workspace;
+    size_t num_passive = system->exit - 1;
+    double sum = 0;
 
-    // the rows were stored, so UMFPACK's matrix is the transpose
-    umfpack_di_wsolve(UMFPACK_Aat, work->row_start, work->column, work->value, y, x, numeric,
-                      control, NULL, work->solve_index, work->solve_work);
+    solve_band(y, x, work, numeric, control);
+    for (size_t r = 0; r < num_passive; r++)
+        sum += y[r];
+    double approach = (sum - x[num_passive]) / work->border_sum;
+    for (size_t r = 0; r < num_passive; r++)
+        y[r] -= approach * work->border[r];
+    y[num_passive] = approach;
 }
 
 /* The small least-squares problem of GMRES, kept triangular by Givens rotations. */
@@ -215,8 +250,10 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
 
     assemble_near_field(system);
     void *numeric = factorise(system, control);
-    if (!numeric)
+    if (!numeric || !solve_border(system, numeric, control)) {
+        umfpack_di_free_numeric(&numeric);
         return ehd_fail(error, EHD_NOT_CONVERGED, "near-field Jacobian: found it singular");
+    }
 
     // right preconditioning, so that the monitored residual is the true one
     double *first = work->krylov;

@@ -189,8 +189,6 @@ static const artefact_axis residuals_axes[] = {
     {"iteration", "1", "index of the Newton iteration, over all states"},
     X_AXIS,
     STATE_AXIS,
-    PRESSURE_MODE_AXIS,
-    DEFORMATION_MODE_AXIS,
     {0}};
 
 static const artefact_field residuals_fields[] = {
@@ -200,8 +198,15 @@ static const artefact_field residuals_fields[] = {
          "weighted product D J dz of Jacobian and Newton step", "iteration", "x"),
     INTEGER("iteration_state", NEED_OWN, "index of the state that the iteration belongs to",
             "iteration"),
-    STATE_FIELDS,
-    INTEGER("status", NEED_OWN, "0 converged, 1 not converged, -1 not yet computed", "state"),
+    INTEGER("state_exit_node", NEED_ALWAYS,
+            "index into x of the first node without pressure at the end of the state's iteration",
+            "state"),
+    REAL("state_moes_M", "1", NEED_OWN, "Moes load number M of the states", "state"),
+    REAL("state_alpha_p_H", "1", NEED_OWN,
+         "pressure-viscosity coefficient times Hertz pressure of the states", "state"),
+    REAL("state_central_film_thickness", "1", NEED_OWN,
+         "film thickness H at X = 0 by the projected system", "state"),
+    INTEGER("status", NEED_OWN, "0 converged, 1 not converged", "state"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
     {0}};
 
@@ -263,12 +268,12 @@ static const artefact_field model_fields[] = {
     REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
          "pressure_mode"),
     REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
-    REAL("deformation_basis", "1", NEED_ALWAYS,
-         "deformation modes; for deformation = coupled the deflections of the pressure modes",
-         "deformation_mode", "film_x"),
+    REAL("deformation_basis", "1", NEED_OPTIONAL,
+         "deformation modes, only for deformation = independent", "deformation_mode", "film_x"),
     STATE_FIELDS,
     REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
-         "smallest singular value of the sampled bases with the exit of the state", "state"),
+         "smallest singular value of the sampled bases, leading modes and rows before the exit of "
+         "the state", "state"),
     {0}};
 
 static const artefact_attribute model_attributes[] = {
@@ -276,6 +281,10 @@ static const artefact_attribute model_attributes[] = {
     DEFORMATION_ATTRIBUTE,
     ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "index into film_x of the first node of the exit band"),
+    ATTRIBUTE("least_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+              "index into film_x, the first at which the exit may lie"),
+    ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+              "index into film_x, the last at which the exit may lie"),
     ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest singular value of the sampled residual basis"),

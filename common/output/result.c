@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/output/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- writing
+
+static ehd_status put_x_axis(artefact *file, const ehd_grid *grid, ehd_error *error) {
+    double *x = malloc(grid->num_inner * sizeof *x);
+    if (!x) return ehd_fail(error, EHD_MEMORY, "x: found no memory for %zu nodes", grid->num_inner);
+
+    for (size_t i = 0; i < grid->num_inner; i++)
+        x[i] = grid_x(grid, i + 1);
+    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
+    free(x);
+    return status;
+}
+
+static ehd_status put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
+    ehd_status status = artefact_put_text(file, "contact", contact->kind->name, error);
+    if (!status) status = artefact_put_real(file, "x_min", contact->grid.x_min, error);
+    if (!status) status = artefact_put_real(file, "step", contact->grid.step, error);
+    if (!status) status = artefact_put_real(file, "hertz_pressure", contact->hertz_pressure, error);
+    if (!status) status = artefact_put_real(file, "moes_M", contact->moes_M, error);
+    if (!status) status = artefact_put_real(file, "moes_L", contact->moes_L, error);
+    if (!status) status = artefact_put_real(file, "alpha_p_H", contact->alpha_p_H, error);
+    return status;
+}
+
+ehd_status result_create(artefact **file, const program *caller, const ehd_contact *contact,
+                         const char *settings_text, const char *const *inputs, ehd_error *error) {
+    const double stationary = 0;
+    ehd_status status =
+        artefact_create(file, caller->output, &schema_result, caller, settings_text, inputs, error);
+    if (!status) status = artefact_put_axis(*file, "time", 1, &stationary, error);
+    if (!status) status = put_contact(*file, contact, error);
+    if (status) artefact_close(file);
+    return status;
+}
+
+static int64_t stored_status(ehd_status status) {
+    return status == EHD_NOT_CONVERGED ? 1 : (int64_t)status;
+}
+
+static ehd_status put_seconds(artefact *file, const run_result *result, ehd_error *error) {
+    const struct {
+        const char *name;
+        double seconds;
+    } parts[] = {{"solve_seconds_rows", result->seconds_rows},
+                 {"solve_seconds_linear", result->seconds_linear},
+                 {"solve_seconds_exit", result->seconds_exit}};
+    double rest = result->seconds;
+    ehd_status status = artefact_put_real(file, "solve_seconds", result->seconds, error);
+
+    for (size_t i = 0; i < sizeof parts / sizeof *parts && !status; i++) {
+        if (isnan(parts[i].seconds)) continue;
+        status = artefact_put_real(file, parts[i].name, parts[i].seconds, error);
+        rest -= parts[i].seconds;
+    }
+    if (!status) status = artefact_put_real(file, "solve_seconds_other", rest, error);
+    return status;
+}
+
+/* The boundary nodes lie outside of the axis. */
+static ehd_status put_fields(artefact *file, const run_result *result, const ehd_grid *grid,
+                             ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (result->pressure || result->film) status = put_x_axis(file, grid, error);
+    if (!status && result->pressure)
+        status = artefact_put(file, "pressure", result->pressure + 1, error);
+    if (!status && result->film)
+        status = artefact_put(file, "film_thickness", result->film + 1, error);
+    return status;
+}
+
+static ehd_status put_scalars(artefact *file, const run_result *result, ehd_error *error) {
+    const struct {
+        const char *name;
+        double value;
+    } reals[] = {{"central_film_thickness", result->central_film_thickness},
+                 {"minimum_film_thickness", result->minimum_film_thickness},
+                 {"central_pressure", result->central_pressure},
+                 {"rigid_approach", result->rigid_approach},
+                 {"load", result->load},
+                 {"contact_half_width", 1}, // the reference's own frame
+                 {"exit_position", result->exit_position},
+                 {"residual_norm", result->residual}};
+    const int64_t iterations = (int64_t)result->newton_iterations;
+    const int64_t outcome = stored_status(result->status);
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
+        status = artefact_put(file, reals[i].name, &reals[i].value, error);
+    if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
+    if (!status) status = artefact_put_integers(file, "status", &outcome, error);
+    return status;
+}
+
+ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
+                        ehd_error *error) {
+    ehd_status status = put_fields(*file, result, &contact->grid, error);
+
+    if (!status) status = put_scalars(*file, result, error);
+    if (!status) status = put_seconds(*file, result, error);
+    if (!status) return artefact_finish(file, error);
+    artefact_close(file);
+    return status;
+}
+
+// ---- printing
+
+static void print_value(const char *name, double value, double scale, const char *unit) {
+    if (isfinite(value * scale))
+        printf("%-24s%-14.8g%.6g %s\n", name, value, value * scale, unit);
+    else
+        printf("%-24s%.8g\n", name, value);
+}
+
+void result_print(const run_result *result, const ehd_contact *contact) {
+    const double micro = 1e6;
+    const double film = contact_film_scale(contact) * micro;
+    const double width = contact->half_width * micro;
+    const double pressure = isnan(contact->load) ? NAN : contact->hertz_pressure * 1e-9;
+
+    printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "contact",
+           contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
+    print_value("central film thickness", result->central_film_thickness, film, "µm");
+    print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
+    print_value("central pressure", result->central_pressure, pressure, "GPa");
+    print_value("rigid approach", result->rigid_approach, film, "µm");
+    print_value("exit position", result->exit_position, width, "µm");
+    print_value("load", result->load, contact->load, "N/m");
+    printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,
+           result->residual);
+    printf("%-24s%.3g ms\n", "solution", result->seconds * 1e3);
+}
+
+// ---- reading
+
+static ehd_status get_attributes(stored_result *stored, artefact *file, const contact_kind *kind,
+                                 ehd_error *error) {
+    char *contact = NULL;
+    ehd_status status = artefact_get_text(file, "contact", &contact, error);
+
+    if (!status && strcmp(contact, kind->name) != 0)
+        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s",
+                          artefact_path(file), contact, kind->name);
+    free(contact);
+    if (!status) status = artefact_get_real(file, "x_min", &stored->x_min, error);
+    if (!status) status = artefact_get_real(file, "step", &stored->step, error);
+    if (!status) status = artefact_get_real(file, "hertz_pressure", &stored->hertz_pressure, error);
+    if (!status) status = artefact_get_real(file, "moes_M", &stored->moes_M, error);
+    if (!status) status = artefact_get_real(file, "alpha_p_H", &stored->alpha_p_H, error);
+    if (!status && artefact_has(file, "moes_L"))
+        status = artefact_get_real(file, "moes_L", &stored->moes_L, error);
+    return status;
+}
+
+static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *error) {
+    const struct {
+        const char *name;
+        double *value;
+    } reals[] = {{"central_film_thickness", &stored->central_film_thickness},
+                 {"minimum_film_thickness", &stored->minimum_film_thickness},
+                 {"rigid_approach", &stored->rigid_approach},
+                 {"central_pressure", &stored->central_pressure},
+                 {"exit_position", &stored->exit_position}};
+    ehd_status status = EHD_OK;
+
+    // those that everybody writes are there, or the file would not have been opened
+    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
+        if (artefact_has(file, reals[i].name))
+            status = artefact_get(file, reals[i].name, reals[i].value, error);
+    if (!status && artefact_has(file, "status"))
+        status = artefact_get_integers(file, "status", &stored->status, error);
+    return status;
+}
+
+static ehd_status get_field(double **field, size_t num_inner, artefact *file, const char *name,
+                            ehd_error *error) {
+    if (!artefact_has(file, name)) return EHD_OK;
+    *field = malloc(num_inner * sizeof **field);
+    if (!*field)
+        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
+                        artefact_path(file), name, num_inner);
+    return artefact_get(file, name, *field, error);
+}
+
+static ehd_status check_finite(const stored_result *stored, const char *path, ehd_error *error) {
+    bool finite = isfinite(stored->central_film_thickness) &&
+                  isfinite(stored->minimum_film_thickness) && isfinite(stored->rigid_approach);
+
+    for (size_t i = 0; i < stored->num_inner && finite; i++)
+        finite = (!stored->pressure || isfinite(stored->pressure[i])) &&
+                 (!stored->film || isfinite(stored->film[i]));
+    if (finite || stored->status == 1) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found numbers that are not finite, expected those of a solution", path);
+}
+
+static ehd_status get_result(stored_result *stored, artefact *file, const contact_kind *kind,
+                             bool want_fields, ehd_error *error) {
+    const char *path = artefact_path(file);
+    size_t num_times = artefact_length(file, "time");
+
+    if (num_times != 1)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: time: found %zu entries, expected 1, of a stationary result", path,
+                        num_times);
+    stored->num_inner = artefact_length(file, "x");
+    ehd_status status = get_attributes(stored, file, kind, error);
+    if (!status) status = get_scalars(stored, file, error);
+    if (!status && want_fields)
+        status = get_field(&stored->pressure, stored->num_inner, file, "pressure", error);
+    if (!status && want_fields)
+        status = get_field(&stored->film, stored->num_inner, file, "film_thickness", error);
+    return status ? status : check_finite(stored, path, error);
+}
+
+ehd_status result_read(stored_result *stored, const char *path, const contact_kind *kind,
+                       bool want_fields, ehd_error *error) {
+    static const artefact_schema *const schemas[] = {&schema_result, NULL};
+    artefact *file = NULL;
+
+    memset(stored, 0, sizeof *stored);
+    stored->moes_L = stored->central_pressure = stored->exit_position = NAN;
+    ehd_status status = artefact_open(&file, path, schemas, error);
+    if (!status) status = get_result(stored, file, kind, want_fields, error);
+    artefact_close(&file);
+    return status;
+}
+
+void result_free(stored_result *stored) {
+    free(stored->pressure);
+    free(stored->film);
+    stored->pressure = stored->film = NULL;
+}
+
+ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
+                             ehd_error *error) {
+    const double tolerance = 1e-9 * grid->step;
+
+    if (stored->num_inner == grid->num_inner && fabs(stored->x_min - grid->x_min) <= tolerance &&
+        fabs(stored->step - grid->step) <= tolerance)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: x: found %zu nodes from %g by %g, expected %zu from %g by %g, as in the "
+                    "scene",
+                    path, stored->num_inner, stored->x_min, stored->step, grid->num_inner,
+                    grid->x_min, grid->step);
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The result of one stationary scene: printed, written to and read from result.h5. */
+#ifndef EHD_RESULT_H
+#define EHD_RESULT_H
+
+#include "common/artefact/artefact.h"
+#include "common/physics/contact.h"
+#include "common/program/program.h"
+#include "common/program/status.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+enum { RESULT_REASON = 256 }; // bytes, with the closing zero
+
+/* What a solver found. Numbers are dimensionless; NaN stands for "not known". */
+typedef struct run_result {
+    const double *pressure; // [num_nodes] of the contact's grid, NULL: no fields
+    const double *film;     // [num_nodes], NULL: no fields
+    double central_film_thickness;
+    double minimum_film_thickness;
+    double central_pressure;
+    double rigid_approach;
+    double exit_position; // X at which the pressure ends
+    double load;          // relative to the reference
+    size_t newton_iterations;
+    double residual;
+    ehd_status status;          // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
+    char reason[RESULT_REASON]; // why the status is not EHD_OK, or ""
+    double seconds;             // of the solution, without reading and writing
+    double seconds_rows, seconds_linear, seconds_exit; // parts of it; NaN: not measured apart
+} run_result;
+
+/* Starts caller->output, before the solution is known, so that an output that cannot be written is
+ * refused before the work. `inputs`: paths, NULL at the end. Errors as artefact_create. */
+ehd_status result_create(
+    // output:
+    artefact **file, // give to result_write, or to artefact_close, which leaves no file
+    // input:
+    const program *caller, const ehd_contact *contact, const char *settings_text,
+    const char *const *inputs, ehd_error *error);
+
+/* Writes the result and gives the file its name. The file is closed in any case. */
+ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
+                        ehd_error *error);
+
+/* The short result a person wants, on stdout; with um, GPa and N/m when the contact is physical. */
+void result_print(const run_result *result, const ehd_contact *contact);
+
+/* A result as stored, of one time. What a foreign file need not have is NaN where it is missing. */
+typedef struct stored_result {
+    double x_min; // grid of the file, and of the fields
+    double step;
+    size_t num_inner; // 0: neither fields nor an axis x
+    double moes_M, moes_L, alpha_p_H;
+    double hertz_pressure; // Pa
+    double central_film_thickness;
+    double minimum_film_thickness;
+    double central_pressure;
+    double rigid_approach;
+    double exit_position;
+    int64_t status;   // 0 when the file has none
+    double *pressure; // [num_inner], NULL: not in the file or not wanted
+    double *film;     // [num_inner], NULL: not in the file or not wanted
+} stored_result;
+
+/* Errors as artefact_open; EHD_DATA also for several times and numbers that are not finite in a
+ * converged result. */
+ehd_status result_read(
+    // output:
+    stored_result *stored, // free with result_free
+    // input:
+    const char *path, const contact_kind *kind, bool want_fields, ehd_error *error);
+
+void result_free(stored_result *stored); // also after a failed result_read
+
+/* EHD_DATA naming `path` when the stored result has another grid. */
+ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
+                             ehd_error *error);
+
+#endif

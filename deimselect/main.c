@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* deimselect: selects the rows of the online model and writes it. */
+#include "common/artefact/artefact.h"
+#include "common/output/check.h"
+#include "common/program/program.h"
+#include "deimselect/row_choice.h"
+#include "romrun/basis_file.h"
+#include "romrun/model_file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD };
+
+typedef struct select_options {
+    const char *basis;
+    size_t num_rows; // 0: twice the unknowns
+    const selection_method *method;
+} select_options;
+
+static const struct argp_option own_options[] = {
+    {.name = "basis", .key = KEY_BASIS, .arg = "BASIS.h5", .doc = "The basis of the residuals"},
+    {.name = "rows",
+     .key = KEY_ROWS,
+     .arg = "N",
+     .doc = "Number of rows; default twice the unknowns"},
+    {.name = "method", .key = KEY_METHOD, .arg = "NAME", .doc = "joint (default), qr; see below"},
+    {0}};
+
+static error_t parse_own(int key, char *argument, struct argp_state *state) {
+    select_options *options = state->input;
+    ehd_error error;
+    ehd_status status = EHD_OK;
+
+    switch (key) {
+    case KEY_BASIS:
+        options->basis = argument;
+        break;
+    case KEY_ROWS:
+        status =
+            parse_count(&options->num_rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
+        break;
+    case KEY_METHOD:
+        options->method = selection_methods;
+        while (options->method->name && strcmp(options->method->name, argument))
+            options->method++;
+        if (!options->method->name)
+            status = ehd_fail(&error, EHD_USAGE, "--method: found %.40s, expected one of --help",
+                              argument);
+        break;
+    case ARGP_KEY_END:
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    if (status) argp_error(state, "%s", error.text);
+    return status ? EINVAL : 0;
+}
+
+static void print_methods(void) {
+    puts("Methods of row selection:");
+    for (const selection_method *method = selection_methods; method->name; method++)
+        printf("  %-8s %s\n", method->name, method->help);
+}
+
+// ---- the residuals
+
+typedef struct residual_snapshots {
+    size_t count;
+    double *residuals, *steps; // [count, num_inner]
+} residual_snapshots;
+
+/* Whether the residuals were made with this basis. */
+static ehd_status check_fit(artefact *file, const reduced_basis *basis, const char *basis_path,
+                            const char *identity, ehd_error *error) {
+    const contact_kind *kind;
+    ehd_grid grid;
+    char *made_with = NULL;
+    ehd_status status = grid_read(&grid, &kind, file, error);
+
+    if (!status &&
+        (grid.num_inner != basis->grid.num_inner || fabs(grid.x_min - basis->grid.x_min) > 1e-9 ||
+         fabs(grid.step - basis->grid.step) > 1e-9 * grid.step))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: x: found %zu nodes from %g in steps of %g, expected %zu from %g in "
+                          "steps of %g as in %s",
+                          artefact_path(file), grid.num_inner, grid.x_min, grid.step,
+                          basis->grid.num_inner, basis->grid.x_min, basis->grid.step, basis_path);
+    if (!status && artefact_has(file, "basis_sha256")) {
+        status = artefact_get_text(file, "basis_sha256", &made_with, error);
+        if (!status && strcmp(made_with, identity))
+            status = ehd_fail(error, EHD_DATA,
+                              "%s: basis_sha256: found %.12s..., expected %.12s... of %s: they "
+                              "were made with another basis",
+                              artefact_path(file), made_with, identity, basis_path);
+    }
+    free(made_with);
+    return status;
+}
+
+static ehd_status read_residuals(residual_snapshots *snapshots, const char *path,
+                                 const reduced_basis *basis, const char *basis_path,
+                                 const char *identity, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_residuals, NULL};
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    if (!status) status = check_fit(file, basis, basis_path, identity, error);
+    if (!status) {
+        snapshots->count = artefact_length(file, "iteration");
+        size_t bytes = snapshots->count * basis->grid.num_inner * sizeof(double);
+        snapshots->residuals = malloc(bytes);
+        snapshots->steps = malloc(bytes);
+        if (!snapshots->residuals || !snapshots->steps)
+            status = ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu iterations", path,
+                              snapshots->count);
+    }
+    if (!status) status = artefact_get(file, "weighted_residual", snapshots->residuals, error);
+    if (!status) status = artefact_get(file, "weighted_jacobian_step", snapshots->steps, error);
+    artefact_close(&file);
+    return status;
+}
+
+// ---- the model
+
+static ehd_status write_model(const program *self, const select_options *options,
+                              const reduced_basis *basis, const row_choice *choice,
+                              const char *identity, ehd_error *error) {
+    const char *const inputs[] = {self->arguments[0], options->basis, NULL};
+    const model_origin origin = {options->method->name,        identity,
+                                 choice->sigma_min_residual,   choice->sigma_min_jacobian,
+                                 choice->sigma_min_over_exits, choice->sigma_min_by_exit};
+    reduced_model model = {0};
+    char text[128];
+    ehd_status status = reduced_model_build(&model, basis, choice->rows, choice->num_rows, error);
+
+    snprintf(text, sizeof text, "method: %s\nrows: %zu\n", options->method->name, choice->num_rows);
+    if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
+    if (!status)
+        printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes\n"
+               "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n",
+               model.num_rows, model.grid.num_inner, options->method->name, model.num_unknowns,
+               model.num_needed, 1 / choice->sigma_min_residual, 1 / choice->sigma_min_jacobian,
+               1 / choice->sigma_min_over_exits);
+    reduced_model_free(&model);
+    return status;
+}
+
+static ehd_status run(const program *self, const select_options *options, ehd_error *error) {
+    residual_snapshots snapshots = {0};
+    reduced_basis basis = {0};
+    row_choice choice = {0};
+    char identity[65];
+
+    if (!options->basis)
+        return ehd_fail(error, EHD_USAGE, "--basis: found none, expected the basis of %s",
+                        self->arguments[0]);
+    ehd_status status = basis_read(&basis, identity, options->basis, error);
+    if (!status)
+        status =
+            read_residuals(&snapshots, self->arguments[0], &basis, options->basis, identity, error);
+    if (!status) {
+        size_t num_rows = options->num_rows ? options->num_rows : 2 * basis.states.num_unknowns;
+        status = row_choice_make(&choice, snapshots.residuals, snapshots.steps, snapshots.count,
+                                 &basis, options->method, num_rows, error);
+    }
+    if (!status) status = write_model(self, options, &basis, &choice, identity, error);
+    row_choice_free(&choice);
+    free(snapshots.residuals);
+    free(snapshots.steps);
+    reduced_basis_free(&basis);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    select_options own = {.method = selection_methods};
+    const program_options options = {
+        .options = own_options,
+        .parse = parse_own,
+        .own = &own,
+        .arguments_doc = "RESIDUALS.h5 --basis BASIS.h5 -o MODEL.h5",
+        .doc = "Selects the Reynolds rows of the online model and writes it.",
+        .help_tail = print_methods,
+        .least_arguments = 1,
+        .most_arguments = 1,
+        .needs_output = true};
+    ehd_error error = {""};
+    program self;
+
+    program_start(&self, argc, argv, &options);
+    if (self.check) return output_check(&self);
+    ehd_status status = run(&self, &own, &error);
+    return program_finish(&self, status, &error);
+}

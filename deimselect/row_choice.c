@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deimselect/row_choice.h"
+
+#include "podbuild/pod.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void row_choice_free(row_choice *choice) {
+    free(choice->rows);
+    free(choice->sigma_min_by_exit);
+    memset(choice, 0, sizeof *choice);
+}
+
+/* How many modes of either basis the method is given: as many as rows, or half as many where it takes
+ * rows for both bases in turn. */
+static size_t wanted_modes(const selection_method *method, size_t num_rows, size_t num_unknowns) {
+    size_t half = (num_rows + 1) / 2;
+
+    if (method->select == selection_pivoted_qr) return half > num_unknowns ? half : num_unknowns;
+    return num_rows;
+}
+
+static ehd_status build_pods(pod_basis pods[2], const double *residuals, const double *steps,
+                             size_t num_snapshots, size_t num_inner, size_t num_modes,
+                             ehd_error *error) {
+    const pod_settings settings = {num_modes, 0};
+    const char *const names[] = {"residuals", "Jacobian products"};
+    const double *sets[] = {residuals, steps};
+    ehd_error cause;
+
+    for (int i = 0; i < 2; i++) {
+        ehd_status status =
+            pod_build(&pods[i], sets[i], num_snapshots, num_inner, &settings, &cause);
+        if (status) return ehd_fail(error, status, "snapshots of the %s: %s", names[i], cause.text);
+    }
+    return EHD_OK;
+}
+
+/* Smaller sigma_min of both bases, for the rows before an exit. */
+static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
+                                const row_choice *choice, size_t exit, size_t num_columns,
+                                size_t *kept, ehd_error *error) {
+    size_t count = 0;
+
+    for (size_t r = 0; r < choice->num_rows; r++)
+        if (choice->rows[r] < exit) kept[count++] = choice->rows[r] - 1;
+    *sigma_min = INFINITY;
+    for (int i = 0; i < 2; i++) {
+        double sigma;
+        ehd_status status = selection_sigma_min(&sigma, pods[i].modes, num_columns,
+                                                pods[i].num_nodes, kept, count, error);
+        if (status) return status;
+        *sigma_min = fmin(*sigma_min, sigma);
+    }
+    return EHD_OK;
+}
+
+static ehd_status measure(row_choice *choice, const pod_basis pods[2], const size_t *picked,
+                          const reduced_basis *basis, ehd_error *error) {
+    const reduced_states *states = &basis->states;
+    size_t num_unknowns = states->num_unknowns;
+    size_t num_columns = num_unknowns < pods[0].num_modes ? num_unknowns : pods[0].num_modes;
+    double *const sigmas[] = {&choice->sigma_min_residual, &choice->sigma_min_jacobian};
+    size_t *kept = malloc(choice->num_rows * sizeof *kept);
+    ehd_status status = kept ? EHD_OK : ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+
+    for (int i = 0; i < 2 && !status; i++)
+        status = selection_sigma_min(sigmas[i], pods[i].modes, pods[i].num_modes, pods[i].num_nodes,
+                                     picked, choice->num_rows, error);
+    choice->sigma_min_over_exits = INFINITY;
+    for (size_t s = 0; s < states->num_states && !status; s++) {
+        size_t same = 0; // an earlier state with this exit
+        while (same < s && states->exit[same] != states->exit[s])
+            same++;
+        if (same < s)
+            choice->sigma_min_by_exit[s] = choice->sigma_min_by_exit[same];
+        else
+            status = sigma_at_exit(&choice->sigma_min_by_exit[s], pods, choice, states->exit[s],
+                                   num_columns, kept, error);
+        choice->sigma_min_over_exits =
+            fmin(choice->sigma_min_over_exits, choice->sigma_min_by_exit[s]);
+    }
+    free(kept);
+    return status;
+}
+
+ehd_status row_choice_make(row_choice *choice, const double *residuals, const double *steps,
+                           size_t num_snapshots, const reduced_basis *basis,
+                           const selection_method *method, size_t num_rows, ehd_error *error) {
+    size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
+    pod_basis pods[2] = {{0}, {0}};
+    ehd_status status = EHD_OK;
+
+    memset(choice, 0, sizeof *choice);
+    if (num_rows < basis->num_pressure)
+        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
+                        num_rows, basis->num_pressure);
+    if (num_rows > num_inner)
+        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at most the %zu nodes",
+                        num_rows, num_inner);
+    choice->num_rows = num_rows;
+    choice->rows = malloc(num_rows * sizeof *choice->rows);
+    choice->sigma_min_by_exit = malloc((basis->states.num_states + 1) * sizeof(double));
+    if (!choice->rows || !choice->sigma_min_by_exit)
+        status = ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
+    if (!status)
+        status = build_pods(pods, residuals, steps, num_snapshots, num_inner,
+                            wanted_modes(method, num_rows, num_unknowns), error);
+    if (!status) {
+        const selection_bases bases = {num_inner,
+                                       {pods[0].num_modes, pods[1].num_modes},
+                                       {pods[0].modes, pods[1].modes},
+                                       {pods[0].singular_values, pods[1].singular_values}};
+        status = method->select(choice->rows, &bases, num_rows, error);
+    }
+    size_t *picked = malloc((num_rows + 1) * sizeof *picked);
+    if (!status && !picked) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+    if (!status) {
+        memcpy(picked, choice->rows, num_rows * sizeof *picked);
+        for (size_t r = 0; r < num_rows; r++)
+            choice->rows[r]++; // row 0 of the snapshots belongs to node 1
+        status = measure(choice, pods, picked, basis, error);
+    }
+    free(picked);
+    pod_free(&pods[0]);
+    pod_free(&pods[1]);
+    if (status) row_choice_free(choice);
+    return status;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fullrun/judge.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Pa */
+static double highest_pressure(const full_state *state, const ehd_contact *contact) {
+    double highest = 0;
+
+    for (size_t k = 0; k < contact->grid.num_nodes; k++)
+        highest = fmax(highest, state->pressure[k] * contact->hertz_pressure);
+    return highest;
+}
+
+ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const full_state *state,
+                      const ehd_contact *contact) {
+    const ehd_grid *grid = &contact->grid;
+    const ehd_lubricant *lubricant = &contact->lubricant;
+    double highest = highest_pressure(state, contact);
+    int length = 0;
+
+    if (info->status != EHD_OK)
+        length =
+            snprintf(reason, JUDGE_REASON, "found %s after %zu Newton iterations, residual %.1e",
+                     info->reason, info->newton_iterations, info->residual);
+    else if (state->exit >= grid->num_nodes - 1)
+        length = snprintf(reason, JUDGE_REASON,
+                          "found the exit boundary outside the domain, expected it before X = %g "
+                          "(grid.x_max)",
+                          grid_x(grid, grid->num_inner));
+    // also of an iteration that failed, because this is then likely why
+    if (highest > lubricant->pressure_limit)
+        length += snprintf(reason + length, JUDGE_REASON - (size_t)length,
+                           "%sfound a pressure of %.4g GPa, expected at most %.4g GPa, the limit "
+                           "of the %s law",
+                           length > 0 ? "; " : "", highest * 1e-9, lubricant->pressure_limit * 1e-9,
+                           lubricant->viscosity->name);
+    reason[length] = '\0';
+    return length > 0 ? EHD_NOT_CONVERGED : EHD_OK;
+}

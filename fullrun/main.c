@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* fullrun: solves one scene with the full model. */
+#include "common/output/check.h"
+#include "common/output/result.h"
+#include "common/program/program.h"
+#include "common/settings/scene.h"
+#include "fullrun/full_solver.h"
+#include "fullrun/judge.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_START = 0x200 };
+
+static const struct argp_option own_options[] = {
+    {.name = "start",
+     .key = KEY_START,
+     .arg = "RESULT.h5",
+     .doc = "Start from the fields of another result on the same grid, not cold"},
+    {0}};
+
+static error_t parse_own(int key, char *argument, struct argp_state *state) {
+    const char **start = state->input;
+    if (key != KEY_START) return ARGP_ERR_UNKNOWN;
+    *start = argument;
+    return 0;
+}
+
+static void print_settings(void) {
+    puts("Settings of a scene (SCENE.yml, --set):");
+    scene_print_help(stdout);
+}
+
+// ---- the scene
+
+/* `text` identifies the scene; free with free(). */
+static ehd_status load_scene(ehd_contact *contact, bool *with_fields, char **text,
+                             const program *self, ehd_error *error) {
+    const char *path = self->arguments[0];
+    ehd_error cause = {""};
+    scene given;
+    ehd_status status = scene_read(&given, path, self->overrides, self->num_overrides, error);
+    if (status) return status;
+
+    status = contact_init(contact, &given, &cause);
+    if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
+    *with_fields = given.output_fields != 0;
+    *text = scene_text(&given);
+    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+}
+
+// ---- the start
+
+/* The state and contact of a stored result. Its lubricant may have been another one: then the state is
+ * no solution of the contact that stands for it, only a start. */
+static ehd_status take_start(full_state *state, ehd_contact *start, const stored_result *stored,
+                             const char *path, ehd_error *error) {
+    const ehd_grid *grid = &start->grid;
+    size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1;
+
+    if (!stored->pressure)
+        return ehd_fail(error, EHD_DATA, "%s: found no dataset pressure, expected fields to start",
+                        path);
+    ehd_status status = result_check_grid(stored, path, grid, error);
+    if (status) return status;
+    if (stored->status == 1)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found a result that did not converge, expected one "
+                        "that did",
+                        path);
+
+    memcpy(state->pressure + 1, stored->pressure, grid->num_inner * sizeof(double));
+    state->rigid_approach = stored->rigid_approach;
+    state->exit = grid->num_nodes - 1;
+    while (state->exit > centre && !(state->pressure[state->exit - 1] > 0))
+        state->exit--;
+    memset(state->pressure + state->exit, 0, (grid->num_nodes - state->exit) * sizeof(double));
+
+    double moes_L = isnan(stored->moes_L) ? start->moes_L : stored->moes_L;
+    contact_set_moes(start, stored->moes_M, moes_L);
+    start->hertz_pressure = stored->hertz_pressure;
+    start->alpha_p_H = start->lubricant.alpha * stored->hertz_pressure;
+    return EHD_OK;
+}
+
+static ehd_status load_start(full_state *state, ehd_contact *start, const char *path,
+                             ehd_error *error) {
+    stored_result stored;
+    ehd_status status = result_read(&stored, path, start->kind, true, error);
+
+    if (!status) status = take_start(state, start, &stored, path, error);
+    result_free(&stored);
+    return status;
+}
+
+// ---- the solution
+
+static run_result make_result(const full_info *info, const full_state *state,
+                              const ehd_contact *contact, bool with_fields) {
+    full_scalars scalars = full_evaluate_scalars(state, contact);
+    run_result result = {.pressure = with_fields ? state->pressure : NULL,
+                         .film = with_fields ? state->film : NULL,
+                         .central_film_thickness = scalars.central_film_thickness,
+                         .minimum_film_thickness = scalars.minimum_film_thickness,
+                         .central_pressure = scalars.central_pressure,
+                         .rigid_approach = state->rigid_approach,
+                         .exit_position = scalars.exit_position,
+                         .load = scalars.load,
+                         .newton_iterations = info->newton_iterations,
+                         .residual = info->residual,
+                         .seconds = info->seconds,
+                         .seconds_rows = info->seconds_rows,
+                         .seconds_linear = info->seconds_linear,
+                         .seconds_exit = NAN};
+    result.status = full_judge(result.reason, info, state, contact);
+    return result;
+}
+
+static ehd_status solve(full_info *info, full_state *state, const ehd_contact *contact,
+                        const ehd_contact *start, ehd_error *error) {
+    const full_settings settings = full_default_settings();
+    full_solver *solver = NULL;
+    ehd_status status =
+        full_solver_create(&solver, contact->kind, &contact->grid, &settings, error);
+
+    if (!status && start)
+        status = full_solve_from(info, state, solver, start, contact, error);
+    else if (!status)
+        status = full_solve_cold(info, state, solver, contact, error);
+    full_solver_free(solver);
+    return status;
+}
+
+/* Everything between the command line and the exit code. */
+static ehd_status run(const program *self, const char *start_path, ehd_error *error) {
+    const char *const inputs[] = {self->arguments[0], start_path, NULL};
+    ehd_contact contact, start;
+    full_state state = {0};
+    full_info info;
+    artefact *file = NULL;
+    char *text = NULL;
+    bool with_fields = true;
+    ehd_status status = load_scene(&contact, &with_fields, &text, self, error);
+
+    if (status) goto done;
+    start = contact;
+    status = full_state_init(&state, &contact.grid, error);
+    if (!status && start_path) status = load_start(&state, &start, start_path, error);
+    if (!status) status = result_create(&file, self, &contact, text, inputs, error);
+    if (!status) status = solve(&info, &state, &contact, start_path ? &start : NULL, error);
+    if (status) goto done;
+
+    run_result result = make_result(&info, &state, &contact, with_fields);
+    program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
+                   info.gmres_iterations);
+    status = result_write(&file, &result, &contact, error);
+    if (!status && result.status)
+        status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],
+                          result.reason);
+    else if (!status)
+        result_print(&result, &contact);
+done:
+    artefact_close(&file);
+    full_state_free(&state);
+    free(text);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    const char *start = NULL;
+    const program_options options = {.options = own_options,
+                                     .parse = parse_own,
+                                     .own = &start,
+                                     .arguments_doc = "SCENE.yml -o RESULT.h5",
+                                     .doc = "Solves one elastohydrodynamic contact with the full "
+                                            "model.",
+                                     .help_tail = print_settings,
+                                     .least_arguments = 1,
+                                     .most_arguments = 1,
+                                     .needs_output = true};
+    ehd_error error = {""};
+    program self;
+
+    program_start(&self, argc, argv, &options);
+    if (self.check) return output_check(&self);
+    ehd_status status = run(&self, start, &error);
+    return program_finish(&self, status, &error);
+}

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "podbuild/bases.h"
+
+#include "common/physics/deflection.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* D is the absolute first pressure mode (paper, below eq. 27), which vanishes beyond the trained exits
+ * and at the inlet; a floor keeps the rows there in the least squares. */
+static const double WEIGHT_FLOOR = 1e-3; // of the largest entry
+
+double bases_energy_discarded(const pod_basis *basis) {
+    double all = 0, left_out = 0;
+
+    for (size_t i = basis->num_singular_values; i-- > 0;) {
+        double square = basis->singular_values[i] * basis->singular_values[i];
+        all += square;
+        if (i >= basis->num_modes) left_out += square;
+    }
+    return all > 0 ? left_out / all : 0;
+}
+
+/* Deflections of all states, boundary nodes included: they carry a film too. */
+static ehd_status deflect_states(double **deflections, const snapshot_set *set, ehd_error *error) {
+    size_t num_nodes = set->grid.num_nodes;
+    ehd_deflection *deflection = deflection_create(set->kind, &set->grid);
+
+    *deflections = malloc(set->num_states * num_nodes * sizeof(double));
+    if (!deflection || !*deflections) {
+        deflection_free(deflection);
+        return ehd_fail(error, EHD_MEMORY, "deflections: found no memory for %zu states",
+                        set->num_states);
+    }
+    for (size_t s = 0; s < set->num_states; s++)
+        deflection_apply(*deflections + s * num_nodes, deflection, set->pressure + s * num_nodes);
+    deflection_free(deflection);
+    return EHD_OK;
+}
+
+/* Modes as the reduced basis holds them, node-major. */
+static double *turn_modes(const pod_basis *pod) {
+    double *modes = malloc(pod->num_nodes * pod->num_modes * sizeof(double));
+
+    for (size_t j = 0; modes && j < pod->num_modes; j++)
+        for (size_t k = 0; k < pod->num_nodes; k++)
+            modes[k * pod->num_modes + j] = pod->modes[j * pod->num_nodes + k];
+    return modes;
+}
+
+static double *make_weight(const pod_basis *pod) {
+    double *weight = malloc(pod->num_nodes * sizeof(double)), largest = 0;
+
+    if (!weight) return NULL;
+    for (size_t k = 0; k < pod->num_nodes; k++)
+        largest = fmax(largest, fabs(pod->modes[k]));
+    for (size_t k = 0; k < pod->num_nodes; k++)
+        weight[k] = fmax(fabs(pod->modes[k]), WEIGHT_FLOOR * largest);
+    return weight;
+}
+
+/* Coordinates of all states in a POD basis, into columns first … of the states. */
+static void project(reduced_states *states, size_t first, const pod_basis *pod,
+                    const double *fields) {
+    for (size_t s = 0; s < states->num_states; s++)
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)pod->num_modes, (int)pod->num_nodes, 1,
+                    pod->modes, (int)pod->num_nodes, fields + s * pod->num_nodes, 1, 0,
+                    states->coordinates + s * states->num_unknowns + first, 1);
+}
+
+static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
+                              const pod_basis *pressure_pod, const pod_basis *deformation_pod,
+                              const double *deflections, ehd_error *error) {
+    reduced_states *states = &basis->states;
+    size_t num_states = set->num_states;
+    size_t num_unknowns = reduced_num_unknowns(basis->num_pressure, basis->num_deformation);
+    ehd_status status = reduced_states_init(states, num_states, num_unknowns, error);
+
+    if (status) return status;
+    project(states, 0, pressure_pod, set->pressure);
+    if (deflections) project(states, basis->num_pressure, deformation_pod, deflections);
+    for (size_t s = 0; s < num_states; s++)
+        states->coordinates[s * num_unknowns + num_unknowns - 1] = set->rigid_approach[s];
+    memcpy(states->exit, set->exit, num_states * sizeof *states->exit);
+    memcpy(states->moes_M, set->moes_M, num_states * sizeof(double));
+    memcpy(states->alpha_p_H, set->alpha_p_H, num_states * sizeof(double));
+    memcpy(states->central_film_thickness, set->central_film_thickness,
+           num_states * sizeof(double));
+    return EHD_OK;
+}
+
+ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis *deformation_pod,
+                       const snapshot_set *set, const bases_settings *settings, ehd_error *error) {
+    size_t num_nodes = set->grid.num_nodes;
+    double *deflections = NULL;
+
+    memset(basis, 0, sizeof *basis);
+    memset(deformation_pod, 0, sizeof *deformation_pod);
+    basis->kind = set->kind;
+    basis->grid = set->grid;
+    basis->deformation = settings->kind;
+    ehd_status status = pod_build(pressure_pod, set->pressure, set->num_states, num_nodes,
+                                  &settings->pressure, error);
+    if (!status && settings->kind == DEFORMATION_INDEPENDENT) {
+        status = deflect_states(&deflections, set, error);
+        if (!status)
+            status = pod_build(deformation_pod, deflections, set->num_states, num_nodes,
+                               &settings->deformation, error);
+    }
+    if (!status) {
+        basis->num_pressure = pressure_pod->num_modes;
+        basis->num_deformation = deformation_pod->num_modes;
+        basis->pressure = turn_modes(pressure_pod);
+        basis->weight = make_weight(pressure_pod);
+        if (deflections) basis->deformation_modes = turn_modes(deformation_pod);
+        if (!basis->pressure || !basis->weight || (deflections && !basis->deformation_modes))
+            status = ehd_fail(error, EHD_MEMORY, "bases: found no memory");
+    }
+    if (!status)
+        status = fill_states(basis, set, pressure_pod, deformation_pod, deflections, error);
+    free(deflections);
+    if (status) {
+        reduced_basis_free(basis);
+        pod_free(pressure_pod);
+        pod_free(deformation_pod);
+    }
+    return status;
+}

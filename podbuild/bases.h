@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Trial and test bases of a set of training solutions (paper, section 3.1). */
+#ifndef EHD_BASES_H
+#define EHD_BASES_H
+
+#include "podbuild/pod.h"
+#include "podbuild/snapshot_set.h"
+#include "romrun/reduced_model.h"
+
+typedef struct bases_settings {
+    pod_settings pressure;
+    pod_settings deformation; // not used when coupled
+    deformation_kind kind;
+} bases_settings;
+
+/* PODs of pressure and, when independent, deflection; the weight D; the training solutions in reduced
+ * coordinates. EHD_DATA (more modes than snapshots), EHD_MEMORY, EHD_INTERNAL. */
+ehd_status bases_build(
+    // output:
+    reduced_basis *basis,       // free with reduced_basis_free
+    pod_basis *pressure_pod,    // free with pod_free
+    pod_basis *deformation_pod, // free with pod_free; empty when coupled
+    // input:
+    const snapshot_set *set, const bases_settings *settings, ehd_error *error);
+
+/* Part of the squared singular values that lies behind the basis. */
+double bases_energy_discarded(const pod_basis *basis);
+
+#endif

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* podbuild: bases of training solutions. */
+#include "common/output/check.h"
+#include "common/program/program.h"
+#include "podbuild/bases.h"
+#include "romrun/basis_file.h"
+
+#include <errno.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_PRESSURE_MODES = 0x200, KEY_DEFORMATION_MODES, KEY_ENERGY, KEY_DEFORMATION };
+
+static const struct argp_option own_options[] = {
+    {.name = "pressure-modes",
+     .key = KEY_PRESSURE_MODES,
+     .arg = "N",
+     .doc = "Number of pressure modes; by default as --energy asks"},
+    {.name = "deformation-modes",
+     .key = KEY_DEFORMATION_MODES,
+     .arg = "N",
+     .doc = "Number of deformation modes (independent only); by default as --energy asks"},
+    {.name = "energy",
+     .key = KEY_ENERGY,
+     .arg = "TOL",
+     .doc = "Part of the squared singular values that may be left out; default 1e-13"},
+    {.name = "deformation",
+     .key = KEY_DEFORMATION,
+     .arg = "KIND",
+     .doc =
+         "coupled: deflections of the pressure modes (default); independent: modes of their own, "
+         "as published"},
+    {0}};
+
+static error_t parse_own(int key, char *argument, struct argp_state *state) {
+    bases_settings *settings = state->input;
+    ehd_error error;
+    ehd_status status = EHD_OK;
+
+    switch (key) {
+    case KEY_PRESSURE_MODES:
+        status = parse_count(&settings->pressure.num_modes, argument, 1, 100000, "--pressure-modes",
+                             EHD_USAGE, &error);
+        break;
+    case KEY_DEFORMATION_MODES:
+        status = parse_count(&settings->deformation.num_modes, argument, 1, 100000,
+                             "--deformation-modes", EHD_USAGE, &error);
+        break;
+    case KEY_ENERGY:
+        status = parse_real(&settings->pressure.discarded_energy, argument, 0, 0.999, "--energy",
+                            EHD_USAGE, &error);
+        settings->deformation.discarded_energy = settings->pressure.discarded_energy;
+        break;
+    case KEY_DEFORMATION:
+        if (!strcmp(argument, deformation_names[DEFORMATION_COUPLED]))
+            settings->kind = DEFORMATION_COUPLED;
+        else if (!strcmp(argument, deformation_names[DEFORMATION_INDEPENDENT]))
+            settings->kind = DEFORMATION_INDEPENDENT;
+        else
+            status = ehd_fail(&error, EHD_USAGE,
+                              "--deformation: found %.40s, expected coupled|independent", argument);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    if (status) argp_error(state, "%s", error.text);
+    return status ? EINVAL : 0;
+}
+
+static void report(const reduced_basis *basis, const basis_origin *origin,
+                   const snapshot_set *set) {
+    printf("%zu states on %zu nodes", set->num_states, set->grid.num_inner);
+    if (set->num_left_out > 0) printf(", %zu left out that had not converged", set->num_left_out);
+    printf(
+        "\npressure:    %zu modes, last singular value %.1e of the first, energy left out %.1e\n",
+        basis->num_pressure,
+        origin->pressure_singular_values[basis->num_pressure - 1] /
+            origin->pressure_singular_values[0],
+        origin->pressure_energy_discarded);
+    if (basis->num_deformation > 0)
+        printf("deformation: %zu modes, last singular value %.1e of the first, energy left out "
+               "%.1e\n",
+               basis->num_deformation,
+               origin->deformation_singular_values[basis->num_deformation - 1] /
+                   origin->deformation_singular_values[0],
+               origin->deformation_energy_discarded);
+    else
+        printf("deformation: coupled\n");
+}
+
+static ehd_status build(const program *self, const bases_settings *settings, ehd_error *error) {
+    snapshot_set set = {0};
+    reduced_basis basis = {0};
+    pod_basis pressure = {0}, deformation = {0};
+    ehd_status status = snapshot_set_read(&set, self->arguments, self->num_arguments, error);
+    const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    char text[256];
+
+    if (!status && !inputs) status = ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
+    if (!status) status = bases_build(&basis, &pressure, &deformation, &set, settings, error);
+    if (!status) {
+        const basis_origin origin = {
+            pressure.singular_values,          pressure.num_singular_values,
+            bases_energy_discarded(&pressure), deformation.singular_values,
+            deformation.num_singular_values,   bases_energy_discarded(&deformation)};
+        memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
+        snprintf(text, sizeof text,
+                 "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: %g\n",
+                 deformation_names[settings->kind], settings->pressure.num_modes,
+                 settings->deformation.num_modes, settings->pressure.discarded_energy);
+        status = basis_write(&basis, &origin, self, text, inputs, error);
+        if (!status) report(&basis, &origin, &set);
+    }
+    free(inputs);
+    pod_free(&pressure);
+    pod_free(&deformation);
+    reduced_basis_free(&basis);
+    snapshot_set_free(&set);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    bases_settings settings = {{0, 1e-13}, {0, 1e-13}, DEFORMATION_COUPLED};
+    const program_options options = {.options = own_options,
+                                     .parse = parse_own,
+                                     .own = &settings,
+                                     .arguments_doc = "SNAPSHOTS.h5... -o BASIS.h5",
+                                     .doc = "Builds trial and test bases of training solutions.",
+                                     .least_arguments = 1,
+                                     .most_arguments = SIZE_MAX,
+                                     .needs_output = true};
+    ehd_error error = {""};
+    program self;
+
+    program_start(&self, argc, argv, &options);
+    if (self.check) return output_check(&self);
+    ehd_status status = build(&self, &settings, &error);
+    return program_finish(&self, status, &error);
+}

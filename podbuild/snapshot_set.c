@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "podbuild/snapshot_set.h"
+
+#include "common/artefact/artefact.h"
+#include "romrun/basis_file.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+void snapshot_set_free(snapshot_set *set) {
+    free(set->pressure);
+    free(set->rigid_approach);
+    free(set->exit);
+    free(set->moes_M);
+    free(set->alpha_p_H);
+    free(set->central_film_thickness);
+    memset(set, 0, sizeof *set);
+}
+
+static ehd_status grow(void **array, size_t bytes, ehd_error *error) {
+    void *larger = realloc(*array, bytes);
+    if (!larger)
+        return ehd_fail(error, EHD_MEMORY, "snapshots: found no memory for %zu bytes", bytes);
+    *array = larger;
+    return EHD_OK;
+}
+
+static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error) {
+    size_t count = num_states + 1;
+    ehd_status status =
+        grow((void **)&set->pressure, count * set->grid.num_nodes * sizeof(double), error);
+    double **const columns[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
+                                &set->central_film_thickness};
+
+    for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
+        status = grow((void **)columns[i], count * sizeof(double), error);
+    if (!status) status = grow((void **)&set->exit, count * sizeof *set->exit, error);
+    return status;
+}
+
+/* A field along the states, or where a result has it as an attribute, that value for each. */
+static ehd_status read_column(double *column, artefact *file, const char *name, size_t count,
+                              ehd_error *error) {
+    double value;
+
+    if (artefact_kind(file) == &schema_snapshots) return artefact_get(file, name, column, error);
+    ehd_status status = artefact_get_real(file, name, &value, error);
+    for (size_t i = 0; i < count && !status; i++)
+        column[i] = value;
+    return status;
+}
+
+/* One file's states before it is known which of them converged. */
+typedef struct file_states {
+    size_t count;
+    double *rigid_approach, *moes_M, *alpha_p_H, *central_film_thickness; // [count]
+    int64_t *outcome;                                                     // [count]
+    double *memory;
+} file_states;
+
+static ehd_status read_columns(file_states *states, artefact *file, ehd_error *error) {
+    const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
+    size_t count = states->count = artefact_length(file, axis);
+
+    states->memory = malloc((4 * count + 1) * sizeof(double));
+    states->outcome = calloc(count + 1, sizeof *states->outcome);
+    if (!states->memory || !states->outcome)
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    states->rigid_approach = states->memory;
+    states->moes_M = states->memory + count;
+    states->alpha_p_H = states->memory + 2 * count;
+    states->central_film_thickness = states->memory + 3 * count;
+    for (size_t i = 0; i < count; i++)
+        states->central_film_thickness[i] = NAN;
+    ehd_status status = artefact_get(file, "rigid_approach", states->rigid_approach, error);
+    if (!status) status = read_column(states->moes_M, file, "moes_M", count, error);
+    if (!status) status = read_column(states->alpha_p_H, file, "alpha_p_H", count, error);
+    if (!status && artefact_has(file, "central_film_thickness"))
+        status =
+            artefact_get(file, "central_film_thickness", states->central_film_thickness, error);
+    if (!status && artefact_has(file, "status"))
+        status = artefact_get_integers(file, "status", states->outcome, error);
+    return status;
+}
+
+/* Node behind the last positive pressure. */
+static size_t exit_of(const double *pressure, const ehd_grid *grid) {
+    size_t exit = grid->num_nodes - 1;
+
+    while (exit > 1 && !(pressure[exit - 1] > 0))
+        exit--;
+    return exit;
+}
+
+static ehd_status add_state(snapshot_set *set, artefact *file, const file_states *states, size_t i,
+                            ehd_error *error) {
+    size_t s = set->num_states, num_nodes = set->grid.num_nodes;
+    double *pressure = set->pressure + s * num_nodes;
+    double sum = 0;
+
+    memset(pressure, 0, num_nodes * sizeof(double));
+    ehd_status status = artefact_get_part(file, "pressure", i, 1, pressure + 1, error);
+    if (status) return status;
+    for (size_t k = 0; k < num_nodes; k++)
+        sum += pressure[k];
+    if (!isfinite(sum + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i]))
+        return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
+                        artefact_path(file), i);
+    set->rigid_approach[s] = states->rigid_approach[i];
+    set->moes_M[s] = states->moes_M[i];
+    set->alpha_p_H[s] = states->alpha_p_H[i];
+    set->central_film_thickness[s] = states->central_film_thickness[i];
+    set->exit[s] = exit_of(pressure, &set->grid);
+    set->num_states++;
+    return EHD_OK;
+}
+
+static ehd_status check_grid(const snapshot_set *set, const ehd_grid *grid, const char *path,
+                             const char *first, ehd_error *error) {
+    const ehd_grid *known = &set->grid;
+
+    if (grid->num_inner == known->num_inner && fabs(grid->x_min - known->x_min) < 1e-9 &&
+        fabs(grid->step - known->step) < 1e-9 * known->step)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: x: found %zu nodes from %g in steps of %g, expected %zu from %g in steps "
+                    "of %g as in %s",
+                    path, grid->num_inner, grid->x_min, grid->step, known->num_inner, known->x_min,
+                    known->step, first);
+}
+
+static ehd_status add_file(snapshot_set *set, const char *path, const char *first,
+                           ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_snapshots, &schema_result, NULL};
+    artefact *file = NULL;
+    file_states states = {0};
+    ehd_grid grid;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    if (!status && !artefact_has(file, "pressure"))
+        status = ehd_fail(error, EHD_DATA, "%s: found no dataset pressure, expected fields", path);
+    if (!status) status = grid_read(&grid, &set->kind, file, error);
+    if (!status && path == first) set->grid = grid;
+    if (!status) status = check_grid(set, &grid, path, first, error);
+    if (!status) status = read_columns(&states, file, error);
+    if (!status) status = reserve(set, set->num_states + states.count, error);
+    for (size_t i = 0; i < states.count && !status; i++) {
+        // 4 is solved, but outside of what a reduced model was made for: no training solution
+        if (states.outcome[i] == 0)
+            status = add_state(set, file, &states, i, error);
+        else
+            set->num_left_out++;
+    }
+    free(states.memory);
+    free(states.outcome);
+    artefact_close(&file);
+    return status;
+}
+
+ehd_status snapshot_set_read(snapshot_set *set, const char *const *paths, size_t num_paths,
+                             ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    memset(set, 0, sizeof *set);
+    for (size_t i = 0; i < num_paths && !status; i++)
+        status = add_file(set, paths[i], paths[0], error);
+    if (!status && set->num_states == 0)
+        status = ehd_fail(error, EHD_DATA, "%s: found no converged state, expected at least one",
+                          paths[0]);
+    if (status) snapshot_set_free(set);
+    return status;
+}

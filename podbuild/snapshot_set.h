@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Training solutions gathered from snapshot and result files. */
+#ifndef EHD_SNAPSHOT_SET_H
+#define EHD_SNAPSHOT_SET_H
+
+#include "common/physics/contact.h"
+#include "common/program/status.h"
+#include <stddef.h>
+
+typedef struct snapshot_set {
+    const contact_kind *kind;
+    ehd_grid grid;
+    size_t num_states;
+    size_t num_left_out;            // states of the files that had not converged
+    double *pressure;               // [num_states, num_nodes], boundary nodes included
+    double *rigid_approach;         // [num_states]
+    size_t *exit;                   // [num_states] grid node
+    double *moes_M, *alpha_p_H;     // [num_states]
+    double *central_film_thickness; // [num_states]
+} snapshot_set;
+
+/* Reads the converged states of all files, in order. EHD_DATA: no converged state, files of different
+ * grids, values that are not finite; else as artefact_open. */
+ehd_status snapshot_set_read(
+    // output:
+    snapshot_set *set, // free with snapshot_set_free
+    // input:
+    const char *const *paths, size_t num_paths, ehd_error *error);
+
+void snapshot_set_free(snapshot_set *set);
+
+#endif

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/basis_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(const artefact *file, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+}
+
+// ---- grid
+
+/* Axis film_x: the inner nodes and one boundary node at either end. */
+static ehd_status film_axis_write(artefact *file, const ehd_grid *grid, ehd_error *error) {
+    double *x = malloc(grid->num_nodes * sizeof *x);
+    if (!x) return no_memory(file, error);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        x[k] = grid_x(grid, k);
+    ehd_status status = artefact_put_axis(file, "film_x", grid->num_nodes, x, error);
+    free(x);
+    return status;
+}
+
+ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
+                      ehd_error *error) {
+    double *x = malloc(grid->num_inner * sizeof *x);
+    if (!x) return no_memory(file, error);
+    for (size_t i = 0; i < grid->num_inner; i++)
+        x[i] = grid_x(grid, i + 1);
+    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
+    if (!status) status = artefact_put_text(file, "contact", kind->name, error);
+    if (!status) status = artefact_put_real(file, "x_min", grid->x_min, error);
+    if (!status) status = artefact_put_real(file, "step", grid->step, error);
+    free(x);
+    return status;
+}
+
+ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
+    char *contact = NULL;
+    ehd_status status = artefact_get_text(file, "contact", &contact, error);
+
+    if (!status && strcmp(contact, contact_line.name))
+        status = ehd_fail(error, EHD_DATA, "%s: contact: found %s, expected %s",
+                          artefact_path(file), contact, contact_line.name);
+    free(contact);
+    *kind = &contact_line;
+    if (!status) status = artefact_get_real(file, "x_min", &grid->x_min, error);
+    if (!status) status = artefact_get_real(file, "step", &grid->step, error);
+    if (status) return status;
+    grid->num_inner = artefact_length(file, "x");
+    grid->num_nodes = grid->num_inner + 2;
+    double x_max = grid->x_min + ((double)grid->num_inner - 1) * grid->step;
+    if (!(grid->step > 0 && grid->x_min < -1 && x_max > 1))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: x: found %g to %g in steps of %g, expected the dry contact inside",
+                        artefact_path(file), grid->x_min, x_max, grid->step);
+    return EHD_OK;
+}
+
+ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error) {
+    char *name = NULL;
+    ehd_status status = artefact_get_text(file, "deformation", &name, error);
+
+    if (status) return status;
+    size_t i = 0;
+    while (deformation_names[i] && strcmp(name, deformation_names[i]))
+        i++;
+    if (!deformation_names[i])
+        status =
+            ehd_fail(error, EHD_DATA, "%s: deformation: found %s, expected independent|coupled",
+                     artefact_path(file), name);
+    *kind = i == 0 ? DEFORMATION_INDEPENDENT : DEFORMATION_COUPLED;
+    free(name);
+    return status;
+}
+
+// ---- modes
+
+ehd_status modes_write(artefact *file, const char *field, const double *modes, size_t num_nodes,
+                       size_t num_modes, size_t boundary, ehd_error *error) {
+    size_t length = num_nodes - 2 * boundary;
+    double *turned = malloc(length * num_modes * sizeof *turned);
+    if (!turned) return no_memory(file, error);
+    for (size_t j = 0; j < num_modes; j++)
+        for (size_t k = 0; k < length; k++)
+            turned[j * length + k] = modes[(k + boundary) * num_modes + j];
+    ehd_status status = artefact_put(file, field, turned, error);
+    free(turned);
+    return status;
+}
+
+static ehd_status check_finite(const double *values, size_t count, const artefact *file,
+                               const char *field, ehd_error *error) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(values[i]))
+            return ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
+                            artefact_path(file), field);
+    return EHD_OK;
+}
+
+ehd_status modes_read(double **modes, artefact *file, const char *field, size_t num_nodes,
+                      size_t num_modes, size_t boundary, ehd_error *error) {
+    size_t length = num_nodes - 2 * boundary;
+    double *turned = malloc(length * num_modes * sizeof *turned);
+    *modes = calloc(num_nodes * num_modes, sizeof(double));
+    ehd_status status = turned && *modes ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = artefact_get(file, field, turned, error);
+    if (!status) status = check_finite(turned, length * num_modes, file, field, error);
+    for (size_t j = 0; j < num_modes && !status; j++)
+        for (size_t k = 0; k < length; k++)
+            (*modes)[(k + boundary) * num_modes + j] = turned[j * length + k];
+    free(turned);
+    return status;
+}
+
+// ---- states
+
+/* Copies columns first … first + width - 1 of the states' coordinates to or from `part`. */
+static void copy_coordinates(double *part, const reduced_states *states, size_t first, size_t width,
+                             int to_part) {
+    for (size_t s = 0; s < states->num_states; s++) {
+        double *whole = states->coordinates + s * states->num_unknowns + first;
+        if (to_part)
+            memcpy(part + s * width, whole, width * sizeof(double));
+        else
+            memcpy(whole, part + s * width, width * sizeof(double));
+    }
+}
+
+ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
+                        size_t num_deformation, ehd_error *error) {
+    const struct {
+        const char *field;
+        size_t first, width;
+    } parts[] = {{"state_pressure", 0, num_pressure},
+                 {"state_deformation", num_pressure, num_deformation},
+                 {"state_rigid_approach", num_pressure + num_deformation, 1}};
+    double *part = malloc(states->num_states * (states->num_unknowns + 1) * sizeof *part);
+    int64_t *exits = malloc((states->num_states + 1) * sizeof *exits);
+    ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
+
+    for (size_t i = 0; i < 3 && !status; i++)
+        if (parts[i].width > 0) {
+            copy_coordinates(part, states, parts[i].first, parts[i].width, 1);
+            status = artefact_put(file, parts[i].field, part, error);
+        }
+    for (size_t s = 0; s < states->num_states && !status; s++)
+        exits[s] = (int64_t)states->exit[s] - 1; // x starts at node 1
+    if (!status) status = artefact_put_integers(file, "state_exit_node", exits, error);
+    if (!status) status = artefact_put(file, "state_moes_M", states->moes_M, error);
+    if (!status) status = artefact_put(file, "state_alpha_p_H", states->alpha_p_H, error);
+    if (!status)
+        status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
+                              error);
+    free(exits);
+    free(part);
+    return status;
+}
+
+ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
+                       size_t num_deformation, const ehd_grid *grid, ehd_error *error) {
+    const struct {
+        const char *field;
+        size_t first, width;
+    } parts[] = {{"state_pressure", 0, num_pressure},
+                 {"state_deformation", num_pressure, num_deformation},
+                 {"state_rigid_approach", num_pressure + num_deformation, 1}};
+    size_t num_states = artefact_length(file, "state");
+    size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
+    double *part = malloc(num_states * num_unknowns * sizeof *part);
+    int64_t *exits = malloc(num_states * sizeof *exits);
+    ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = reduced_states_init(states, num_states, num_unknowns, error);
+    for (size_t i = 0; i < 3 && !status; i++)
+        if (parts[i].width > 0) {
+            status = artefact_get(file, parts[i].field, part, error);
+            if (!status)
+                status =
+                    check_finite(part, num_states * parts[i].width, file, parts[i].field, error);
+            if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
+        }
+    if (!status) status = artefact_get_integers(file, "state_exit_node", exits, error);
+    for (size_t s = 0; s < num_states && !status; s++) {
+        if (exits[s] < 1 || (size_t)exits[s] > grid->num_inner)
+            status = ehd_fail(error, EHD_DATA, "%s: state_exit_node: found %lld, expected 1 to %zu",
+                              artefact_path(file), (long long)exits[s], grid->num_inner);
+        else
+            states->exit[s] = (size_t)exits[s] + 1;
+    }
+    if (!status) status = artefact_get(file, "state_moes_M", states->moes_M, error);
+    if (!status) status = artefact_get(file, "state_alpha_p_H", states->alpha_p_H, error);
+    if (!status && artefact_has(file, "state_central_film_thickness"))
+        status = artefact_get(file, "state_central_film_thickness", states->central_film_thickness,
+                              error);
+    free(exits);
+    free(part);
+    return status;
+}
+
+// ---- the whole file
+
+static ehd_status put_origin(artefact *file, const basis_origin *origin, ehd_error *error) {
+    ehd_status status = artefact_put_axis(file, "pressure_singular_value",
+                                          origin->num_pressure_values, NULL, error);
+
+    if (!status)
+        status =
+            artefact_put(file, "pressure_singular_values", origin->pressure_singular_values, error);
+    if (!status)
+        status = artefact_put_real(file, "pressure_energy_discarded",
+                                   origin->pressure_energy_discarded, error);
+    if (status || !origin->deformation_singular_values) return status;
+    status = artefact_put_axis(file, "deformation_singular_value", origin->num_deformation_values,
+                               NULL, error);
+    if (!status)
+        status = artefact_put(file, "deformation_singular_values",
+                              origin->deformation_singular_values, error);
+    if (!status)
+        status = artefact_put_real(file, "deformation_energy_discarded",
+                                   origin->deformation_energy_discarded, error);
+    return status;
+}
+
+ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
+                       const program *caller, const char *settings_text, const char *const *inputs,
+                       ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status =
+        artefact_create(&file, caller->output, &schema_basis, caller, settings_text, inputs, error);
+
+    if (!status) status = grid_write(file, basis->kind, &basis->grid, error);
+    if (!status)
+        status = artefact_put_axis(file, "pressure_mode", basis->num_pressure, NULL, error);
+    if (!status) status = artefact_put_axis(file, "state", basis->states.num_states, NULL, error);
+    if (!status)
+        status =
+            artefact_put_text(file, "deformation", deformation_names[basis->deformation], error);
+    if (!status)
+        status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
+                             basis->num_pressure, 1, error);
+    if (!status && basis->num_deformation > 0) {
+        status = film_axis_write(file, &basis->grid, error);
+        if (!status)
+            status =
+                artefact_put_axis(file, "deformation_mode", basis->num_deformation, NULL, error);
+        if (!status)
+            status = modes_write(file, "deformation_basis", basis->deformation_modes,
+                                 basis->grid.num_nodes, basis->num_deformation, 0, error);
+    }
+    if (!status) status = artefact_put(file, "weight", basis->weight + 1, error);
+    if (!status)
+        status =
+            states_write(file, &basis->states, basis->num_pressure, basis->num_deformation, error);
+    if (!status) status = put_origin(file, origin, error);
+    if (!status) status = artefact_finish(&file, error);
+    artefact_close(&file);
+    return status;
+}
+
+static ehd_status read_open_basis(reduced_basis *basis, artefact *file, ehd_error *error) {
+    ehd_status status = grid_read(&basis->grid, &basis->kind, file, error);
+
+    if (!status) status = deformation_read(&basis->deformation, file, error);
+    if (status) return status;
+    basis->num_pressure = artefact_length(file, "pressure_mode");
+    if (basis->deformation == DEFORMATION_INDEPENDENT) {
+        if (!artefact_has(file, "deformation_basis"))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found no dataset deformation_basis, expected it for an "
+                            "independent basis",
+                            artefact_path(file));
+        basis->num_deformation = artefact_length(file, "deformation_mode");
+        status = modes_read(&basis->deformation_modes, file, "deformation_basis",
+                            basis->grid.num_nodes, basis->num_deformation, 0, error);
+    }
+    if (!status)
+        status = modes_read(&basis->pressure, file, "pressure_basis", basis->grid.num_nodes,
+                            basis->num_pressure, 1, error);
+    if (!status)
+        status = modes_read(&basis->weight, file, "weight", basis->grid.num_nodes, 1, 1, error);
+    if (!status)
+        status = states_read(&basis->states, file, basis->num_pressure, basis->num_deformation,
+                             &basis->grid, error);
+    return status;
+}
+
+ehd_status basis_read(reduced_basis *basis, char identity[65], const char *path, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_basis, NULL};
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    memset(basis, 0, sizeof *basis);
+    if (!status) status = artefact_identity(file, identity, error);
+    if (!status) status = read_open_basis(basis, file, error);
+    artefact_close(&file);
+    if (status) reduced_basis_free(basis);
+    return status;
+}

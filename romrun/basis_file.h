@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* basis.h5 in memory and back. */
+#ifndef EHD_BASIS_FILE_H
+#define EHD_BASIS_FILE_H
+
+#include "common/artefact/artefact.h"
+#include "common/program/program.h"
+#include "romrun/reduced_model.h"
+
+/* What a basis file says beyond the basis itself. */
+typedef struct basis_origin {
+    const double *pressure_singular_values; // [num_pressure_values]
+    size_t num_pressure_values;
+    double pressure_energy_discarded;          // part of the squared singular values left out
+    const double *deformation_singular_values; // [num_deformation_values], NULL when coupled
+    size_t num_deformation_values;
+    double deformation_energy_discarded;
+} basis_origin;
+
+/* Writes and finishes caller->output. `inputs`: the snapshot files, NULL at the end. */
+ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
+                       const program *caller, const char *settings_text, const char *const *inputs,
+                       ehd_error *error);
+
+/* Reads a basis and its identity. EHD_DATA also for a basis that is not finite, states whose exit lies
+ * outside of the grid, and a contact that is not known. */
+ehd_status basis_read(
+    // output:
+    reduced_basis *basis, // free with reduced_basis_free
+    char identity[65],    // SHA-256 of the file
+    // input:
+    const char *path, ehd_error *error);
+
+/* Axis x and the attributes contact, x_min, step of a file that is being written. */
+ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
+                      ehd_error *error);
+
+/* Grid and kind of contact of an open file, checked for plausibility. */
+ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
+
+/* The attribute `deformation` of an open file. */
+ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error);
+
+/* Training solutions in the coordinates of the basis, as basis and model hold them. */
+ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
+                        size_t num_deformation, ehd_error *error);
+ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
+                       size_t num_deformation, const ehd_grid *grid, ehd_error *error);
+
+/* Node-major [num_nodes, num_modes] to and from the file's [mode, node]; `first` nodes at the front
+ * and one at the back are boundary nodes that the file does not hold (0: it does). */
+ehd_status modes_write(artefact *file, const char *field, const double *modes, size_t num_nodes,
+                       size_t num_modes, size_t boundary, ehd_error *error);
+ehd_status modes_read(double **modes, artefact *file, const char *field, size_t num_nodes,
+                      size_t num_modes, size_t boundary, ehd_error *error);
+
+#endif

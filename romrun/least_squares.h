@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The small overdetermined systems of the reduced Newton iteration (paper, eq. 28). */
+#ifndef EHD_LEAST_SQUARES_H
+#define EHD_LEAST_SQUARES_H
+
+#include "common/program/status.h"
+#include <stddef.h>
+
+typedef struct least_squares least_squares;
+
+least_squares *least_squares_create(size_t most_rows, size_t num_columns); // NULL: no memory
+least_squares *least_squares_free(least_squares *workspace); // accepts and returns NULL
+
+/* solution = argmin |matrix solution + right|. Columns that are zero (modes that the exit cut away
+ * entirely) get a zero. Returns EHD_OK, or EHD_NOT_CONVERGED when the matrix is not finite. */
+ehd_status least_squares_solve(
+    // output:
+    double *solution, // [num_columns]
+    // input:
+    least_squares *workspace, const double *matrix, // [num_rows, num_columns] row-major
+    const double *right,                            // [num_rows]
+    size_t num_rows);
+
+#endif

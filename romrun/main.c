@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* romrun: solves one scene with the reduced model. */
+#include "common/output/check.h"
+#include "common/output/result.h"
+#include "common/program/program.h"
+#include "romrun/ehdrom.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    KEY_MODEL = 'm',
+    KEY_PRESSURE_MODES = 0x200,
+    KEY_DEFORMATION_MODES,
+    KEY_ROWS,
+    KEY_AGAINST,
+    KEY_ALLOW_UNTRUSTED,
+    KEY_REPEAT
+};
+
+typedef struct romrun_options {
+    const char *model;
+    const char *against; // NULL: no comparison
+    ehdrom_sizes sizes;
+    bool allow_untrusted;
+    size_t repeats; // of the solution; its median time is reported
+} romrun_options;
+
+static const struct argp_option own_options[] = {
+    {.name = "model", .key = KEY_MODEL, .arg = "MODEL.h5", .doc = "The reduced model"},
+    {.name = "pressure-modes",
+     .key = KEY_PRESSURE_MODES,
+     .arg = "N",
+     .doc = "Use only the first N pressure modes"},
+    {.name = "deformation-modes",
+     .key = KEY_DEFORMATION_MODES,
+     .arg = "N",
+     .doc = "Use only the first N deformation modes"},
+    {.name = "rows", .key = KEY_ROWS, .arg = "N", .doc = "Use only the first N rows"},
+    {.name = "against",
+     .key = KEY_AGAINST,
+     .arg = "RESULT.h5",
+     .doc = "Print the deviations from another result of the scene"},
+    {.name = "allow-untrusted",
+     .key = KEY_ALLOW_UNTRUSTED,
+     .doc = "Exit with 0 although the scene lies outside of the trained range"},
+    {.name = "repeat",
+     .key = KEY_REPEAT,
+     .arg = "N",
+     .doc = "Solve N times and report the median time; default 1"},
+    {0}};
+
+static error_t parse_own(int key, char *argument, struct argp_state *state) {
+    romrun_options *options = state->input;
+    ehd_error error;
+    ehd_status status = EHD_OK;
+
+    switch (key) {
+    case KEY_MODEL:
+        options->model = argument;
+        break;
+    case KEY_PRESSURE_MODES:
+        status = parse_count(&options->sizes.pressure_modes, argument, 1, 100000,
+                             "--pressure-modes", EHD_USAGE, &error);
+        break;
+    case KEY_DEFORMATION_MODES:
+        status = parse_count(&options->sizes.deformation_modes, argument, 1, 100000,
+                             "--deformation-modes", EHD_USAGE, &error);
+        break;
+    case KEY_ROWS:
+        status =
+            parse_count(&options->sizes.rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
+        break;
+    case KEY_AGAINST:
+        options->against = argument;
+        break;
+    case KEY_ALLOW_UNTRUSTED:
+        options->allow_untrusted = true;
+        break;
+    case KEY_REPEAT:
+        status =
+            parse_count(&options->repeats, argument, 1, 1000000, "--repeat", EHD_USAGE, &error);
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    if (status) argp_error(state, "%s", error.text);
+    return status ? EINVAL : 0;
+}
+
+static void print_settings(void) {
+    puts("Settings of a scene (SCENE.yml, --set):");
+    scene_print_help(stdout);
+}
+
+// ---- comparison
+
+static void print_deviation(const char *name, double reduced, double full) {
+    if (isfinite(full) && full != 0)
+        printf("  %-24s %13.8g against %13.8g  %+.4f permille\n", name, reduced, full,
+               (reduced / full - 1) * 1e3);
+}
+
+/* Largest difference of two fields over the inner nodes. */
+static double field_difference(const double *nodes, const double *inner, size_t num_inner) {
+    double largest = 0;
+
+    for (size_t i = 0; i < num_inner; i++)
+        largest = fmax(largest, fabs(nodes[i + 1] - inner[i]));
+    return largest;
+}
+
+static ehd_status check_same_scene(const stored_result *stored, const char *path,
+                                   const ehd_contact *contact, ehd_error *error) {
+    const double slack = 1e-6;
+
+    if (fabs(stored->moes_M - contact->moes_M) <= slack * contact->moes_M &&
+        fabs(stored->hertz_pressure - contact->hertz_pressure) <=
+            slack * fmax(contact->hertz_pressure, 1))
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found a result of M = %g and %.6g GPa, expected the scene's M = %g and "
+                    "%.6g GPa",
+                    path, stored->moes_M, stored->hertz_pressure * 1e-9, contact->moes_M,
+                    contact->hertz_pressure * 1e-9);
+}
+
+static void compare(const run_result *result, const stored_result *stored, const char *path,
+                    const ehd_contact *contact) {
+    size_t num_inner = contact->grid.num_inner;
+
+    printf("against %s:\n", path);
+    print_deviation("central film thickness", result->central_film_thickness,
+                    stored->central_film_thickness);
+    print_deviation("minimum film thickness", result->minimum_film_thickness,
+                    stored->minimum_film_thickness);
+    print_deviation("central pressure", result->central_pressure, stored->central_pressure);
+    print_deviation("exit position", result->exit_position, stored->exit_position);
+    if (result->pressure && stored->pressure && stored->num_inner == num_inner)
+        printf("  %-24s %.2e of the Hertz pressure\n", "largest pressure error",
+               field_difference(result->pressure, stored->pressure, num_inner));
+    if (result->film && stored->film && stored->num_inner == num_inner)
+        printf("  %-24s %.2e\n", "largest film error",
+               field_difference(result->film, stored->film, num_inner));
+}
+
+// ---- the solution
+
+static int compare_seconds(const void *a, const void *b) {
+    double p = ((const ehdrom_result *)a)->seconds, q = ((const ehdrom_result *)b)->seconds;
+
+    return (p > q) - (p < q);
+}
+
+/* Solves as often as wanted; *result is the run of median time. */
+static ehd_status solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+                        size_t repeats, ehd_error *error) {
+    ehdrom_result *runs = calloc(repeats, sizeof *runs);
+    ehd_status status =
+        runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
+
+    for (size_t i = 0; i < repeats && !status; i++)
+        status = ehdrom_solve(&runs[i], solver, contact, error);
+    if (!status) {
+        qsort(runs, repeats, sizeof *runs, compare_seconds);
+        *result = runs[repeats / 2];
+    }
+    free(runs);
+    return status;
+}
+
+static run_result make_result(const ehdrom_result *solution, const double *pressure,
+                              const double *film) {
+    run_result result = {.pressure = pressure,
+                         .film = film,
+                         .central_film_thickness = solution->central_film_thickness,
+                         .minimum_film_thickness = solution->minimum_film_thickness,
+                         .central_pressure = solution->central_pressure,
+                         .rigid_approach = solution->rigid_approach,
+                         .exit_position = solution->exit_position,
+                         .load = solution->load,
+                         .newton_iterations = solution->iterations,
+                         .residual = solution->residual,
+                         .status = solution->status,
+                         .seconds = solution->seconds,
+                         .seconds_rows = solution->seconds_rows,
+                         .seconds_linear = solution->seconds_linear,
+                         .seconds_exit = solution->seconds_exit};
+
+    snprintf(result.reason, sizeof result.reason, "%s", solution->reason);
+    return result;
+}
+
+/* The exit code that the outcome asks for, and its line. */
+static ehd_status judge(const run_result *result, const romrun_options *options, const char *path,
+                        ehd_error *error) {
+    if (result->status == EHD_UNTRUSTED && options->allow_untrusted) return EHD_OK;
+    if (result->status)
+        return ehd_fail(error, result->status, "%s: found %s, expected %s", path, result->reason,
+                        result->status == EHD_UNTRUSTED
+                            ? "a scene inside it (--allow-untrusted takes it all the same)"
+                            : "convergence");
+    return EHD_OK;
+}
+
+static ehd_status load_scene(ehd_contact *contact, bool *with_fields, char **text,
+                             const program *self, ehd_error *error) {
+    const char *path = self->arguments[0];
+    ehd_error cause = {""};
+    scene given;
+    ehd_status status = scene_read(&given, path, self->overrides, self->num_overrides, error);
+    if (status) return status;
+
+    status = contact_init(contact, &given, &cause);
+    if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
+    *with_fields = given.output_fields == 1;
+    *text = scene_text(&given);
+    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+}
+
+/* Everything between the command line and the exit code. */
+static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
+    const char *const inputs[] = {self->arguments[0], options->model, NULL};
+    ehd_contact contact;
+    ehdrom_model *model = NULL;
+    ehdrom_solver *solver = NULL;
+    ehdrom_result solution;
+    stored_result full = {0};
+    artefact *file = NULL;
+    double *pressure = NULL, *film = NULL;
+    char *text = NULL;
+    bool with_fields = false;
+    ehd_status status;
+
+    if (!options->model)
+        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
+    status = load_scene(&contact, &with_fields, &text, self, error);
+    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
+    if (!status) status = ehdrom_solver_create(&solver, model, error);
+    if (!status && options->against) {
+        status = result_read(&full, options->against, contact.kind, with_fields, error);
+        if (!status) status = check_same_scene(&full, options->against, &contact, error);
+    }
+    if (!status && self->output) status = result_create(&file, self, &contact, text, inputs, error);
+    if (!status) status = solve(&solution, solver, &contact, options->repeats, error);
+    if (!status && with_fields) {
+        pressure = malloc(contact.grid.num_nodes * sizeof *pressure);
+        film = malloc(contact.grid.num_nodes * sizeof *film);
+        status = pressure && film ? ehdrom_fields(pressure, film, solver, error)
+                                  : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+    }
+    if (!status) {
+        run_result result = make_result(&solution, pressure, film);
+        if (file) status = result_write(&file, &result, &contact, error);
+        if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, &contact);
+        if (!status && options->against && result.status != EHD_NOT_CONVERGED)
+            compare(&result, &full, options->against, &contact);
+        if (!status) status = judge(&result, options, self->arguments[0], error);
+    }
+    artefact_close(&file);
+    result_free(&full);
+    ehdrom_solver_free(solver);
+    ehdrom_close(model);
+    free(pressure);
+    free(film);
+    free(text);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    romrun_options own = {.repeats = 1};
+    const program_options options = {.options = own_options,
+                                     .parse = parse_own,
+                                     .own = &own,
+                                     .arguments_doc = "SCENE.yml --model MODEL.h5 -o RESULT.h5",
+                                     .doc = "Solves one scene with the reduced model.",
+                                     .help_tail = print_settings,
+                                     .least_arguments = 1,
+                                     .most_arguments = 1};
+    ehd_error error = {""};
+    program self;
+
+    program_start(&self, argc, argv, &options);
+    if (self.check) return output_check(&self);
+    ehd_status status = run(&self, &own, &error);
+    return program_finish(&self, status, &error);
+}

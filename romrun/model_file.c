@@ -1,0 +1,398 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model_file.h"
+
+#include "romrun/basis_file.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(const artefact *file, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+}
+
+// ---- writing
+
+static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error *error) {
+    ehd_status status = grid_write(file, model->kind, &model->grid, error);
+
+    if (!status) status = artefact_put_axis(file, "row", model->num_rows, NULL, error);
+    if (!status) status = artefact_put_axis(file, "needed_node", model->num_needed, NULL, error);
+    if (!status) status = artefact_put_axis(file, "band_node", model->num_band, NULL, error);
+    if (!status)
+        status = artefact_put_axis(file, "pressure_mode", model->num_pressure, NULL, error);
+    if (!status && model->num_deformation > 0)
+        status = artefact_put_axis(file, "deformation_mode", model->num_deformation, NULL, error);
+    if (!status) status = artefact_put_axis(file, "state", model->states.num_states, NULL, error);
+    return status;
+}
+
+/* Node numbers as a file's indices: `shift` is 1 for x, which starts at node 1, and 0 for film_x. */
+static ehd_status put_nodes(artefact *file, const char *field, const size_t *nodes, size_t count,
+                            size_t shift, ehd_error *error) {
+    int64_t *indices = malloc((count + 1) * sizeof *indices);
+    if (!indices) return no_memory(file, error);
+    for (size_t i = 0; i < count; i++)
+        indices[i] = (int64_t)(nodes[i] - shift);
+    ehd_status status = artefact_put_integers(file, field, indices, error);
+    free(indices);
+    return status;
+}
+
+static ehd_status put_independent(artefact *file, const reduced_model *model, ehd_error *error) {
+    size_t width = model->num_deformation;
+    double *kernel = malloc(model->num_band * width * sizeof *kernel);
+    if (!kernel) return no_memory(file, error);
+    for (size_t i = 0; i < model->num_band; i++)
+        memcpy(kernel + i * width, model->left + i * model->num_cut, width * sizeof(double));
+    ehd_status status = artefact_put(file, "band_projected_kernel", kernel, error);
+    free(kernel);
+    if (!status) status = artefact_put(file, "needed_deformation_basis", model->needed_film, error);
+    if (!status) status = artefact_put(file, "band_deformation_basis", model->band_film, error);
+    if (!status) status = artefact_put(file, "elasticity_jacobian", model->cut_base, error);
+    return status;
+}
+
+static ehd_status put_tables(artefact *file, const reduced_model *model, ehd_error *error) {
+    const double *load = model->cut_base + (model->num_cut - 1) * model->num_pressure;
+    ehd_status status = put_nodes(file, "selected_row", model->row_node, model->num_rows, 1, error);
+
+    if (!status) status = artefact_put(file, "row_weight", model->row_weight, error);
+    if (!status)
+        status =
+            put_nodes(file, "needed_node_index", model->needed_node, model->num_needed, 0, error);
+    if (!status)
+        status = artefact_put(file, "needed_pressure_basis", model->needed_pressure, error);
+    if (!status) status = artefact_put(file, "band_pressure_basis", model->band_pressure, error);
+    if (!status) status = artefact_put(file, "load_jacobian", load, error);
+    if (status) return status;
+    if (model->deformation == DEFORMATION_INDEPENDENT) return put_independent(file, model, error);
+    status = artefact_put(file, "needed_coupled_basis", model->needed_film, error);
+    if (!status) status = artefact_put(file, "band_coupled_basis", model->band_film, error);
+    return status;
+}
+
+static ehd_status put_attributes(artefact *file, const reduced_model *model,
+                                 const model_origin *origin, ehd_error *error) {
+    const struct {
+        const char *name;
+        size_t value;
+    } places[] = {{"band_begin", model->band_begin},
+                  {"least_exit", model->least_exit},
+                  {"most_exit", model->most_exit}};
+    const struct {
+        const char *name;
+        double value;
+    } reals[] = {{"sigma_min_residual", origin->sigma_min_residual},
+                 {"sigma_min_jacobian", origin->sigma_min_jacobian},
+                 {"sigma_min_over_exits", origin->sigma_min_over_exits}};
+    ehd_status status =
+        artefact_put_text(file, "deformation", deformation_names[model->deformation], error);
+
+    for (size_t i = 0; i < 3 && !status; i++)
+        status = artefact_put_integer(file, places[i].name, (int64_t)places[i].value, error);
+    for (size_t i = 0; i < 3 && !status; i++)
+        status = artefact_put_real(file, reals[i].name, reals[i].value, error);
+    if (!status) status = artefact_put_text(file, "method", origin->method, error);
+    if (!status) status = artefact_put_text(file, "basis_sha256", origin->basis_identity, error);
+    return status;
+}
+
+ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
+                       const model_origin *origin, const program *caller, const char *settings_text,
+                       const char *const *inputs, ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status =
+        artefact_create(&file, caller->output, &schema_model, caller, settings_text, inputs, error);
+
+    if (!status) status = put_axes(file, model, error);
+    if (!status) status = put_attributes(file, model, origin, error);
+    if (!status) status = put_tables(file, model, error);
+    if (!status)
+        status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
+                             basis->num_pressure, 1, error);
+    if (!status)
+        status =
+            states_write(file, &model->states, model->num_pressure, model->num_deformation, error);
+    if (!status && origin->sigma_min_by_exit)
+        status = artefact_put(file, "sigma_min_by_exit", origin->sigma_min_by_exit, error);
+    if (!status) status = artefact_finish(&file, error);
+    artefact_close(&file);
+    return status;
+}
+
+// ---- reading
+
+/* What is stored, against which the wanted sizes are checked. */
+typedef struct stored_sizes {
+    size_t pressure, deformation, rows, needed, band;
+} stored_sizes;
+
+static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const char *option,
+                              const artefact *file, ehd_error *error) {
+    if (wanted > stored)
+        return ehd_fail(error, EHD_DATA, "%s: found %zu, expected at most the %zu stored in %s",
+                        option, wanted, stored, artefact_path(file));
+    *size = wanted ? wanted : stored;
+    return EHD_OK;
+}
+
+/* Reads [rows, columns] and keeps the rows listed (NULL: all) and the first columns. */
+static ehd_status read_part(double **part, artefact *file, const char *field, size_t rows,
+                            size_t columns, const size_t *kept_rows, size_t num_kept,
+                            size_t kept_columns, ehd_error *error) {
+    double *whole = malloc((rows * columns + 1) * sizeof *whole);
+
+    *part = malloc((num_kept * kept_columns + 1) * sizeof **part);
+    ehd_status status = whole && *part ? EHD_OK : no_memory(file, error);
+    if (!status && !artefact_has(file, field))
+        status = ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected it for this basis",
+                          artefact_path(file), field);
+    if (!status) status = artefact_get(file, field, whole, error);
+    for (size_t i = 0; i < rows * columns && !status; i++)
+        if (!isfinite(whole[i]))
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
+                              artefact_path(file), field);
+    for (size_t i = 0; i < num_kept && !status; i++)
+        memcpy(*part + i * kept_columns, whole + (kept_rows ? kept_rows[i] : i) * columns,
+               kept_columns * sizeof(double));
+    free(whole);
+    return status;
+}
+
+static ehd_status read_nodes(size_t **nodes, artefact *file, const char *field, size_t count,
+                             size_t shift, const ehd_grid *grid, ehd_error *error) {
+    int64_t *indices = malloc((count + 1) * sizeof *indices);
+
+    *nodes = malloc((count + 1) * sizeof **nodes);
+    ehd_status status = indices && *nodes ? EHD_OK : no_memory(file, error);
+    if (!status) status = artefact_get_integers(file, field, indices, error);
+    for (size_t i = 0; i < count && !status; i++) {
+        int64_t last = (int64_t)(grid->num_nodes - 1 - 2 * shift);
+        if (indices[i] < 0 || indices[i] > last)
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 0 to %lld",
+                              artefact_path(file), field, (long long)indices[i], (long long)last);
+        else
+            (*nodes)[i] = (size_t)indices[i] + shift;
+    }
+    free(indices);
+    return status;
+}
+
+/* Places in the stored list of needed nodes of those that the chosen rows need. */
+static ehd_status match_needed(size_t **places, const reduced_model *model, artefact *file,
+                               size_t num_stored, ehd_error *error) {
+    size_t *stored = NULL, at = 0;
+    ehd_status status =
+        read_nodes(&stored, file, "needed_node_index", num_stored, 0, &model->grid, error);
+
+    *places = malloc((model->num_needed + 1) * sizeof **places);
+    if (!status && !*places) status = no_memory(file, error);
+    for (size_t i = 0; i < model->num_needed && !status; i++) {
+        while (at < num_stored && stored[at] < model->needed_node[i])
+            at++;
+        if (at == num_stored || stored[at] != model->needed_node[i])
+            status = ehd_fail(error, EHD_DATA,
+                              "%s: needed_node_index: found no node %zu, expected all that the "
+                              "rows need, ascending",
+                              artefact_path(file), model->needed_node[i]);
+        else
+            (*places)[i] = at;
+    }
+    free(stored);
+    return status;
+}
+
+static ehd_status read_rows(reduced_model *model, artefact *file, const stored_sizes *stored,
+                            ehd_error *error) {
+    ehd_status status =
+        read_nodes(&model->row_node, file, "selected_row", stored->rows, 1, &model->grid, error);
+
+    if (!status)
+        status = read_part(&model->row_weight, file, "row_weight", stored->rows, 1, NULL,
+                           model->num_rows, 1, error);
+    if (!status) status = reduced_model_list_needed(model, error);
+    return status;
+}
+
+static ehd_status read_places(reduced_model *model, artefact *file, ehd_error *error) {
+    struct {
+        const char *name;
+        size_t *value;
+    } places[] = {{"band_begin", &model->band_begin},
+                  {"least_exit", &model->least_exit},
+                  {"most_exit", &model->most_exit}};
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < 3 && !status; i++) {
+        int64_t value = 0;
+        status = artefact_get_integer(file, places[i].name, &value, error);
+        if (!status && (value < 3 || (size_t)value >= model->grid.num_nodes))
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 3 to %zu",
+                              artefact_path(file), places[i].name, (long long)value,
+                              model->grid.num_nodes - 1);
+        *places[i].value = (size_t)value;
+    }
+    if (!status &&
+        !(model->band_begin <= model->least_exit && model->least_exit <= model->most_exit &&
+          model->most_exit + 2 <= model->band_begin + model->num_band))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found exits from %zu to %zu, expected them inside the band",
+                          artefact_path(file), model->least_exit, model->most_exit);
+    return status;
+}
+
+/* The cut table at band_begin and the left sides, from what the file holds of them. */
+static ehd_status read_cut(reduced_model *model, artefact *file, const stored_sizes *stored,
+                           ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t num_pressure = model->num_pressure, width = model->num_deformation;
+    double *load = NULL, *elasticity = NULL, *kernel = NULL;
+    ehd_status status =
+        read_part(&load, file, "load_jacobian", 1, stored->pressure, NULL, 1, num_pressure, error);
+
+    model->num_cut = (coupled ? model->num_needed : width) + 1;
+    model->cut_base = malloc(model->num_cut * num_pressure * sizeof(double));
+    model->left = malloc(model->num_band * model->num_cut * sizeof(double));
+    if (!status && (!model->cut_base || !model->left)) status = no_memory(file, error);
+    if (!status && !coupled)
+        status = read_part(&elasticity, file, "elasticity_jacobian", stored->deformation,
+                           stored->pressure, NULL, width, num_pressure, error);
+    if (!status && !coupled)
+        status = read_part(&kernel, file, "band_projected_kernel", stored->band,
+                           stored->deformation, NULL, model->num_band, width, error);
+    if (!status) {
+        memcpy(model->cut_base, coupled ? model->needed_film : elasticity,
+               (model->num_cut - 1) * num_pressure * sizeof(double));
+        memcpy(model->cut_base + (model->num_cut - 1) * num_pressure, load,
+               num_pressure * sizeof(double));
+        for (size_t i = 0; i < model->num_band && !coupled; i++) {
+            memcpy(model->left + i * model->num_cut, kernel + i * width, width * sizeof(double));
+            model->left[i * model->num_cut + width] = model->grid.step;
+        }
+    }
+    free(kernel);
+    free(elasticity);
+    free(load);
+    return status;
+}
+
+static ehd_status read_tables(reduced_model *model, artefact *file, const stored_sizes *stored,
+                              ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t stored_width = coupled ? stored->pressure : stored->deformation;
+    size_t width = coupled ? model->num_pressure : model->num_deformation;
+    size_t *places = NULL;
+    ehd_status status = match_needed(&places, model, file, stored->needed, error);
+
+    if (!status)
+        status = read_part(&model->needed_pressure, file, "needed_pressure_basis", stored->needed,
+                           stored->pressure, places, model->num_needed, model->num_pressure, error);
+    if (!status)
+        status = read_part(&model->needed_film, file,
+                           coupled ? "needed_coupled_basis" : "needed_deformation_basis",
+                           stored->needed, stored_width, places, model->num_needed, width, error);
+    if (!status)
+        status = read_part(&model->band_pressure, file, "band_pressure_basis", stored->band,
+                           stored->pressure, NULL, model->num_band, model->num_pressure, error);
+    if (!status)
+        status = read_part(&model->band_film, file,
+                           coupled ? "band_coupled_basis" : "band_deformation_basis", stored->band,
+                           stored_width, NULL, model->num_band, width, error);
+    if (!status) status = read_cut(model, file, stored, error);
+    free(places);
+    return status;
+}
+
+/* The states' coordinates in the chosen modes. */
+static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
+                              ehd_error *error) {
+    reduced_states whole = {0};
+    reduced_states *kept = &model->states;
+    ehd_status status =
+        states_read(&whole, file, stored->pressure, stored->deformation, &model->grid, error);
+
+    if (!status) status = reduced_states_init(kept, whole.num_states, model->num_unknowns, error);
+    for (size_t s = 0; s < whole.num_states && !status; s++) {
+        const double *source = whole.coordinates + s * whole.num_unknowns;
+        double *target = kept->coordinates + s * kept->num_unknowns;
+        memcpy(target, source, model->num_pressure * sizeof(double));
+        memcpy(target + model->num_pressure, source + stored->pressure,
+               model->num_deformation * sizeof(double));
+        target[kept->num_unknowns - 1] = source[whole.num_unknowns - 1];
+        kept->exit[s] = whole.exit[s];
+        kept->moes_M[s] = whole.moes_M[s];
+        kept->alpha_p_H[s] = whole.alpha_p_H[s];
+        kept->central_film_thickness[s] = whole.central_film_thickness[s];
+    }
+    reduced_states_free(&whole);
+    return status;
+}
+
+static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artefact *file,
+                               const model_sizes *wanted, ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+
+    stored->pressure = artefact_length(file, "pressure_mode");
+    stored->deformation = coupled ? 0 : artefact_length(file, "deformation_mode");
+    stored->rows = artefact_length(file, "row");
+    stored->needed = artefact_length(file, "needed_node");
+    stored->band = model->num_band = artefact_length(file, "band_node");
+    ehd_status status = choose_size(&model->num_pressure, wanted->pressure_modes, stored->pressure,
+                                    "--pressure-modes", file, error);
+    if (!status)
+        status = choose_size(&model->num_deformation, wanted->deformation_modes,
+                             stored->deformation, "--deformation-modes", file, error);
+    if (!status)
+        status = choose_size(&model->num_rows, wanted->rows, stored->rows, "--rows", file, error);
+    if (status) return status;
+    model->num_unknowns = reduced_num_unknowns(model->num_pressure, model->num_deformation);
+    if (model->num_rows < model->num_pressure)
+        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
+                        model->num_rows, model->num_pressure);
+    return EHD_OK;
+}
+
+ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
+                      ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_model, NULL};
+    artefact *file = NULL;
+    stored_sizes stored;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    memset(model, 0, sizeof *model);
+    if (!status) status = grid_read(&model->grid, &model->kind, file, error);
+    if (!status) status = deformation_read(&model->deformation, file, error);
+    if (!status) status = choose_sizes(model, &stored, file, sizes, error);
+    if (!status) status = read_places(model, file, error);
+    if (!status) status = read_rows(model, file, &stored, error);
+    if (!status) status = read_tables(model, file, &stored, error);
+    if (!status) status = read_states(model, file, &stored, error);
+    artefact_close(&file);
+    if (!status) status = reduced_model_complete(model, error);
+    if (status) reduced_model_free(model);
+    return status;
+}
+
+ehd_status model_read_pressure_basis(double **basis, const char *path, const reduced_model *model,
+                                     ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_model, NULL};
+    artefact *file = NULL;
+    double *whole = NULL;
+    size_t num_nodes = model->grid.num_nodes, wanted = model->num_pressure;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    *basis = NULL;
+    if (!status) {
+        size_t stored = artefact_length(file, "pressure_mode");
+        status = modes_read(&whole, file, "pressure_basis", num_nodes, stored, 1, error);
+        *basis = status ? NULL : malloc(num_nodes * wanted * sizeof(double));
+        if (!status && !*basis) status = no_memory(file, error);
+        for (size_t k = 0; k < num_nodes && !status; k++)
+            memcpy(*basis + k * wanted, whole + k * stored, wanted * sizeof(double));
+    }
+    free(whole);
+    artefact_close(&file);
+    return status;
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* model.h5 in memory and back. */
+#ifndef EHD_MODEL_FILE_H
+#define EHD_MODEL_FILE_H
+
+#include "common/program/program.h"
+#include "romrun/reduced_model.h"
+
+/* What a model file says about its rows. */
+typedef struct model_origin {
+    const char *method;
+    const char *basis_identity; // SHA-256 of the basis file
+    double sigma_min_residual, sigma_min_jacobian;
+    double sigma_min_over_exits;
+    const double *sigma_min_by_exit; // [num_states]
+} model_origin;
+
+/* Writes and finishes caller->output. The basis gives what is needed for full fields. */
+ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
+                       const model_origin *origin, const program *caller, const char *settings_text,
+                       const char *const *inputs, ehd_error *error);
+
+/* How much of a stored model is wanted; 0: all of it. */
+typedef struct model_sizes {
+    size_t pressure_modes, deformation_modes, rows;
+} model_sizes;
+
+/* Reads the first modes and rows of a model, without its full bases. EHD_DATA also for sizes larger
+ * than what is stored and fewer rows than unknowns. */
+ehd_status model_read(
+    // output:
+    reduced_model *model, // free with reduced_model_free
+    // input:
+    const char *path, const model_sizes *sizes, ehd_error *error);
+
+/* The pressure modes on the whole grid, for full fields: [num_nodes, num_pressure]. */
+ehd_status model_read_pressure_basis(
+    // output:
+    double **basis, // free with free()
+    // input:
+    const char *path, const reduced_model *model, ehd_error *error);
+
+#endif

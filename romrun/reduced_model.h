@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The reduced model: bases at the few nodes that the selected Reynolds rows need, and what the exit
+ * boundary takes away from them (model.md, section 5; paper, section 3).
+ *
+ * One structure serves level i (all rows) and level n (selected rows): only the list of rows differs. */
+#ifndef EHD_REDUCED_MODEL_H
+#define EHD_REDUCED_MODEL_H
+
+#include "common/physics/contact.h"
+#include "common/physics/reynolds.h"
+#include "common/program/status.h"
+#include <stddef.h>
+
+/* How the deflection depends on the reduced unknowns. */
+typedef enum deformation_kind {
+    DEFORMATION_INDEPENDENT, // own basis, elasticity equation projected (paper, eq. 26)
+    DEFORMATION_COUPLED      // Delta = K V_p a, no unknowns of its own
+} deformation_kind;
+
+extern const char *const deformation_names[]; // "independent", "coupled", NULL
+
+/* Training solutions in reduced coordinates: starts for Newton, and the range that was trained. */
+typedef struct reduced_states {
+    size_t num_states;
+    size_t num_unknowns; // n_p + n_delta + 1
+    double *coordinates; // [num_states, num_unknowns]: pressure, deformation, rigid approach
+    size_t *exit;        // [num_states] grid node, counted with the boundary nodes
+    double *moes_M;      // [num_states]
+    double *alpha_p_H;   // [num_states]
+    double *central_film_thickness; // [num_states]
+} reduced_states;
+
+ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_unknowns,
+                               ehd_error *error);
+void reduced_states_free(reduced_states *states);
+
+/* Bases on the whole grid: offline only. Node-major, so that a node's entries are contiguous. */
+typedef struct reduced_basis {
+    const contact_kind *kind;
+    ehd_grid grid;
+    deformation_kind deformation;
+    size_t num_pressure;       // n_p
+    size_t num_deformation;    // n_delta, 0 when coupled
+    double *pressure;          // [num_nodes, num_pressure], zero at the boundary nodes
+    double *deformation_modes; // [num_nodes, num_deformation], NULL when coupled
+    double *weight;            // [num_nodes] D of the test basis (eq. 27), already with its floor
+    reduced_states states;
+} reduced_basis;
+
+void reduced_basis_free(reduced_basis *basis);
+size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
+
+/* What the online solver holds. Everything here is read-only while solving, so that several solvers
+ * in several threads may share it. */
+typedef struct reduced_model {
+    const contact_kind *kind;
+    ehd_grid grid;
+    deformation_kind deformation;
+    size_t num_pressure, num_deformation, num_unknowns;
+
+    size_t num_rows;            // selected rows, in order of selection
+    size_t *row_node;           // [num_rows]
+    double *row_weight;         // [num_rows]
+    reynolds_stencil *stencils; // [num_rows] places in needed_node
+    size_t num_needed;          // nodes at which rows need the state, and those around X = 0
+    size_t *needed_node;        // [num_needed] ascending
+    double *needed_gap;         // [num_needed]
+    double *needed_pressure;    // [num_needed, num_pressure]
+    double *needed_film;        // independent: deformation basis [num_needed, num_deformation];
+                                // coupled: deflections of the pressure modes cut at band_begin,
+                                // [num_needed, num_pressure]
+    size_t centre[4];           // places in needed_node of the nodes around X = 0
+    double centre_weight[4];    // interpolation to X = 0
+
+    // the band in which film minimum and exit lie
+    size_t band_begin, num_band;  // nodes band_begin … band_begin + num_band - 1
+    size_t least_exit, most_exit; // where the exit may lie
+    double *band_pressure;        // [num_band, num_pressure]
+    double *band_film;            // as needed_film, at the band's nodes
+    double *kernel;               // [num_nodes] deflection by distance in nodes
+
+    // Left sides of the cut updates (eq. 36): cutting at e instead of band_begin adds
+    // sum over the band's nodes i < e of left[i, :]^T V_p[i, :] to the cut table.
+    size_t num_cut;   // rows of the cut table: coupled, num_needed; independent, num_deformation;
+                      // and one more for the load balance
+    double *left;     // [num_band, num_cut]
+    double *cut_base; // [num_cut, num_pressure] the cut table for an exit at band_begin
+
+    // cut tables and band deflections for some exits, so that no solve starts far from one
+    size_t checkpoint_stride; // nodes
+    size_t num_checkpoints;   // exit least_exit + k checkpoint_stride
+    double *checkpoint_cut;   // [num_checkpoints, num_cut, num_pressure]
+    double *checkpoint_band;  // coupled: [num_checkpoints, num_band, num_pressure], else NULL
+
+    reduced_states states;
+} reduced_model;
+
+/* Cuts the model for a list of rows out of the bases, `rows` are grid nodes in order of selection; with
+ * rows NULL all inner nodes are taken (level i). Returns EHD_OK, EHD_DATA (fewer rows than unknowns,
+ * a row outside of the grid), EHD_MEMORY. */
+ehd_status reduced_model_build(
+    // output:
+    reduced_model *model, // free with reduced_model_free
+    // input:
+    const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
+
+/* Lists the nodes that model->row_node and the centre need, ascending, in model->needed_node. */
+ehd_status reduced_model_list_needed(reduced_model *model, ehd_error *error);
+
+/* Tables that follow from the others (stencils, kernel, left sides, checkpoints); the last step of
+ * building and of reading a model. */
+ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
+
+void reduced_model_free(reduced_model *model);
+
+/* Table of an exit's checkpoint, the largest one not behind `exit`. */
+size_t reduced_model_checkpoint(const reduced_model *model, size_t exit);
+
+#endif

@@ -1,0 +1,532 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/reduced_solver.h"
+
+#include "common/program/program.h"
+#include "romrun/least_squares.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct reduced_solver {
+    const reduced_model *model;
+    reduced_settings settings;
+    reduced_observer *observer;
+    void *observer_context;
+    least_squares *least_squares;
+
+    double *cut;      // [num_cut, num_pressure] the cut table for the exit `cut_exit`
+    size_t cut_exit;  // 0: none yet
+    size_t num_alive; // needed nodes before the exit
+
+    double *pressure, *film;           // [num_needed]
+    double *step_pressure, *step_film; // [num_needed]
+    double *fluid_memory;              // [4, num_needed]
+    double *band_pressure;             // [num_band] P at band nodes, filled where asked for
+    reynolds_row *rows;                // [num_rows]
+    size_t num_system;                 // rows of the least-squares problem
+    size_t *system_row;                // [num_rows] selected rows before the exit
+    double *matrix;                    // [num_rows + num_deformation + 1, num_unknowns]
+    double *right;                     // [num_rows + num_deformation + 1]
+    double *step;                      // [num_unknowns]
+    double *observed;                  // [2, num_rows]
+};
+
+reduced_settings reduced_default_settings(void) {
+    reduced_settings settings = {.tolerance = 1e-8, .max_iterations = 40};
+    return settings;
+}
+
+reduced_solver *reduced_solver_free(reduced_solver *self) {
+    if (self) {
+        least_squares_free(self->least_squares);
+        free(self->cut);
+        free(self->pressure);
+        free(self->film);
+        free(self->step_pressure);
+        free(self->step_film);
+        free(self->fluid_memory);
+        free(self->band_pressure);
+        free(self->rows);
+        free(self->system_row);
+        free(self->matrix);
+        free(self->right);
+        free(self->step);
+        free(self->observed);
+        free(self);
+    }
+    return NULL;
+}
+
+ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *model,
+                                 const reduced_settings *settings, ehd_error *error) {
+    size_t most_rows = model->num_rows + model->num_deformation + 1;
+    reduced_solver *self = calloc(1, sizeof *self);
+
+    *solver = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->model = model;
+    self->settings = *settings;
+    self->least_squares = least_squares_create(most_rows, model->num_unknowns);
+    self->cut = malloc(model->num_cut * model->num_pressure * sizeof(double));
+    self->pressure = malloc(model->num_needed * sizeof(double));
+    self->film = malloc(model->num_needed * sizeof(double));
+    self->step_pressure = malloc(model->num_needed * sizeof(double));
+    self->step_film = malloc(model->num_needed * sizeof(double));
+    self->fluid_memory = malloc(4 * model->num_needed * sizeof(double));
+    self->band_pressure = malloc(model->num_band * sizeof(double));
+    self->rows = malloc(model->num_rows * sizeof *self->rows);
+    self->system_row = malloc(model->num_rows * sizeof *self->system_row);
+    self->matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
+    self->right = malloc(most_rows * sizeof(double));
+    self->step = malloc(model->num_unknowns * sizeof(double));
+    self->observed = malloc(2 * model->num_rows * sizeof(double));
+    if (!self->least_squares || !self->cut || !self->pressure || !self->film ||
+        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
+        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
+        !self->observed) {
+        reduced_solver_free(self);
+        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    }
+    *solver = self;
+    return EHD_OK;
+}
+
+void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, void *context) {
+    self->observer = observer;
+    self->observer_context = context;
+}
+
+// ---- the exit's cut
+
+/* Adds (sign 1) or takes away (sign -1) band nodes from `from` up to before `to`: the rank-k form of
+ * eq. (36) for the elasticity equation or the coupled deflections, and for the load balance. */
+static void update_cut(reduced_solver *self, size_t from, size_t to, double sign) {
+    const reduced_model *model = self->model;
+    size_t first = from - model->band_begin;
+
+    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
+                (int)model->num_pressure, (int)(to - from), sign,
+                model->left + first * model->num_cut, (int)model->num_cut,
+                model->band_pressure + first * model->num_pressure, (int)model->num_pressure, 1,
+                self->cut, (int)model->num_pressure);
+}
+
+/* Brings the cut table to the exit, from where it is or from the exit's checkpoint. */
+static void move_cut(reduced_solver *self, size_t exit) {
+    const reduced_model *model = self->model;
+    size_t checkpoint = reduced_model_checkpoint(model, exit);
+    size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
+    size_t distance = self->cut_exit > exit ? self->cut_exit - exit : exit - self->cut_exit;
+
+    if (!self->cut_exit || distance > exit - base) {
+        size_t size = model->num_cut * model->num_pressure;
+        memcpy(self->cut, model->checkpoint_cut + checkpoint * size, size * sizeof(double));
+        self->cut_exit = base;
+    }
+    if (exit > self->cut_exit)
+        update_cut(self, self->cut_exit, exit, 1);
+    else if (exit < self->cut_exit)
+        update_cut(self, exit, self->cut_exit, -1);
+    self->cut_exit = exit;
+    self->num_alive = 0;
+    while (self->num_alive < model->num_needed && model->needed_node[self->num_alive] < exit)
+        self->num_alive++;
+}
+
+// ---- the state at nodes
+
+static void product(double *y, const double *matrix, const double *x, size_t rows, size_t columns) {
+    if (rows > 0)
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)rows, (int)columns, 1, matrix, (int)columns,
+                    x, 1, 0, y, 1);
+}
+
+/* Basis of the film at the needed nodes and the coordinates it takes. */
+static const double *film_basis(const reduced_solver *self, size_t *width, size_t *offset) {
+    const reduced_model *model = self->model;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+
+    *width = coupled ? model->num_pressure : model->num_deformation;
+    *offset = coupled ? 0 : model->num_pressure;
+    return coupled ? self->cut : model->needed_film;
+}
+
+/* P and H (without gap) at the needed nodes for coordinates z. */
+static void expand(double *pressure, double *film, const reduced_solver *self, const double *z) {
+    const reduced_model *model = self->model;
+    size_t width, offset;
+    const double *basis = film_basis(self, &width, &offset);
+
+    product(pressure, model->needed_pressure, z, self->num_alive, model->num_pressure);
+    memset(pressure + self->num_alive, 0, (model->num_needed - self->num_alive) * sizeof(double));
+    product(film, basis, z + offset, model->num_needed, width);
+    for (size_t q = 0; q < model->num_needed; q++)
+        film[q] += z[model->num_unknowns - 1];
+}
+
+/* P at band nodes from `from` up to before `to`. */
+static void expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
+    const reduced_model *model = self->model;
+    size_t first = from - model->band_begin;
+
+    if (to > from)
+        product(self->band_pressure + first, model->band_pressure + first * model->num_pressure, z,
+                to - from, model->num_pressure);
+}
+
+/* H at one band node. For the coupled basis the exit's checkpoint gives the deflection of what lies
+ * before it, and expand_band must have filled the pressures from there to the exit. */
+static double band_film(const reduced_solver *self, const double *z, size_t exit, size_t node) {
+    const reduced_model *model = self->model;
+    size_t place = node - model->band_begin, num_pressure = model->num_pressure;
+    double film = z[model->num_unknowns - 1] + model->kind->gap(grid_x(&model->grid, node));
+
+    if (model->deformation == DEFORMATION_INDEPENDENT) {
+        const double *basis = model->band_film + place * model->num_deformation;
+        return film + cblas_ddot((int)model->num_deformation, basis, 1, z + num_pressure, 1);
+    }
+    size_t checkpoint = reduced_model_checkpoint(model, exit);
+    size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
+    film += cblas_ddot(
+        (int)num_pressure,
+        model->checkpoint_band + (checkpoint * model->num_band + place) * num_pressure, 1, z, 1);
+    for (size_t i = base; i < exit; i++)
+        film += model->kernel[node > i ? node - i : i - node] *
+                self->band_pressure[i - model->band_begin];
+    return film;
+}
+
+// ---- exit boundary
+
+static const double WINDOW = 0.05; // around the exit, where it is looked at and moved; half widths
+static const double NOISE = 1e-6;  // negative pressure that the truncated basis may show
+
+static size_t window_begin(const reduced_model *model, size_t exit) {
+    size_t checkpoint = reduced_model_checkpoint(model, exit);
+    size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
+    size_t window = (size_t)(WINDOW / model->grid.step) + 2;
+    size_t begin = exit > model->band_begin + window ? exit - window : model->band_begin;
+
+    return begin < base ? begin : base;
+}
+
+/* The Reynolds row at a band node, from the state around it; row.residual is -Lambda at the exit. */
+static reynolds_row band_row(const reduced_solver *self, const double *z, size_t exit, size_t node,
+                             const ehd_contact *contact, double *flux) {
+    const reduced_model *model = self->model;
+    double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[4][NUM_STENCIL];
+    reynolds_stencil stencil = {{0, 1, 2, 3}};
+    reynolds_fluid fluid = {memory[0], memory[1], contact->lubricant.density ? memory[2] : NULL,
+                            contact->lubricant.density ? memory[3] : NULL};
+    reynolds_row row;
+
+    for (size_t a = 0; a < NUM_STENCIL; a++) {
+        size_t place = node - 2 + a;
+        pressure[a] = place < exit ? self->band_pressure[place - model->band_begin] : 0;
+        film[a] = band_film(self, z, exit, place);
+    }
+    reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_STENCIL);
+    reynolds_rows(&row, model->grid.step, 1, &stencil, 1, &fluid, pressure, film);
+
+    // flux through the half node before: U rho H - eps dP/dx
+    double eps = 0, mass = 0;
+    for (int a = NODE_BACK; a <= NODE_HERE; a++) {
+        eps += 0.5 * fluid.mobility[a] * film[a] * film[a] * film[a];
+        mass += 0.5 * (fluid.density ? fluid.density[a] : 1) * film[a];
+    }
+    *flux = mass - eps * (pressure[NODE_HERE] - pressure[NODE_BACK]) / model->grid.step;
+    return row;
+}
+
+/* Where the exit should be for the present state: back on negative pressure, on where the multiplier
+ * is negative; as far as the flux says, within a window. The flux at a node before the rupture is what
+ * an unpressurised film carries at the exit. */
+static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
+                         const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    const double *z = state->coordinates;
+    size_t exit = state->exit, begin = window_begin(model, exit), from = exit, end = exit - 1;
+    size_t window = (size_t)(WINDOW / model->grid.step) + 2;
+    size_t node = exit > begin + window ? exit - window : begin;
+    double flux;
+
+    expand_band(self, z, begin, exit);
+    while (node < exit && self->band_pressure[node - model->band_begin] >= -NOISE)
+        node++;
+    if (node < exit) {
+        from = node > model->band_begin + 2 ? node : model->band_begin + 2;
+        band_row(self, z, exit, from, contact, &flux);
+    } else {
+        reynolds_row row = band_row(self, z, exit, exit, contact, &flux);
+        if (row.residual <= 0) return exit;
+        from = exit + 1;
+        end = exit + window;
+    }
+    for (node = from; node < end; node++)
+        if (band_film(self, z, exit, node) >= flux) break;
+    node = node > model->least_exit ? node : model->least_exit;
+    return node < model->most_exit ? node : model->most_exit;
+}
+
+// ---- one iteration
+
+/* The selected rows before the exit. */
+static void list_system_rows(reduced_solver *self, size_t exit) {
+    self->num_system = 0;
+    for (size_t r = 0; r < self->model->num_rows; r++)
+        if (self->model->row_node[r] < exit) self->system_row[self->num_system++] = r;
+}
+
+static void evaluate_rows(reduced_solver *self, const ehd_contact *contact, const double *z) {
+    const reduced_model *model = self->model;
+    size_t num_needed = model->num_needed;
+    double *memory = self->fluid_memory;
+    bool compressible = contact->lubricant.density != NULL;
+    reynolds_fluid fluid = {memory, memory + num_needed,
+                            compressible ? memory + 2 * num_needed : NULL,
+                            compressible ? memory + 3 * num_needed : NULL};
+
+    expand(self->pressure, self->film, self, z);
+    for (size_t q = 0; q < num_needed; q++)
+        self->film[q] += model->needed_gap[q];
+    reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
+    reynolds_rows(self->rows, model->grid.step, 1, model->stencils, model->num_rows, &fluid,
+                  self->pressure, self->film);
+}
+
+static void add_row(double *target, double factor, const double *source, size_t count) {
+    for (size_t j = 0; j < count; j++)
+        target[j] += factor * source[j];
+}
+
+/* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. */
+static void fill_reynolds_row(double *target, const reduced_solver *self, size_t r) {
+    const reduced_model *model = self->model;
+    const reynolds_stencil *stencil = &model->stencils[r];
+    const reynolds_row *row = &self->rows[r];
+    double weight = model->row_weight[r], approach = 0;
+    size_t width, offset;
+    const double *film = film_basis(self, &width, &offset);
+
+    memset(target, 0, model->num_unknowns * sizeof(double));
+    for (int a = 0; a < NUM_STENCIL; a++) {
+        size_t q = stencil->node[a];
+        if (q == NO_NODE) continue;
+        if (q < self->num_alive)
+            add_row(target, weight * row->by_pressure[a],
+                    model->needed_pressure + q * model->num_pressure, model->num_pressure);
+        add_row(target + offset, weight * row->by_film[a], film + q * width, width);
+        approach += row->by_film[a];
+    }
+    target[model->num_unknowns - 1] = weight * approach;
+}
+
+/* Matrix and right side of eq. (38), (37): selected Reynolds rows, projected elasticity, load. Returns
+ * the number of rows. */
+static size_t fill_system(reduced_solver *self, const double *z) {
+    const reduced_model *model = self->model;
+    size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
+    const double *load = self->cut + (model->num_cut - 1) * num_pressure;
+
+    for (size_t i = 0; i < self->num_system; i++, count++) {
+        size_t r = self->system_row[i];
+        fill_reynolds_row(self->matrix + count * n, self, r);
+        self->right[count] = model->row_weight[r] * self->rows[r].residual;
+    }
+    for (size_t j = 0; j < model->num_deformation; j++, count++) {
+        double *row = self->matrix + count * n;
+        const double *elasticity = self->cut + j * num_pressure;
+        memset(row, 0, n * sizeof(double));
+        add_row(row, -1, elasticity, num_pressure);
+        row[num_pressure + j] = 1;
+        self->right[count] =
+            z[num_pressure + j] - cblas_ddot((int)num_pressure, elasticity, 1, z, 1);
+    }
+    double *row = self->matrix + count * n;
+    memset(row, 0, n * sizeof(double));
+    memcpy(row, load, num_pressure * sizeof(double));
+    self->right[count] = cblas_ddot((int)num_pressure, load, 1, z, 1) - model->kind->load;
+    return count + 1;
+}
+
+static const double MOST_PRESSURE_CHANGE = 0.3; // as in the full solver
+static const double LEAST_FILM_LEFT = 0.2;
+
+/* Damping factor by the state at the needed nodes; *change is the undamped largest pressure change. */
+static double damping(reduced_solver *self, double *change) {
+    const reduced_model *model = self->model;
+    double least = INFINITY, factor = 1;
+
+    expand(self->step_pressure, self->step_film, self, self->step);
+    *change = 0;
+    for (size_t q = 0; q < model->num_needed; q++) {
+        *change = fmax(*change, fabs(self->step_pressure[q]));
+        least = fmin(least, self->film[q]);
+    }
+    if (*change > MOST_PRESSURE_CHANGE) factor = MOST_PRESSURE_CHANGE / *change;
+    for (size_t q = 0; q < model->num_needed; q++)
+        if (self->step_film[q] < 0)
+            factor = fmin(factor, (self->film[q] - LEAST_FILM_LEFT * least) / -self->step_film[q]);
+    return factor;
+}
+
+static double at_centre(const reduced_model *model, const double *values) {
+    double sum = 0;
+
+    for (size_t i = 0; i < 4; i++)
+        if (model->centre_weight[i] != 0) sum += model->centre_weight[i] * values[model->centre[i]];
+    return sum;
+}
+
+/* Hands D f and D J dz of this iteration to the observer, rows behind the exit as zeros. */
+static ehd_status observe(reduced_solver *self, ehd_error *error) {
+    const reduced_model *model = self->model;
+    double *residual = self->observed, *step = self->observed + model->num_rows;
+
+    if (!self->observer) return EHD_OK;
+    memset(residual, 0, 2 * model->num_rows * sizeof(double));
+    for (size_t i = 0; i < self->num_system; i++) {
+        size_t r = self->system_row[i];
+        residual[r] = self->right[i];
+        step[r] = cblas_ddot((int)model->num_unknowns, self->matrix + i * model->num_unknowns, 1,
+                             self->step, 1);
+    }
+    return self->observer(self->observer_context, residual, step, error);
+}
+
+/* Film minimum in the band: every node within a stride's reach of the least of a coarse look. */
+static double minimum_film(reduced_solver *self, const reduced_state *state) {
+    const reduced_model *model = self->model;
+    size_t last = state->exit + 1;
+    size_t stride = (last - model->band_begin) / 24 + 1, best = model->band_begin;
+    double least = INFINITY;
+
+    expand_band(self, state->coordinates, window_begin(model, state->exit), state->exit);
+    for (; stride > 0; stride = stride > 1 ? (stride + 2) / 4 : 0) {
+        size_t reach = 4 * stride, middle = best;
+        size_t from = middle > model->band_begin + reach ? middle - reach : model->band_begin;
+        size_t to = middle + reach < last ? middle + reach : last;
+        if (isinf(least)) from = model->band_begin, to = last;
+        for (size_t node = from; node <= to; node += stride) {
+            double film = band_film(self, state->coordinates, state->exit, node);
+            if (film < least) {
+                least = film;
+                best = node;
+            }
+        }
+    }
+    return least;
+}
+
+/* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
+ * is after some more turns. */
+typedef struct exit_watch {
+    int direction, turns;
+} exit_watch;
+
+static size_t watch_exit(exit_watch *watch, size_t exit, size_t next) {
+    int direction = next > exit ? 1 : next < exit ? -1 : 0;
+
+    if (direction && watch->direction && direction != watch->direction) watch->turns++;
+    if (direction) watch->direction = direction;
+    if (watch->turns > 5) return exit;
+    return watch->turns > 1 ? (size_t)((ptrdiff_t)exit + direction) : next;
+}
+
+static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
+                         const ehd_contact *contact, ehd_error *error) {
+    const reduced_model *model = self->model;
+    exit_watch watch = {0, 0};
+    double film_before = NAN, change_before = NAN;
+
+    self->cut_exit = 0;
+    for (size_t iteration = 0;; iteration++) {
+        double start = program_seconds();
+        move_cut(self, state->exit);
+        list_system_rows(self, state->exit);
+        double moved = program_seconds();
+        evaluate_rows(self, contact, state->coordinates);
+        size_t num_rows = fill_system(self, state->coordinates);
+        double filled = program_seconds();
+        info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
+        info->seconds_exit += moved - start;
+        info->seconds_rows += filled - moved;
+        if (!isfinite(info->residual)) {
+            info->reason = "residual not finite";
+            return EHD_OK;
+        }
+        if (iteration >= self->settings.max_iterations) {
+            info->reason = "iteration limit reached";
+            return EHD_OK;
+        }
+
+        ehd_status status = least_squares_solve(self->step, self->least_squares, self->matrix,
+                                                self->right, num_rows);
+        if (status) {
+            info->reason = "least squares not finite";
+            return EHD_OK;
+        }
+        double change, factor = damping(self, &change);
+        cblas_daxpy((int)model->num_unknowns, factor, self->step, 1, state->coordinates, 1);
+        info->iterations++;
+        info->seconds_linear += program_seconds() - filled;
+        status = observe(self, error);
+        if (status) return status;
+        if (!(factor > 0)) {
+            info->reason = "film would become negative";
+            return EHD_OK;
+        }
+
+        start = program_seconds();
+        size_t exit = watch_exit(&watch, state->exit, adapt_exit(self, state, contact));
+        info->seconds_exit += program_seconds() - start;
+        double film = at_centre(model, self->film) + factor * at_centre(model, self->step_film);
+        bool moved_exit = exit != state->exit;
+        state->exit = exit;
+
+        // linear convergence at the observed rate says what another iteration would change
+        double film_change = fabs(film - film_before);
+        double rate = fmin(change / change_before, 1);
+        if (!moved_exit && factor == 1 && film_change * rate < self->settings.tolerance * film &&
+            change * rate < 1e-4) {
+            info->status = EHD_OK;
+            info->reason = "";
+            break;
+        }
+        film_before = film;
+        change_before = change;
+    }
+    return EHD_OK;
+}
+
+static void fill_scalars(reduced_info *info, reduced_solver *self, const reduced_state *state) {
+    const reduced_model *model = self->model;
+    const double *load = self->cut + (model->num_cut - 1) * model->num_pressure;
+
+    move_cut(self, state->exit);
+    expand(self->pressure, self->film, self, state->coordinates);
+    for (size_t q = 0; q < model->num_needed; q++)
+        self->film[q] += model->needed_gap[q];
+    info->central_film_thickness = at_centre(model, self->film);
+    info->central_pressure = at_centre(model, self->pressure);
+    info->minimum_film_thickness = minimum_film(self, state);
+    info->exit_position = grid_x(&model->grid, state->exit);
+    info->load =
+        cblas_ddot((int)model->num_pressure, load, 1, state->coordinates, 1) / model->kind->load;
+}
+
+ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solver *solver,
+                         const ehd_contact *contact, ehd_error *error) {
+    double start = program_seconds();
+
+    memset(info, 0, sizeof *info);
+    info->status = EHD_NOT_CONVERGED;
+    info->reason = "";
+    ehd_status status = newton(info, state, solver, contact, error);
+    if (!status) fill_scalars(info, solver, state);
+    info->seconds = program_seconds() - start;
+    return status;
+}

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* snapgen: runs a training plan. */
+#include "common/output/check.h"
+#include "common/program/program.h"
+#include "common/settings/scene.h"
+#include "snapgen/pool.h"
+#include "snapgen/residuals.h"
+#include "snapgen/snapshots.h"
+#include "snapgen/training.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { KEY_JOBS = 'j', KEY_SHARD = 0x200, KEY_RESUME, KEY_ALLOW_FAILURES, KEY_BASIS };
+
+typedef struct snapgen_options {
+    size_t num_jobs;
+    shard piece;
+    bool resume;
+    size_t allowed_failures;
+    const char *basis; // NULL: full model
+} snapgen_options;
+
+static const struct argp_option own_options[] = {
+    {.name = "jobs",
+     .key = KEY_JOBS,
+     .arg = "N",
+     .doc = "Points at a time; as many as there are processors by default. Changes no result"},
+    {.name = "shard",
+     .key = KEY_SHARD,
+     .arg = "k/N",
+     .doc = "Only the k-th of N pieces of the plan, each with an output of its own"},
+    {.name = "resume",
+     .key = KEY_RESUME,
+     .doc = "Continue an interrupted run of the same plan, where there is one"},
+    {.name = "allow-failures",
+     .key = KEY_ALLOW_FAILURES,
+     .arg = "N",
+     .doc = "Points that may fail before the exit code is 3; default 0"},
+    {.name = "basis",
+     .key = KEY_BASIS,
+     .arg = "BASIS.h5",
+     .doc = "Repeat the plan with the projected system and write the snapshots of its residuals, "
+            "for deimselect; points that do not converge count as long as they have iterations"},
+    {0}};
+
+// ---- the command line
+
+static ehd_status parse_shard(shard *piece, const char *text, ehd_error *error) {
+    const char *slash = strchr(text, '/');
+    char number[SHOWN_TEXT];
+
+    if (!slash || (size_t)(slash - text) >= sizeof number) {
+        text_show(number, text);
+        return ehd_fail(error, EHD_USAGE, "--shard: found %s, expected k/N such as 1/4", number);
+    }
+    memcpy(number, text, (size_t)(slash - text));
+    number[slash - text] = '\0';
+    ehd_status status =
+        parse_count(&piece->total, slash + 1, 1, 1000000, "--shard", EHD_USAGE, error);
+    if (status) return status;
+    return parse_count(&piece->number, number, 1, piece->total, "--shard", EHD_USAGE, error);
+}
+
+static error_t parse_own(int key, char *argument, struct argp_state *state) {
+    snapgen_options *options = state->input;
+    ehd_error error;
+    ehd_status status = EHD_OK;
+
+    switch (key) {
+    case KEY_JOBS:
+        status = parse_count(&options->num_jobs, argument, 1, 4096, "--jobs", EHD_USAGE, &error);
+        break;
+    case KEY_SHARD:
+        status = parse_shard(&options->piece, argument, &error);
+        break;
+    case KEY_RESUME:
+        options->resume = true;
+        break;
+    case KEY_ALLOW_FAILURES:
+        status = parse_count(&options->allowed_failures, argument, 0, SIZE_MAX, "--allow-failures",
+                             EHD_USAGE, &error);
+        break;
+    case KEY_BASIS:
+        options->basis = argument;
+        break;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+    if (status) argp_error(state, "%s", error.text);
+    return status ? EINVAL : 0;
+}
+
+static void print_settings(void) {
+    puts("A plan is a list of groups, each a scene and what varies in it (schemas/plan.md).\n"
+         "Settings of a scene:");
+    scene_print_help(stdout);
+}
+
+// ---- the training
+
+static ehd_status load_set(training_set *set, const program *self, shard piece, ehd_error *error) {
+    const char *path = self->arguments[0];
+    plan given;
+    ehd_status status = plan_read(&given, path, self->overrides, self->num_overrides, error);
+    if (status) return status;
+
+    status = training_set_init(set, &given, path, piece, error);
+    if (!status && set->num_dropped > 0)
+        program_note(self, "%s: %zu of %zu points lie outside of the bounds and are left out", path,
+                     set->num_dropped, given.num_points);
+    plan_free(&given);
+    return status;
+}
+
+static ehd_status open_output(artefact **file, training *points, const program *self, bool resume,
+                              ehd_error *error) {
+    if (resume) {
+        ehd_status status = snapshots_resume(file, points, self, error);
+        if (status != EHD_NOINPUT) {
+            if (!status)
+                program_note(self, "%s.partial: %zu of %zu points are done", self->output,
+                             points->num_done, points->set->num_points);
+            return status;
+        }
+    }
+    return snapshots_create(file, self, points->set, self->arguments[0], error);
+}
+
+static ehd_status stopped(const program *self, const training *points, ehd_error *error) {
+    return ehd_fail(error, EHD_INTERRUPTED,
+                    "%s.partial: found an interruption after %zu of %zu points, expected --resume "
+                    "to continue",
+                    self->output, points->num_done, points->set->num_points);
+}
+
+/* The short result, and whether too much was lost. */
+static ehd_status report(const program *self, const training *points, size_t allowed,
+                         double seconds, ehd_error *error) {
+    size_t num_points = points->set->num_points;
+
+    printf("%zu points, %zu converged, %.1f s\n", num_points, num_points - points->num_failed,
+           seconds);
+    if (points->num_failed <= allowed) return EHD_OK;
+    return ehd_fail(error, EHD_NOT_CONVERGED,
+                    "%s: found %zu of %zu points not converged, expected at most %zu "
+                    "(--allow-failures)",
+                    self->arguments[0], points->num_failed, num_points, allowed);
+}
+
+static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
+    const double before = program_seconds();
+    training_set set = {0};
+    training points = {0};
+    artefact *file = NULL;
+    ehd_status status = load_set(&set, self, options->piece, error);
+
+    if (!status) status = training_init(&points, self, &set, error);
+    if (!status) status = open_output(&file, &points, self, options->resume, error);
+    if (!status) {
+        points.store = snapshots_store;
+        points.sink = file;
+        status = training_run(&points, options->num_jobs, error);
+        if (status == EHD_INTERRUPTED) stopped(self, &points, error);
+    }
+    if (!status) status = artefact_finish(&file, error);
+    if (!status)
+        status =
+            report(self, &points, options->allowed_failures, program_seconds() - before, error);
+    artefact_close(&file);
+    training_free(&points);
+    training_set_free(&set);
+    return status;
+}
+
+/* Second mode: the plan with the projected system. */
+static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
+    const double before = program_seconds();
+    size_t num_failed = 0;
+    training_set set = {0};
+    ehd_status status = EHD_OK;
+
+    if (options->resume)
+        return ehd_fail(error, EHD_USAGE,
+                        "--resume: found with --basis, expected one of them: the "
+                        "projected system is done in seconds");
+    status = load_set(&set, self, options->piece, error);
+    if (!status)
+        status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
+                               options->num_jobs, error);
+    if (!status)
+        printf("%zu points with the projected system, %zu converged, %.1f s\n", set.num_points,
+               set.num_points - num_failed, program_seconds() - before);
+    training_set_free(&set);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    snapgen_options own = {.num_jobs = pool_default_workers(), .piece = {1, 1}};
+    const program_options options = {
+        .options = own_options,
+        .parse = parse_own,
+        .own = &own,
+        .arguments_doc = "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
+        .doc = "Solves all points of a training plan.",
+        .help_tail = print_settings,
+        .least_arguments = 1,
+        .most_arguments = 1,
+        .needs_output = true};
+    ehd_error error = {""};
+    program self;
+
+    program_start(&self, argc, argv, &options);
+    if (self.check) return output_check(&self);
+    ehd_status status = own.basis ? repeat(&self, &own, &error) : train(&self, &own, &error);
+    return program_finish(&self, status, &error);
+}

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/residuals.h"
+
+#include "common/artefact/artefact.h"
+#include "romrun/basis_file.h"
+#include "romrun/reduced_solver.h"
+#include "snapgen/pool.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a point leaves behind. */
+typedef struct point_trace {
+    size_t num_iterations;
+    double *residual; // [num_iterations, num_inner]
+    double *step;     // [num_iterations, num_inner]
+    size_t exit;
+    reduced_info info;
+} point_trace;
+
+typedef struct repeated_training {
+    const program *caller;
+    const training_set *set;
+    const reduced_model *model;
+    point_trace *traces; // [num_points]
+    size_t num_done, num_failed;
+    progress progress;
+} repeated_training;
+
+/* One thread's solver, and the point it is tracing. */
+typedef struct tracer {
+    reduced_solver *solver;
+    reduced_state state;
+    size_t num_rows;
+    point_trace *trace;
+} tracer;
+
+static ehd_status keep_iteration(void *context, const double *residual, const double *step,
+                                 ehd_error *error) {
+    tracer *self = context;
+    point_trace *trace = self->trace;
+    size_t width = self->num_rows, count = trace->num_iterations;
+    size_t bytes = (count + 1) * width * sizeof(double);
+    double *residuals = realloc(trace->residual, bytes);
+
+    if (residuals) trace->residual = residuals;
+    double *steps = residuals ? realloc(trace->step, bytes) : NULL;
+    if (!steps)
+        return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for iteration %zu", count);
+    trace->step = steps;
+    memcpy(trace->residual + count * width, residual, width * sizeof(double));
+    memcpy(trace->step + count * width, step, width * sizeof(double));
+    trace->num_iterations++;
+    return EHD_OK;
+}
+
+static void end_tracer(void *worker) {
+    tracer *self = worker;
+
+    if (self) {
+        reduced_solver_free(self->solver);
+        free(self->state.coordinates);
+        free(self);
+    }
+}
+
+static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
+    const repeated_training *training = shared;
+    const reduced_settings settings = reduced_default_settings();
+    tracer *self = calloc(1, sizeof *self);
+
+    *worker = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    self->num_rows = training->model->num_rows;
+    self->state.coordinates = calloc(training->model->num_unknowns, sizeof(double));
+    ehd_status status =
+        self->state.coordinates
+            ? reduced_solver_create(&self->solver, training->model, &settings, error)
+            : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (status) {
+        end_tracer(self);
+        return status;
+    }
+    reduced_solver_observe(self->solver, keep_iteration, self);
+    *worker = self;
+    return EHD_OK;
+}
+
+static ehd_status trace_point(void *shared, void *worker, size_t point, size_t parent,
+                              ehd_error *error) {
+    repeated_training *training = shared;
+    const ehd_contact *contact = &training->set->contacts[point];
+    tracer *self = worker;
+    point_trace *trace = self->trace = &training->traces[point];
+    (void)parent;
+
+    reduced_neighbour(&self->state, training->model, contact->moes_M, contact->alpha_p_H);
+    ehd_status status = reduced_solve(&trace->info, &self->state, self->solver, contact, error);
+    trace->exit = self->state.exit;
+    return status;
+}
+
+static ehd_status finish_point(void *shared, void *worker, size_t point, size_t parent,
+                               ehd_error *error) {
+    repeated_training *training = shared;
+    const point_trace *trace = &training->traces[point];
+    char name[POINT_NAME];
+    (void)worker, (void)parent, (void)error;
+
+    training_point_name(name, &training->set->contacts[point]);
+    if (trace->info.status) {
+        training->num_failed++;
+        program_detail(training->caller, "%s: found the projected system not converged: %s", name,
+                       trace->info.reason);
+    }
+    progress_show(&training->progress, ++training->num_done, name);
+    return EHD_OK;
+}
+
+// ---- the file
+
+static ehd_status put_iterations(artefact *file, const repeated_training *training,
+                                 ehd_error *error) {
+    const training_set *set = training->set;
+    size_t at = 0;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < set->num_points && !status; i++) {
+        const point_trace *trace = &training->traces[i];
+        size_t count = trace->num_iterations;
+        if (count == 0) continue;
+        status = artefact_put_part(file, "weighted_residual", at, count, trace->residual, error);
+        if (!status)
+            status =
+                artefact_put_part(file, "weighted_jacobian_step", at, count, trace->step, error);
+        for (size_t k = 0; k < count && !status; k++) {
+            const int64_t state = (int64_t)i;
+            status = artefact_put_integers_part(file, "iteration_state", at + k, 1, &state, error);
+        }
+        at += count;
+    }
+    return status;
+}
+
+static ehd_status put_states(artefact *file, const repeated_training *training, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < training->set->num_points && !status; i++) {
+        const point_trace *trace = &training->traces[i];
+        const ehd_contact *contact = &training->set->contacts[i];
+        const struct {
+            const char *field;
+            int64_t value;
+        } integers[] = {{"state_exit_node", (int64_t)trace->exit - 1},
+                        {"status", trace->info.status ? 1 : 0},
+                        {"newton_iterations", (int64_t)trace->info.iterations}};
+        const struct {
+            const char *field;
+            double value;
+        } reals[] = {{"state_moes_M", contact->moes_M},
+                     {"state_alpha_p_H", contact->alpha_p_H},
+                     {"state_central_film_thickness", trace->info.central_film_thickness}};
+        for (size_t k = 0; k < 3 && !status; k++)
+            status = artefact_put_integers_part(file, integers[k].field, i, 1, &integers[k].value,
+                                                error);
+        for (size_t k = 0; k < 3 && !status; k++)
+            status = artefact_put_part(file, reals[k].field, i, 1, &reals[k].value, error);
+    }
+    return status;
+}
+
+static ehd_status write_file(artefact **file, const repeated_training *training,
+                             const char *identity, ehd_error *error) {
+    const reduced_model *model = training->model;
+    size_t num_iterations = 0;
+
+    for (size_t i = 0; i < training->set->num_points; i++)
+        num_iterations += training->traces[i].num_iterations;
+    ehd_status status = grid_write(*file, model->kind, &model->grid, error);
+    if (!status)
+        status =
+            artefact_put_text(*file, "deformation", deformation_names[model->deformation], error);
+    if (!status) status = artefact_put_text(*file, "basis_sha256", identity, error);
+    if (!status) status = artefact_put_axis(*file, "iteration", num_iterations, NULL, error);
+    if (!status) status = artefact_put_axis(*file, "state", training->set->num_points, NULL, error);
+    for (const artefact_field *field = schema_residuals.fields; field->name && !status; field++)
+        status = artefact_declare(*file, field->name, error);
+    if (!status) status = put_iterations(*file, training, error);
+    if (!status) status = put_states(*file, training, error);
+    return status ? status : artefact_finish(file, error);
+}
+
+// ---- all of it
+
+static ehd_status check_basis(const reduced_basis *basis, const training_set *set,
+                              const char *basis_path, const char *plan_path, ehd_error *error) {
+    const ehd_grid *a = &basis->grid, *b = &set->grid;
+
+    if (a->num_inner == b->num_inner && fabs(a->x_min - b->x_min) < 1e-9 &&
+        fabs(a->step - b->step) < 1e-9 * b->step)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: x: found %zu nodes from %g in steps of %g, expected %zu from %g in steps "
+                    "of %g as in %s",
+                    basis_path, a->num_inner, a->x_min, a->step, b->num_inner, b->x_min, b->step,
+                    plan_path);
+}
+
+static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
+    size_t num_points = training->set->num_points;
+    size_t *parent = malloc(num_points * sizeof *parent);
+    if (!parent) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+
+    // every point starts from a trained solution, so none waits for another
+    for (size_t i = 0; i < num_points; i++)
+        parent[i] = NO_PARENT;
+    const pool_work work = {.num_points = num_points,
+                            .parent = parent,
+                            .order = training->set->order,
+                            .num_workers = num_workers,
+                            .shared = training,
+                            .begin = begin_tracer,
+                            .end = end_tracer,
+                            .solve = trace_point,
+                            .finish = finish_point};
+    progress_start(&training->progress, training->caller, num_points);
+    ehd_status status = pool_run(&work, error);
+    progress_finish(&training->progress);
+    free(parent);
+    return status;
+}
+
+ehd_status residuals_run(size_t *num_failed, const program *caller, const training_set *set,
+                         const char *plan_path, const char *basis_path, size_t num_workers,
+                         ehd_error *error) {
+    const char *const inputs[] = {plan_path, basis_path, NULL};
+    reduced_basis basis = {0};
+    reduced_model model = {0};
+    repeated_training training = {.caller = caller, .set = set, .model = &model};
+    artefact *file = NULL;
+    char identity[65];
+    ehd_status status = basis_read(&basis, identity, basis_path, error);
+
+    if (!status) status = check_basis(&basis, set, basis_path, plan_path, error);
+    if (!status)
+        status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,
+                                 inputs, error);
+    if (!status) status = reduced_model_build(&model, &basis, NULL, 0, error);
+    training.traces = calloc(set->num_points, sizeof *training.traces);
+    if (!status && !training.traces)
+        status = ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (!status) status = run_pool(&training, num_workers, error);
+    if (status == EHD_INTERRUPTED)
+        ehd_fail(error, status, "%s: interrupted after %zu of %zu points, nothing written",
+                 caller->output, training.num_done, set->num_points);
+    if (!status) status = write_file(&file, &training, identity, error);
+    artefact_close(&file);
+    for (size_t i = 0; training.traces && i < set->num_points; i++) {
+        free(training.traces[i].residual);
+        free(training.traces[i].step);
+    }
+    free(training.traces);
+    reduced_model_free(&model);
+    reduced_basis_free(&basis);
+    *num_failed = training.num_failed;
+    return status;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The training repeated with the projected system (level i), for the row selection's snapshots. */
+#ifndef EHD_RESIDUALS_H
+#define EHD_RESIDUALS_H
+
+#include "common/program/program.h"
+#include "snapgen/training_set.h"
+
+/* Solves every point of the set with all Reynolds rows of the basis at `basis_path`, each from the
+ * trained solution nearest to it that is not its own, and writes D f and D J dz of every iteration to
+ * caller->output (paper, section 3.2). A point that does not converge is a warning and counted; its
+ * iterations are kept, since they are what the online solver will meet too.
+ * EHD_DATA: a basis of another grid or contact; EHD_INTERRUPTED, EHD_MEMORY, I/O. */
+ehd_status residuals_run(
+    // output:
+    size_t *num_failed,
+    // input:
+    const program *caller, const training_set *set, const char *plan_path, const char *basis_path,
+    size_t num_workers, ehd_error *error);
+
+#endif

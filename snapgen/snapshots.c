@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/snapshots.h"
+
+#include <stdlib.h>
+
+// ---- creating
+
+ehd_status snapshots_put_grid(artefact *file, const ehd_contact *contact, ehd_error *error) {
+    const ehd_grid *grid = &contact->grid;
+    double *x = malloc(grid->num_inner * sizeof *x);
+    if (!x) return ehd_fail(error, EHD_MEMORY, "x: found no memory for %zu nodes", grid->num_inner);
+
+    for (size_t i = 0; i < grid->num_inner; i++)
+        x[i] = grid_x(grid, i + 1);
+    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
+    if (!status) status = artefact_put_text(file, "contact", contact->kind->name, error);
+    if (!status) status = artefact_put_real(file, "x_min", grid->x_min, error);
+    if (!status) status = artefact_put_real(file, "step", grid->step, error);
+    free(x);
+    return status;
+}
+
+/* What is known before anything is solved. */
+static ehd_status put_parameters(artefact *file, const training_set *set, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < set->num_points && !status; i++) {
+        const ehd_contact *contact = &set->contacts[i];
+        status = artefact_put_part(file, "moes_M", i, 1, &contact->moes_M, error);
+        if (!status) status = artefact_put_part(file, "moes_L", i, 1, &contact->moes_L, error);
+        if (!status)
+            status = artefact_put_part(file, "alpha_p_H", i, 1, &contact->alpha_p_H, error);
+        if (!status)
+            status =
+                artefact_put_part(file, "hertz_pressure", i, 1, &contact->hertz_pressure, error);
+    }
+    return status;
+}
+
+static ehd_status declare_fields(artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++)
+        status = artefact_declare(file, field->name, error);
+    return status;
+}
+
+ehd_status snapshots_create(artefact **file, const program *caller, const training_set *set,
+                            const char *plan_path, ehd_error *error) {
+    const char *const inputs[] = {plan_path, NULL};
+    ehd_status status =
+        artefact_create(file, caller->output, &schema_snapshots, caller, set->text, inputs, error);
+
+    if (!status) status = artefact_put_axis(*file, "state", set->num_points, NULL, error);
+    if (!status) status = snapshots_put_grid(*file, &set->contacts[0], error);
+    if (!status) status = declare_fields(*file, error);
+    if (!status) status = put_parameters(*file, set, error);
+    if (!status) status = artefact_begin_streaming(*file, error);
+    if (status) artefact_close(file);
+    return status;
+}
+
+// ---- storing
+
+static ehd_status put_solution(artefact *file, const training_set *set, size_t point,
+                               const snapshot *solution, ehd_error *error) {
+    const full_state *state = &solution->state;
+    const full_scalars *scalars = &solution->scalars;
+    const int64_t exit_node = (int64_t)state->exit - 1; // x starts at node 1
+    const struct {
+        const char *name;
+        const double *values;
+    } reals[] = {{"pressure", state->pressure + 1},
+                 {"film_thickness", state->film + 1},
+                 {"rigid_approach", &state->rigid_approach},
+                 {"exit_position", &scalars->exit_position},
+                 {"central_film_thickness", &scalars->central_film_thickness},
+                 {"minimum_film_thickness", &scalars->minimum_film_thickness},
+                 {"central_pressure", &scalars->central_pressure}};
+    ehd_status status = EHD_OK;
+    (void)set;
+
+    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
+        status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
+    if (!status)
+        status = artefact_put_integers_part(file, "exit_node", point, 1, &exit_node, error);
+    return status;
+}
+
+ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
+                           const snapshot *solution, ehd_error *error) {
+    artefact *file = sink;
+    const int64_t iterations = (int64_t)solution->newton_iterations;
+    const int64_t outcome = solution->status ? 1 : 0;
+    ehd_status status = EHD_OK;
+
+    if (!solution->status) status = put_solution(file, set, point, solution, error);
+    if (!status)
+        status =
+            artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
+    if (!status)
+        status = artefact_put_part(file, "residual_norm", point, 1, &solution->residual, error);
+    // last, because it says that the rest is there
+    if (!status) status = artefact_put_integers_part(file, "status", point, 1, &outcome, error);
+    return status ? status : artefact_flush(file, error);
+}
+
+// ---- resuming
+
+static ehd_status restore_point(training *points, artefact *file, size_t point, int64_t outcome,
+                                double *pressure, ehd_error *error) {
+    double rigid_approach = 0;
+    int64_t exit_node = 0;
+    ehd_status status = EHD_OK;
+
+    if (outcome != 0) return training_restore(points, point, NULL, 0, 0, error);
+    status = artefact_get_part(file, "pressure", point, 1, pressure, error);
+    if (!status)
+        status = artefact_get_part(file, "rigid_approach", point, 1, &rigid_approach, error);
+    if (!status)
+        status = artefact_get_integers_part(file, "exit_node", point, 1, &exit_node, error);
+    if (status) return status;
+    if (exit_node < 0 || (size_t)exit_node > points->set->grid.num_inner)
+        return ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
+                        artefact_path(file), (long long)exit_node, points->set->grid.num_inner);
+    return training_restore(points, point, pressure, rigid_approach, (size_t)exit_node + 1, error);
+}
+
+static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
+    const training_set *set = points->set;
+    int64_t *outcomes = malloc(set->num_points * sizeof *outcomes);
+    double *pressure = malloc(set->grid.num_inner * sizeof *pressure);
+    ehd_status status = EHD_OK;
+
+    if (!outcomes || !pressure)
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!status) status = artefact_get_integers(file, "status", outcomes, error);
+    for (size_t i = 0; i < set->num_points && !status; i++)
+        if (outcomes[i] >= 0) status = restore_point(points, file, i, outcomes[i], pressure, error);
+    free(outcomes);
+    free(pressure);
+    return status;
+}
+
+ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
+                            ehd_error *error) {
+    const training_set *set = points->set;
+    ehd_status status =
+        artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
+
+    // equal settings give equal axes, unless somebody else wrote the file
+    if (!status && (artefact_length(*file, "state") != set->num_points ||
+                    artefact_length(*file, "x") != set->grid.num_inner))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s.partial: found axes of other lengths, expected "
+                          "those of the plan",
+                          caller->output);
+    if (!status) status = restore_points(points, *file, error);
+    if (status) artefact_close(file);
+    return status;
+}

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/training_set.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void training_point_name(char name[POINT_NAME], const ehd_contact *contact) {
+    snprintf(name, POINT_NAME, "M=%.6g L=%.6g", contact->moes_M, contact->moes_L);
+}
+
+static ehd_status no_memory(const char *plan_path, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its points", plan_path);
+}
+
+// ---- points
+
+/* `inside` is false for a point that the plan's bounds leave out. */
+static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *of, size_t number,
+                               const char *plan_path, ehd_error *error) {
+    const plan_point *point = &of->points[number];
+    const double *bounds = of->where_bounds[point->group];
+    char name[POINT_NAME];
+    ehd_error cause = {""};
+    ehd_status status = contact_init(contact, &point->scene, &cause);
+
+    // a point that is left out may lie where the lubricant's law does not hold
+    bool known = contact->alpha_p_H > 0 || !status;
+    *inside = !known || (contact->alpha_p_H >= bounds[0] && contact->alpha_p_H <= bounds[1]);
+    if (!status || !*inside) return EHD_OK;
+    training_point_name(name, contact);
+    return ehd_fail(error, status, "%s: point %s: %s", plan_path, name, cause.text);
+}
+
+static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
+                             const char *plan_path, ehd_error *error) {
+    const ehd_grid *expected = &first->grid, *found = &other->grid;
+    char first_name[POINT_NAME], other_name[POINT_NAME];
+
+    if (found->x_min == expected->x_min && found->step == expected->step &&
+        found->num_inner == expected->num_inner)
+        return EHD_OK;
+    training_point_name(first_name, first);
+    training_point_name(other_name, other);
+    return ehd_fail(error, EHD_DATA,
+                    "%s: grid: found %zu nodes from %g by %g at point %s, expected %zu from %g by "
+                    "%g as at point %s",
+                    plan_path, found->num_inner, found->x_min, found->step, other_name,
+                    expected->num_inner, expected->x_min, expected->step, first_name);
+}
+
+static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
+                              ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < of->num_points && !status; i++) {
+        ehd_contact *contact = &set->contacts[set->num_points];
+        bool inside;
+        status = make_contact(contact, &inside, of, i, plan_path, error);
+        if (status) break;
+        if (!inside) {
+            set->num_dropped++;
+            continue;
+        }
+        set->groups[set->num_points] = of->points[i].group;
+        if (set->num_points++ == 0) set->grid = contact->grid;
+        status = check_grid(&set->contacts[0], contact, plan_path, error);
+    }
+    if (!status && set->num_points == 0)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: where: found all %zu points outside of the bounds, expected some "
+                          "inside",
+                          plan_path, of->num_points);
+    return status;
+}
+
+// ---- order
+
+static bool same_lubricant(const ehd_lubricant *left, const ehd_lubricant *right) {
+    return left->viscosity == right->viscosity && left->density == right->density &&
+           memcmp(left->constants, right->constants, sizeof left->constants) == 0;
+}
+
+/* The number of the first point of the same group with the same lubricant. */
+static size_t family_of(const training_set *set, size_t point) {
+    size_t first = 0;
+
+    while (set->groups[first] != set->groups[point] ||
+           !same_lubricant(&set->contacts[first].lubricant, &set->contacts[point].lubricant))
+        first++;
+    return first;
+}
+
+static ehd_status make_tree(training_set *set, const char *plan_path, ehd_error *error) {
+    tree_point *points = malloc(set->num_points * sizeof *points);
+    if (!points) return no_memory(plan_path, error);
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        const ehd_contact *contact = &set->contacts[i];
+        double log_M = log(contact->moes_M);
+        // L where the Hertz pressure follows from it, else what would give the Hertz pressure
+        double material = contact->alpha_p_H / contact->kind->alpha_p_H(contact->moes_M, 1);
+        points[i] = (tree_point){.family = family_of(set, i),
+                                 .place = {log_M, material},
+                                 .effort = fabs(log_M - log(12)) + 0.5 * material};
+    }
+    ehd_status status = tree_build(set->parent, points, set->num_points, error);
+    if (!status) status = tree_order(set->order, set->parent, set->num_points, error);
+    free(points);
+    return status;
+}
+
+// ---- shards
+
+static int compare_numbers(const void *left, const void *right) {
+    size_t a = *(const size_t *)left, b = *(const size_t *)right;
+    return (a > b) - (a < b);
+}
+
+/* Keeps a contiguous piece of the walk through the tree, in the order of the plan. */
+static ehd_status keep_shard(training_set *set, const char *plan_path, shard piece,
+                             ehd_error *error) {
+    size_t begin = set->num_points * (piece.number - 1) / piece.total;
+    size_t end = set->num_points * piece.number / piece.total;
+    size_t *walk = malloc(set->num_points * sizeof *walk);
+    if (!walk) return no_memory(plan_path, error);
+
+    ehd_status status = tree_walk(walk, set->parent, set->num_points, error);
+    if (!status) {
+        qsort(walk + begin, end - begin, sizeof *walk, compare_numbers);
+        for (size_t i = begin; i < end; i++) { // sorted, so nothing is overwritten too early
+            set->contacts[i - begin] = set->contacts[walk[i]];
+            set->groups[i - begin] = set->groups[walk[i]];
+        }
+        set->num_points = end - begin;
+    }
+    free(walk);
+    return status ? status : make_tree(set, plan_path, error);
+}
+
+// ---- all
+
+ehd_status training_set_init(training_set *set, const plan *of, const char *plan_path, shard piece,
+                             ehd_error *error) {
+    *set = (training_set){0};
+    set->contacts = calloc(of->num_points, sizeof *set->contacts);
+    set->groups = calloc(of->num_points, sizeof *set->groups);
+    set->parent = calloc(of->num_points, sizeof *set->parent);
+    set->order = calloc(of->num_points, sizeof *set->order);
+    if (asprintf(&set->text, "%s# shard %zu/%zu\n", of->text, piece.number, piece.total) < 0)
+        set->text = NULL;
+    ehd_status status = EHD_OK;
+    if (!set->contacts || !set->groups || !set->parent || !set->order || !set->text)
+        status = no_memory(plan_path, error);
+
+    if (!status) status = make_points(set, of, plan_path, error);
+    if (!status && piece.total > set->num_points)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--shard: found %zu shards, expected at most %zu, the "
+                          "number of points in %s",
+                          piece.total, set->num_points, plan_path);
+    if (!status) status = make_tree(set, plan_path, error);
+    if (!status && piece.total > 1) status = keep_shard(set, plan_path, piece, error);
+    if (status) training_set_free(set);
+    return status;
+}
+
+void training_set_free(training_set *set) {
+    free(set->text);
+    free(set->contacts);
+    free(set->groups);
+    free(set->parent);
+    free(set->order);
+    *set = (training_set){0};
+}

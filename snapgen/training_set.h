@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The points of a plan as contacts on one grid, and the order in which they are solved. */
+#ifndef EHD_TRAINING_SET_H
+#define EHD_TRAINING_SET_H
+
+#include "common/physics/contact.h"
+#include "common/settings/scene.h"
+#include "snapgen/tree.h"
+#include <stddef.h>
+
+/* A piece of a plan: the k-th of N, 1/1 for all of it. */
+typedef struct shard {
+    size_t number; // from 1
+    size_t total;
+} shard;
+
+typedef struct training_set {
+    char *text;    // identifies plan and shard, for --resume
+    ehd_grid grid; // of all points
+    size_t num_points;
+    ehd_contact *contacts; // [num_points], in the order of the plan
+    size_t *groups;        // [num_points], the plan's group of each
+    size_t *parent;        // [num_points], where each starts from; NO_PARENT: cold
+    size_t *order;         // [num_points], parents first (tree_order)
+    size_t num_dropped;    // points of the plan outside of its `where` bounds
+} training_set;
+
+/* Neighbours are near in ln M and in the Moes number L that belongs to the Hertz pressure; they are of
+ * one group and have the same lubricant. A shard is a set of whole branches as far as possible, with
+ * a tree of its own, so that it needs no other shard; all shards together have all points once.
+ * EHD_DATA: a point that is no contact, different grids, no point left; EHD_USAGE: more shards than
+ * points; EHD_MEMORY. */
+ehd_status training_set_init(
+    // output:
+    training_set *set, // free with training_set_free
+    // input:
+    const plan *plan, const char *plan_path, shard piece, ehd_error *error);
+
+void training_set_free(training_set *set);
+
+/* "M=12 L=7" */
+enum { POINT_NAME = 64 };
+void training_point_name(char name[POINT_NAME], const ehd_contact *contact);
+
+#endif

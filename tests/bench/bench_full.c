@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Full-order solver: against the dense Newton, and how time and memory grow with the nodes.
+ *
+ *     bench_full [repeats] */
+#include "common/program/program.h"
+#include "fullrun/full_solver.h"
+#include "tests/unit/dense.h"
+#include "tests/unit/sample.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const double LEAST_RATIO = 10, MOST_EXPONENT = 1.3;
+
+static int compare(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *times, size_t repeats) {
+    qsort(times, repeats, sizeof *times, compare);
+    return times[repeats / 2];
+}
+
+static void must(ehd_status status, const ehd_error *error) {
+    if (status == EHD_OK) return;
+    fprintf(stderr, "bench_full: %s\n", error->text);
+    exit(1);
+}
+
+static void must_converge(const full_info *info) {
+    if (info->status == EHD_OK) return;
+    fprintf(stderr, "bench_full: %s\n", info->reason);
+    exit(1);
+}
+
+// ---- n = 3001 against the dense Newton
+
+/* Newton from a copy of `start`; returns its seconds. */
+static double time_newton(full_info *info, full_state *work, const full_state *start,
+                          full_solver *solver, const ehd_contact *contact) {
+    ehd_error error;
+
+    full_state_copy(work, start, &contact->grid);
+    must(full_solve(info, work, solver, contact, &error), &error);
+    must_converge(info);
+    return info->seconds;
+}
+
+static int bench_dense(size_t repeats) {
+    ehd_contact contact = sample_contact("no1", "dowson-higginson", 100, 10, 0.002);
+    ehd_contact neighbour = contact;
+    full_settings settings = full_default_settings(), dense_settings = settings;
+    full_solver *solver, *dense_solver;
+    full_state start, work;
+    full_info info, dense_info;
+    ehd_error error;
+    double *times = malloc(repeats * sizeof *times);
+
+    if (!times) abort();
+    dense_settings.solve_linear = dense_solve;
+    contact_set_moes(&neighbour, 102, 9);
+    must(full_solver_create(&solver, contact.kind, &contact.grid, &settings, &error), &error);
+    must(full_solver_create(&dense_solver, contact.kind, &contact.grid, &dense_settings, &error),
+         &error);
+    must(full_state_init(&start, &contact.grid, &error), &error);
+    must(full_state_init(&work, &contact.grid, &error), &error);
+    must(full_solve_cold(&info, &start, solver, &neighbour, &error), &error);
+    must_converge(&info);
+
+    for (size_t i = 0; i < repeats; i++)
+        times[i] = time_newton(&info, &work, &start, solver, &contact);
+    double film = full_evaluate_scalars(&work, &contact).central_film_thickness;
+    double dense_seconds = time_newton(&dense_info, &work, &start, dense_solver, &contact);
+    double dense_film = full_evaluate_scalars(&work, &contact).central_film_thickness;
+    double seconds = median(times, repeats), ratio = dense_seconds / seconds;
+    printf("full solve, n = %zu, from a neighbour: %.1f ms (%zu Newton, %zu GMRES), dense Newton "
+           "%.1f ms (%zu Newton), ratio %.1f (at least %g), H_c %.10f and %.10f\n",
+           contact.grid.num_inner, 1e3 * seconds, info.newton_iterations, info.gmres_iterations,
+           1e3 * dense_seconds, dense_info.newton_iterations, ratio, LEAST_RATIO, film, dense_film);
+
+    full_state_free(&work);
+    full_state_free(&start);
+    full_solver_free(dense_solver);
+    full_solver_free(solver);
+    free(times);
+    return ratio >= LEAST_RATIO ? 0 : 1;
+}
+
+// ---- growth with the nodes
+
+typedef struct cold_record {
+    double seconds;
+    size_t newton, gmres; // on the finest grid
+} cold_record;
+
+/* Median of cold solves, everything included that a program would do for one. */
+static cold_record solve_cold(double step, size_t repeats) {
+    cold_record record = {0};
+    double *times = malloc(repeats * sizeof *times);
+
+    if (!times) abort();
+    for (size_t i = 0; i < repeats; i++) {
+        ehd_contact contact = sample_contact("no1", "dowson-higginson", 12, 12, step);
+        full_settings settings = full_default_settings();
+        full_solver *solver;
+        full_state state;
+        full_info info;
+        ehd_error error;
+        double before = program_seconds();
+
+        must(full_solver_create(&solver, contact.kind, &contact.grid, &settings, &error), &error);
+        must(full_state_init(&state, &contact.grid, &error), &error);
+        must(full_solve_cold(&info, &state, solver, &contact, &error), &error);
+        must_converge(&info);
+        full_state_free(&state);
+        full_solver_free(solver);
+        times[i] = program_seconds() - before;
+        record.newton = info.newton_iterations;
+        record.gmres = info.gmres_iterations;
+    }
+    record.seconds = median(times, repeats);
+    free(times);
+    return record;
+}
+
+/* Solves in a process of its own, so that the peak memory is that of this size alone; a step of zero
+ * solves nothing and shows what the program itself takes. */
+static cold_record solve_apart(double *megabytes, double step, size_t repeats) {
+    cold_record record = {0};
+    struct rusage usage;
+    int ends[2], status;
+
+    if (pipe(ends)) abort();
+    fflush(stdout);
+    pid_t child = fork();
+    if (child < 0) abort();
+    if (child == 0) {
+        if (step > 0) record = solve_cold(step, repeats);
+        _exit(write(ends[1], &record, sizeof record) == sizeof record ? 0 : 1);
+    }
+    close(ends[1]);
+    if (read(ends[0], &record, sizeof record) != sizeof record) exit(1);
+    close(ends[0]);
+    if (wait4(child, &status, 0, &usage) != child || status != 0) exit(1);
+    *megabytes = (double)usage.ru_maxrss / 1024;
+    return record;
+}
+
+/* Slope of ln(value) over ln(nodes) by least squares. */
+static double exponent(const double *nodes, const double *values, size_t count) {
+    double sx = 0, sy = 0, sxx = 0, sxy = 0, n = (double)count;
+
+    for (size_t i = 0; i < count; i++) {
+        double x = log(nodes[i]), y = log(values[i]);
+        sx += x;
+        sy += y;
+        sxx += x * x;
+        sxy += x * y;
+    }
+    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+}
+
+static int bench_growth(size_t repeats) {
+    enum { NUM_SIZES = 5 };
+    double nodes[NUM_SIZES], seconds[NUM_SIZES], megabytes[NUM_SIZES], idle;
+
+    solve_apart(&idle, 0, 0);
+    for (size_t i = 0; i < NUM_SIZES; i++) {
+        double step = 0.005 / (double)(1 << i);
+        nodes[i] = 6 / step + 1;
+        cold_record record = solve_apart(&megabytes[i], step, repeats);
+        seconds[i] = record.seconds;
+        megabytes[i] -= idle;
+        printf("cold solve, n = %5.0f: %7.1f ms, %zu Newton, %zu GMRES, peak memory %.1f MB "
+               "above the %.1f of the program\n",
+               nodes[i], 1e3 * seconds[i], record.newton, record.gmres, megabytes[i], idle);
+    }
+    double time_exponent = exponent(nodes, seconds, NUM_SIZES);
+    double memory_exponent = exponent(nodes, megabytes, NUM_SIZES);
+    printf("growth with n: time n^%.2f, memory n^%.2f (at most n^%g)\n", time_exponent,
+           memory_exponent, MOST_EXPONENT);
+    return time_exponent <= MOST_EXPONENT && memory_exponent <= MOST_EXPONENT ? 0 : 1;
+}
+
+int main(int argc, char **argv) {
+    size_t repeats = argc > 1 ? strtoul(argv[1], NULL, 10) : 7;
+
+    if (repeats == 0) abort();
+    openblas_set_num_threads(1);
+    int slow = bench_growth(repeats); // first: its children start from a small process
+    slow |= bench_dense(repeats);
+    return slow;
+}

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What the pipeline tests share. BIN is the folder of the programs (tests/run.sh).
+
+bats_require_minimum_version 1.5.0
+PATH=$BIN:$PATH
+
+# Each test works in a folder of its own with a small scene (301 nodes) and a small plan (6 points).
+common_setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cat >scene.yml <<'YAML'
+contact: line
+regime: stationary
+moes: {M: 12, L: 8}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {step: 0.02}
+YAML
+    grep -v moes scene.yml >base.yml
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 12, 20], moes.L: [2, 5]}
+YAML
+}
+
+# refused CODE PATTERN COMMAND...: the exit code, and one line on stderr that matches the pattern and is
+# led by the program's name.
+refused() {
+    local code=$1 pattern=$2
+    shift 2
+    run --separate-stderr "$@"
+    if ((status != code)) || ((${#stderr_lines[@]} != 1)) || [[ ! $stderr =~ $pattern ]] ||
+        [[ $stderr != "$1: "* ]] || [[ -n $output ]]; then
+        printf '%s\n' "command: $*" "exit code: $status, expected $code" "stdout: $output" \
+            "stderr: $stderr" "expected: $1: ... $pattern"
+        return 1
+    fi
+}
+
+# same_data A B: all datasets equal to the last bit; NaN equals NaN.
+same_data() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
+    assert set(left) == set(right), set(left) ^ set(right)
+    for name in left:
+        assert left[name][...].tobytes() == right[name][...].tobytes(), name
+PYTHON
+}
+
+# number FILE NAME: the first entry of a dataset, or an attribute of the root.
+number() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as file:
+    name = sys.argv[2]
+    print(repr(float(file[name][...].flat[0] if name in file else file.attrs[name])))
+PYTHON
+}
+
+# close_to A B RELATIVE
+close_to() {
+    awk -v a="$1" -v b="$2" -v r="$3" \
+        'BEGIN { d = a - b; if (d < 0) d = -d; s = b < 0 ? -b : b; exit !(d <= r * s) }' ||
+        { echo "found $1, expected $2 within $3"; return 1; }
+}
+
+# wait_for_states FILE.partial N: until a growing file of snapgen has N finished states.
+wait_for_states() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import os, sys, time, h5py
+os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
+path, wanted = sys.argv[1], int(sys.argv[2])
+for attempt in range(3000):
+    try:
+        with h5py.File(path, "r", libver="latest", swmr=True) as file:
+            if (file["status"][...] >= 0).sum() >= wanted:
+                sys.exit(0)
+    except (OSError, KeyError):
+        pass  # not there yet, or not yet streaming
+    time.sleep(0.01)
+sys.exit(1)
+PYTHON
+}
+
+# wait_for_file FILE: until it exists.
+wait_for_file() {
+    local attempt
+    for ((attempt = 0; attempt < 3000; attempt++)); do
+        [[ -e $1 ]] && return 0
+        sleep 0.01
+    done
+    return 1
+}

@@ -1,0 +1,358 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+load common
+
+setup() {
+    common_setup
+}
+
+# ---- what it is for
+
+@test "solves a scene and prints the answer" {
+    run --separate-stderr fullrun scene.yml -o result.h5
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
+    [[ $output == *"central film thickness"* ]]
+    [[ $output != *"µm"* ]]
+    [ ! -e result.h5.partial ]
+    close_to "$(number result.h5 load)" 1 1e-9
+    close_to "$(number result.h5 moes_M)" 12 0
+    [ "$(number result.h5 status)" = 0.0 ]
+    fullrun --check result.h5
+}
+
+@test "a value of the paper's Table 4 to every digit" {
+    cat >paper.yml <<'YAML'
+contact: line
+regime: stationary
+moes: {M: 12, L: 12}
+hertz_pressure: 0.70e9
+lubricant:
+  viscosity: {law: wlf, preset: no1, temperature: 25}
+  density: {law: dowson-higginson}
+YAML
+    run --separate-stderr fullrun paper.yml -o result.h5
+    [ "$status" -eq 0 ]
+    [[ $output == *"0.17966418"* ]]
+}
+
+@test "a physical scene is answered in µm, GPa and N/m too" {
+    cat >physical.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.05}
+lubricant:
+  viscosity: {law: roelands, eta0: 0.05, alpha: 2.0e-8}
+grid: {step: 0.02}
+YAML
+    run --separate-stderr fullrun physical.yml -o result.h5
+    [ "$status" -eq 0 ]
+    [[ $output =~ "central film thickness"[^$'\n']*" µm" ]]
+    [[ $output =~ "central pressure"[^$'\n']*" GPa" ]]
+    [[ $output =~ "load"[^$'\n']*"100000 N/m" ]]
+    # p_H = 2w/(pi a), a = sqrt(8wR/(pi E'))
+    close_to "$(number result.h5 hertz_pressure)" 605026489 1e-6
+    # the printed film is H a^2/R
+    micrometres=$(sed -n 's/^central film thickness *[^ ]* *\([^ ]*\) µm/\1/p' <<<"$output")
+    expected=$(awk -v h="$(number result.h5 central_film_thickness)" \
+        'BEGIN { print h * 8e6 * 1e5 * 0.01 / (3.14159265358979 * 2.3e11) / 0.01 }')
+    close_to "$micrometres" "$expected" 1e-5
+}
+
+@test "its file opens with h5py, xarray and ncdump" {
+    fullrun scene.yml -o result.h5
+    run "$BATS_TEST_DIRNAME/open_elsewhere.py" result.h5
+    echo "$output"
+    [ "$status" -ne 2 ] || skip "a reader is not installed"
+    [ "$status" -eq 0 ]
+}
+
+@test "output.fields false leaves the fields out" {
+    fullrun scene.yml -o result.h5 --set output.fields=false
+    run h5ls result.h5
+    [[ $output == *minimum_film_thickness* ]]
+    for name in pressure film_thickness x; do
+        [[ $'\n'$output != *$'\n'"$name "* ]]
+    done
+    fullrun --check result.h5
+}
+
+@test "--start gives the same answer as a cold start" {
+    fullrun scene.yml -o first.h5
+    fullrun scene.yml -o cold.h5 --set moes.M=14
+    fullrun scene.yml -o warm.h5 --set moes.M=14 --start first.h5
+    close_to "$(number warm.h5 central_film_thickness)" \
+        "$(number cold.h5 central_film_thickness)" 1e-8
+    run ! same_data first.h5 warm.h5
+    # the start is an input: its history and identity are kept
+    [[ $(h5dump -a input_2_path warm.h5) == *first.h5* ]]
+}
+
+@test "the same scene gives the same bits" {
+    fullrun scene.yml -o a.h5
+    fullrun scene.yml -o b.h5
+    same_data a.h5 b.h5
+}
+
+@test "--quiet, --verbose, --help and --version" {
+    run --separate-stderr fullrun scene.yml -o a.h5 --verbose
+    [[ $stderr == "fullrun: "*"Newton"* ]]
+    run --separate-stderr fullrun --help
+    [ "$status" -eq 0 ]
+    [[ $output == *"lubricant.viscosity.alpha"* && $output == *"--start"* ]]
+    run --separate-stderr fullrun --version
+    [ "$status" -eq 0 ]
+}
+
+# ---- existing files
+
+@test "an existing output is kept, and replaced only with --force" {
+    echo precious >result.h5
+    refused 73 "result.h5: .*existing file" fullrun scene.yml -o result.h5
+    [ "$(cat result.h5)" = precious ]
+    fullrun scene.yml -o result.h5 --force
+    fullrun --check result.h5
+}
+
+@test "a refused scene leaves an existing output as it was, also with --force" {
+    fullrun scene.yml -o result.h5
+    before=$(sha256sum result.h5)
+    refused 65 "scene.yml|--set" fullrun scene.yml -o result.h5 --force --set moes.M=-1
+    [ "$(sha256sum result.h5)" = "$before" ]
+    [ ! -e result.h5.partial ]
+}
+
+@test "Ctrl-C leaves no file" {
+    fullrun scene.yml -o result.h5 --set grid.step=0.00002 &
+    wait_for_file result.h5.partial
+    kill -INT $!
+    code=0
+    wait $! || code=$?
+    [ "$code" -eq 130 ]
+    [ ! -e result.h5 ]
+    [ ! -e result.h5.partial ]
+}
+
+@test "kill -9 leaves no final file, and the next run is not disturbed" {
+    fullrun scene.yml -o result.h5 --set grid.step=0.00002 &
+    wait_for_file result.h5.partial
+    kill -KILL $!
+    wait $! || true
+    [ ! -e result.h5 ]
+    fullrun scene.yml -o result.h5
+    [ ! -e result.h5.partial ]
+    fullrun --check result.h5
+}
+
+# ---- bad settings
+
+# bad_scene PATTERN, the scene on stdin
+bad_scene() {
+    cat >bad.yml
+    refused 65 "$1" fullrun bad.yml -o result.h5
+    [ ! -e result.h5 ] && [ ! -e result.h5.partial ]
+}
+
+# bad_value KEY TEXT PATTERN
+bad_value() {
+    refused 65 "$3" fullrun scene.yml -o result.h5 --set "$1=$2"
+    [ ! -e result.h5 ] && [ ! -e result.h5.partial ]
+}
+
+@test "malformed, empty and misplaced YAML is refused" {
+    bad_scene "bad.yml:" </dev/null
+    bad_scene "bad.yml:.: " <<<'contact: [line'
+    bad_scene "bad.yml:.: " <<<'{contact: line'
+    bad_scene "bad.yml:" <<<'- contact'
+    bad_scene "bad.yml:" <<<'just words'
+    printf 'contact: line\n\tregime: stationary\n' | bad_scene "bad.yml:2: "
+    printf 'contact: "\xff\xfe"\n' | bad_scene "bad.yml:"
+    head -c 1000 /dev/urandom | bad_scene "bad.yml"
+}
+
+@test "unknown, duplicate and missing keys are refused" {
+    (cat scene.yml && echo 'colour: red') | bad_scene "bad.yml:8: .*colour"
+    (cat scene.yml && echo 'grid: {step: 0.02}') | bad_scene "bad.yml:8: .*grid"
+    sed 's/step/stepp/' scene.yml | bad_scene "bad.yml:7: .*stepp.*grid.step"
+    grep -v contact scene.yml | bad_scene "bad.yml: .*contact"
+    grep -v regime scene.yml | bad_scene "bad.yml: .*regime"
+    grep -v moes scene.yml | bad_scene "bad.yml: .*moes"
+    grep -v viscosity scene.yml | bad_scene "bad.yml: .*lubricant.viscosity"
+    sed 's/, L: 8//' scene.yml | bad_scene "bad.yml: .*moes.L"
+    (cat scene.yml && echo 'physical: {load: 1e5}') | bad_scene "bad.yml: .*physical"
+}
+
+@test "bad numbers are refused with key, value and range" {
+    for text in 1e-1O nan NaN inf -inf 1e999 1e-999 '' ' ' 0x10 1,5 '1 2' -3 0 1e300; do
+        bad_value moes.M "$text" "--set: moes.M: found "
+    done
+    sed 's/M: 12/M: 1e-1O/' scene.yml | bad_scene "bad.yml:3: moes.M: found 1e-1O, expected"
+    bad_value grid.step 0.007 "grid.step: found 0.007, expected a whole number of steps"
+    bad_value grid.step 10 "grid.step"
+    bad_value grid.x_min 1 "grid.x_min"
+    bad_value grid.x_max 0.5 "grid.x_max"
+    bad_value lubricant.viscosity.alpha -1 "lubricant.viscosity.alpha"
+    bad_value lubricant.viscosity.alpha 1 "lubricant.viscosity.alpha"
+    bad_value output.fields maybe "output.fields"
+}
+
+@test "unknown names and settings of another law are refused" {
+    bad_value contact sphere "contact: found sphere, expected line"
+    bad_value regime transient "regime"
+    bad_value closure approach "closure"
+    bad_value lubricant.viscosity.law honey "barus.roelands.wlf"
+    bad_value lubricant.density.law lead "incompressible.dowson-higginson"
+    bad_value lubricant.viscosity.preset no1 "preset"
+    bad_value moes.N 3 "moes.N"
+}
+
+@test "a Hertz pressure beyond the viscosity law's limit is refused" {
+    cat >limit.yml <<'YAML'
+contact: line
+regime: stationary
+moes: {M: 12, L: 12}
+hertz_pressure: 5.5e9
+lubricant:
+  viscosity: {law: wlf, preset: no2}
+grid: {step: 0.02}
+YAML
+    refused 65 "limit.yml: hertz_pressure: found 5.5 GPa.*wlf law's limit" fullrun limit.yml -o r.h5
+}
+
+@test "a physical viscosity that contradicts the law is refused" {
+    cat >physical.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 1.0e5, radius: 0.01, speed: 1, modulus: 2.3e11, viscosity: 0.5}
+lubricant:
+  viscosity: {law: roelands, eta0: 0.05, alpha: 2.0e-8}
+YAML
+    refused 65 "physical.yml: physical.viscosity: found 0.5, expected 0.05" \
+        fullrun physical.yml -o r.h5
+}
+
+# ---- not converged
+
+@test "an exit outside of the domain is reported, written with status 1, and exit 3" {
+    refused 3 "scene.yml: not converged: .*exit boundary outside the domain" \
+        fullrun scene.yml -o result.h5 --set moes.M=1 --set moes.L=1 --set grid.x_max=1.02
+    [ "$(number result.h5 status)" = 1.0 ]
+    fullrun --check result.h5
+}
+
+@test "a pressure spike beyond the law's limit is reported with the limit, and exit 3" {
+    cat >spike.yml <<'YAML'
+contact: line
+regime: stationary
+moes: {M: 30, L: 3}
+hertz_pressure: 4.99e9
+lubricant:
+  viscosity: {law: wlf, preset: no2}
+grid: {step: 0.02}
+YAML
+    refused 3 "spike.yml: not converged: .*found a pressure of .* expected at most 5.012 GPa" \
+        fullrun spike.yml -o result.h5
+    [ "$(number result.h5 status)" = 1.0 ]
+}
+
+# ---- the command line
+
+@test "misuse is one line and exit 64" {
+    refused 64 "SCENE.yml" fullrun -o result.h5
+    refused 64 "SCENE.yml" fullrun scene.yml scene.yml -o result.h5
+    refused 64 "output" fullrun scene.yml
+    refused 64 "option" fullrun scene.yml -o result.h5 --nonsense
+    refused 64 "KEY=VALUE" fullrun scene.yml -o result.h5 --set nonsense
+}
+
+# ---- files
+
+@test "a missing scene is 66" {
+    refused 66 "none.yml: found" fullrun none.yml -o result.h5
+    refused 66 ": found" fullrun . -o result.h5
+}
+
+@test "an output that cannot be created is 73" {
+    refused 73 "scene.yml/result.h5" fullrun scene.yml -o scene.yml/result.h5
+    refused 73 "none/result.h5" fullrun scene.yml -o none/result.h5
+    mkdir folder
+    refused 73 "folder" fullrun scene.yml -o folder
+}
+
+@test "a full disk is 74, and an existing output stays" {
+    fullrun scene.yml -o result.h5
+    before=$(sha256sum result.h5)
+    limited() {
+        (ulimit -f 4 && fullrun "$@")
+    }
+    run --separate-stderr limited scene.yml -o result.h5 --force
+    echo "$status $stderr"
+    [ "$status" -eq 74 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $stderr == "fullrun: result.h5"* ]]
+    [ "$(sha256sum result.h5)" = "$before" ]
+    [ ! -e result.h5.partial ]
+}
+
+@test "an answer that cannot be printed is 74" {
+    run bash -c 'fullrun scene.yml -o result.h5 >/dev/full'
+    [ "$status" -eq 74 ]
+    [[ $output == "fullrun: stdout: "* ]]
+}
+
+@test "--check: silent, 0 or 65" {
+    fullrun scene.yml -o good.h5
+    size=$(stat -c %s good.h5)
+    for part in 0 1 8 100 $((size / 2)) $((size - 1)); do
+        head -c "$part" good.h5 >"cut$part.h5"
+    done
+    head -c 5000 /dev/urandom >noise.h5
+    # the pressures start somewhere in the file; a flipped bit there is found by the checksum
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("good.h5") as file:
+    place = file["pressure"].id.get_chunk_info(0).byte_offset + 800
+data = bytearray(open("good.h5", "rb").read())
+data[place] ^= 1
+open("flipped.h5", "wb").write(data)
+PYTHON
+    run fullrun --check good.h5
+    [ "$status" -eq 0 ]
+    [ -z "$output" ]
+    for bad in cut*.h5 noise.h5 flipped.h5 scene.yml none.h5 .; do
+        run fullrun --check "$bad"
+        echo "$bad: $status $output"
+        [ "$status" -eq 65 ]
+        [ -z "$output" ]
+    done
+    run fullrun --check flipped.h5 --verbose
+    [[ $output == *flipped.h5*pressure* ]]
+}
+
+@test "--start refuses what is no result, has no fields, or another grid" {
+    fullrun scene.yml -o good.h5
+    fullrun scene.yml -o other.h5 --set grid.step=0.025
+    fullrun scene.yml -o bare.h5 --set output.fields=false
+    head -c 3000 good.h5 >cut.h5
+    refused 66 "none.h5" fullrun scene.yml -o r.h5 --start none.h5
+    refused 65 "scene.yml" fullrun scene.yml -o r.h5 --start scene.yml
+    refused 65 "cut.h5" fullrun scene.yml -o r.h5 --start cut.h5
+    refused 65 "other.h5: x: found 241 nodes.*expected 301" fullrun scene.yml -o r.h5 --start other.h5
+    refused 65 "bare.h5: .*pressure" fullrun scene.yml -o r.h5 --start bare.h5
+    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+}
+
+@test "--start refuses a file of a newer schema and an unfinished one" {
+    fullrun scene.yml -o newer.h5
+    cp newer.h5 unfinished.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("newer.h5", "r+") as file:
+    file.attrs["schema_version"] = "9.0"
+with h5py.File("unfinished.h5", "r+") as file:
+    file.attrs["complete"] = 0
+PYTHON
+    refused 65 "newer.h5: .*9" fullrun scene.yml -o r.h5 --start newer.h5
+    refused 65 "unfinished.h5: .*unfinished" fullrun scene.yml -o r.h5 --start unfinished.h5
+}

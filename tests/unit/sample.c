@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tests/unit/sample.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L) {
+    scene given;
+    lubricant_settings *settings = &given.lubricant;
+    int wlf = strncmp(lubricant, "no", 2) == 0;
+
+    scene_defaults(&given);
+    given.moes_M = moes_M;
+    given.moes_L = moes_L;
+    snprintf(settings->viscosity_law, sizeof settings->viscosity_law, "%s",
+             wlf ? "wlf" : lubricant);
+    if (wlf)
+        snprintf(settings->viscosity_preset, sizeof settings->viscosity_preset, "%s", lubricant);
+    else
+        settings->alpha = 2e-8;
+    if (strcmp(lubricant, "roelands") == 0) settings->eta0 = 0.04;
+    snprintf(settings->density_law, sizeof settings->density_law, "%s", density);
+    scene_complete(&given);
+    return given;
+}
+
+ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
+                           double step) {
+    scene given = sample_scene(lubricant, density, moes_M, moes_L);
+    ehd_contact contact;
+    ehd_error error;
+
+    given.step = step;
+    if (contact_init(&contact, &given, &error)) {
+        fprintf(stderr, "%s\n", error.text);
+        abort();
+    }
+    return contact;
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Scenes for tests of the contact and its solvers. */
+#ifndef EHD_SAMPLE_H
+#define EHD_SAMPLE_H
+
+#include "common/physics/contact.h"
+
+/* Defaults with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa), or wlf by the name of
+ * its preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
+scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L);
+
+/* The contact of that scene on -4 … 2 with the given step; abort() if it is refused. */
+ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
+                           double step);
+
+#endif

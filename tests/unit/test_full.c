@@ -1,0 +1,482 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fullrun/full_solver.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/dense.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A contact with what it takes to solve it. */
+typedef struct problem {
+    ehd_contact contact;
+    full_solver *solver;
+    full_state state;
+    full_info info;
+} problem;
+
+static void problem_init(problem *self, const ehd_contact *contact, const full_settings *settings) {
+    self->contact = *contact;
+    assert_int_equal(
+        full_solver_create(&self->solver, contact->kind, &contact->grid, settings, NULL), EHD_OK);
+    assert_int_equal(full_state_init(&self->state, &contact->grid, NULL), EHD_OK);
+}
+
+static void problem_free(problem *self) {
+    full_state_free(&self->state);
+    self->solver = full_solver_free(self->solver);
+}
+
+static void problem_solve_cold(problem *self, const ehd_contact *contact,
+                               const full_settings *settings) {
+    problem_init(self, contact, settings);
+    assert_int_equal(full_solve_cold(&self->info, &self->state, self->solver, contact, NULL),
+                     EHD_OK);
+    assert_int_equal(self->info.status, EHD_OK);
+}
+
+static void check_same_state(const problem *actual, const problem *expected) {
+    size_t n = expected->contact.grid.num_nodes;
+    assert_int_equal(actual->state.exit, expected->state.exit);
+    check_close(actual->state.rigid_approach, expected->state.rigid_approach, 1e-9, 0);
+    check_close_array(actual->state.pressure, expected->state.pressure, n, 0, 1e-9);
+    check_close_array(actual->state.film, expected->state.film, n, 1e-9, 1e-10);
+}
+
+static const struct {
+    const char *lubricant, *density;
+    double moes_M, moes_L, step;
+} cases[] = {
+    {"barus", "incompressible", 5, 3, 0.04},     {"barus", "dowson-higginson", 10, 10, 0.04},
+    {"barus", "incompressible", 200, 5, 0.02},   {"barus", "dowson-higginson", 10, 0, 0.05},
+    {"roelands", "incompressible", 50, 8, 0.02}, {"roelands", "dowson-higginson", 20, 15, 0.02},
+    {"no1", "dowson-higginson", 5, 15, 0.05},    {"no1", "incompressible", 100, 5, 0.02},
+    {"no2", "dowson-higginson", 40, 9, 0.02},    {"no3", "dowson-higginson", 12, 8, 0.02},
+};
+enum { NUM_CASES = sizeof cases / sizeof *cases };
+
+static ehd_contact contact_of_case(int i) {
+    return sample_contact(cases[i].lubricant, cases[i].density, cases[i].moes_M, cases[i].moes_L,
+                          cases[i].step);
+}
+
+// ---- against the dense solver
+
+static void iterative_equals_dense(void **state) {
+    (void)state;
+    full_settings iterative = full_default_settings(), dense = iterative;
+    dense.solve_linear = dense_solve;
+    for (int i = 0; i < NUM_CASES; i++) {
+        ehd_contact contact = contact_of_case(i);
+        problem ours, reference;
+        problem_solve_cold(&ours, &contact, &iterative);
+        problem_solve_cold(&reference, &contact, &dense);
+        check_same_state(&ours, &reference);
+        assert_true(ours.info.gmres_iterations > 0);
+        assert_int_equal(reference.info.gmres_iterations, 0);
+        problem_free(&ours);
+        problem_free(&reference);
+    }
+}
+
+/* What one call of the linear solvers is given: the step must be the same, not only where it ends. */
+static ehd_status compare_linear_solvers(full_system *system, double tolerance, size_t *iterations,
+                                         ehd_error *error) {
+    size_t n = system->grid->num_nodes;
+    double *dense = malloc(n * sizeof *dense), largest = 0;
+
+    assert_non_null(dense);
+    assert_int_equal(dense_solve(system, tolerance, iterations, error), EHD_OK);
+    memcpy(dense, system->step, n * sizeof *dense);
+    double approach = system->step_approach;
+    for (size_t k = 0; k < n; k++)
+        largest = fmax(largest, fabs(dense[k]));
+    assert_int_equal(full_solve_gmres(system, 1e-11, iterations, error), EHD_OK);
+    check_close_array(system->step, dense, n, 0, 1e-6 * largest);
+    check_close(system->step_approach, approach, 1e-6, 1e-6 * largest);
+    free(dense);
+    return EHD_OK;
+}
+
+static void every_step_equals_dense(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    settings.solve_linear = compare_linear_solvers;
+    for (int i = 0; i < NUM_CASES; i++) {
+        ehd_contact contact = contact_of_case(i);
+        problem both;
+        problem_solve_cold(&both, &contact, &settings);
+        problem_free(&both);
+    }
+}
+
+/* With the whole kernel kept, the preconditioner is the Jacobian but for a constant that the approach
+ * absorbs: two iterations, whatever the contact. */
+static void whole_kernel_needs_two_iterations(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < NUM_CASES; i++) {
+        ehd_contact contact = contact_of_case(i);
+        problem solved;
+        settings.near_field = contact.grid.num_inner;
+        problem_solve_cold(&solved, &contact, &settings);
+        assert_true(solved.info.gmres_iterations <= 2 * solved.info.newton_iterations);
+        problem_free(&solved);
+    }
+}
+
+/* The default near field: a dozen or two, also where the viscosity spans many decades. */
+static void near_field_preconditions(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < NUM_CASES; i++) {
+        ehd_contact contact = contact_of_case(i);
+        problem solved;
+        problem_solve_cold(&solved, &contact, &settings);
+        assert_true(solved.info.gmres_iterations <= 30 * solved.info.newton_iterations);
+        problem_free(&solved);
+    }
+}
+
+// ---- what a solution is
+
+/* Reynolds rows of a solution, evaluated apart from the solver. */
+static void evaluate_rows(reynolds_row *rows, const problem *solved) {
+    const ehd_grid *grid = &solved->contact.grid;
+    size_t n = grid->num_nodes;
+    double *memory = malloc(4 * n * sizeof *memory);
+    reynolds_stencil *stencils = malloc(grid->num_inner * sizeof *stencils);
+
+    assert_true(memory && stencils);
+    int compressible = solved->contact.lubricant.density != NULL;
+    reynolds_fluid fluid = {memory, memory + n, compressible ? memory + 2 * n : NULL,
+                            compressible ? memory + 3 * n : NULL};
+    for (size_t r = 0; r < grid->num_inner; r++)
+        stencils[r] = reynolds_stencil_at(grid, r + 1);
+    reynolds_fluid_evaluate(&fluid, &solved->contact, solved->state.pressure, n);
+    reynolds_rows(rows, grid->step, 1, stencils, grid->num_inner, &fluid, solved->state.pressure,
+                  solved->state.film);
+    free(stencils);
+    free(memory);
+}
+
+static double row_size(const reynolds_row *row) {
+    double largest = 0;
+    for (int a = 0; a < NUM_STENCIL; a++)
+        largest = fmax(largest, fmax(fabs(row->by_pressure[a]), fabs(row->by_film[a])));
+    return largest;
+}
+
+/* The film from pressure and approach, by direct summation. */
+static void check_film(const problem *solved) {
+    const ehd_grid *grid = &solved->contact.grid;
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        double film = solved->state.rigid_approach + solved->contact.kind->gap(grid_x(grid, k));
+        for (size_t j = 1; j < solved->state.exit; j++)
+            film +=
+                solved->state.pressure[j] *
+                solved->contact.kind->kernel(fabs((double)k - (double)j) * grid->step, grid->step);
+        check_close(solved->state.film[k], film, 0, 1e-12);
+    }
+}
+
+static void solution_satisfies_the_problem(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < NUM_CASES; i++) {
+        ehd_contact contact = contact_of_case(i);
+        const ehd_grid *grid = &contact.grid;
+        reynolds_row *rows = malloc(grid->num_inner * sizeof *rows);
+        problem solved;
+        double sum = 0;
+
+        assert_non_null(rows);
+        problem_solve_cold(&solved, &contact, &settings);
+        size_t exit = solved.state.exit;
+        const double *pressure = solved.state.pressure;
+        evaluate_rows(rows, &solved);
+        check_film(&solved);
+        // pressurised: f = 0 and P >= 0; cavitated: P = 0 and Lambda = -f >= 0
+        for (size_t k = 1; k < exit; k++) {
+            assert_true(pressure[k] >= 0);
+            check_close(rows[k - 1].residual, 0, 0, 1e-9 * row_size(&rows[k - 1]));
+            sum += pressure[k];
+        }
+        for (size_t k = exit; k <= grid->num_inner; k++) {
+            check_close(pressure[k], 0, 0, 0);
+            assert_true(rows[k - 1].residual <= 1e-10 * row_size(&rows[k - 1]));
+        }
+        check_close(pressure[0], 0, 0, 0);
+        check_close(pressure[grid->num_nodes - 1], 0, 0, 0);
+        check_close(sum * grid->step, M_PI_2, 1e-10, 0);
+        assert_true(exit > 1 && exit < grid->num_nodes - 1);
+        assert_true(solved.info.residual < settings.tolerance);
+        assert_true(solved.info.complementarity <= 1e-10);
+        full_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
+        check_close(scalars.load, 1, 1e-10, 0);
+        check_close(scalars.exit_position, grid_x(grid, exit), 1e-15, 0);
+        assert_true(scalars.exit_position > 1 && scalars.exit_position < 2);
+        assert_true(scalars.minimum_film_thickness > 0 &&
+                    scalars.minimum_film_thickness < scalars.central_film_thickness);
+        problem_free(&solved);
+        free(rows);
+    }
+}
+
+/* At x_min = -4.01 no node lies at X = 0; a cubic is met exactly. */
+static void scalars_between_nodes(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, 0.04);
+    contact.grid.x_min = -4.01;
+    problem solved;
+    full_settings settings = full_default_settings();
+    problem_init(&solved, &contact, &settings);
+    for (size_t k = 0; k < contact.grid.num_nodes; k++) {
+        double x = grid_x(&contact.grid, k);
+        solved.state.film[k] = 3 + x * (2 + x * (-1 + x / 2));
+        solved.state.pressure[k] = 0.5 - x;
+    }
+    full_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
+    check_close(scalars.central_film_thickness, 3, 1e-13, 0);
+    check_close(scalars.central_pressure, 0.5, 1e-13, 0);
+    problem_free(&solved);
+}
+
+// ---- starts
+
+static void warm_start_equals_cold_start(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < NUM_CASES; i++) {
+        ehd_contact contact = contact_of_case(i), neighbour = contact;
+        problem warm, cold;
+        contact_set_moes(&neighbour, 1.3 * contact.moes_M, 0.8 * contact.moes_L);
+        problem_solve_cold(&cold, &contact, &settings);
+        problem_solve_cold(&warm, &neighbour, &settings);
+        warm.contact = contact;
+        assert_int_equal(
+            full_solve_from(&warm.info, &warm.state, warm.solver, &neighbour, &contact, NULL),
+            EHD_OK);
+        assert_int_equal(warm.info.status, EHD_OK);
+        check_same_state(&warm, &cold);
+        problem_free(&warm);
+        problem_free(&cold);
+    }
+}
+
+static void solution_is_a_fixed_point(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    ehd_contact contact = contact_of_case(1);
+    problem solved;
+    problem_solve_cold(&solved, &contact, &settings);
+    size_t exit = solved.state.exit;
+    double approach = solved.state.rigid_approach;
+    assert_int_equal(full_solve(&solved.info, &solved.state, solved.solver, &contact, NULL),
+                     EHD_OK);
+    assert_int_equal(solved.info.status, EHD_OK);
+    assert_true(solved.info.newton_iterations <= 1);
+    assert_int_equal(solved.state.exit, exit);
+    check_close(solved.state.rigid_approach, approach, 1e-10, 0);
+    problem_free(&solved);
+}
+
+/* A start from far away: the walk falls back to smaller strides, or to a cold start. */
+static void far_start_converges(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    ehd_contact start = sample_contact("no1", "dowson-higginson", 5, 1, 0.02);
+    ehd_contact goal = sample_contact("no1", "dowson-higginson", 150, 12, 0.02);
+    problem far, cold;
+    problem_solve_cold(&far, &start, &settings);
+    problem_solve_cold(&cold, &goal, &settings);
+    far.contact = goal;
+    assert_int_equal(full_solve_from(&far.info, &far.state, far.solver, &start, &goal, NULL),
+                     EHD_OK);
+    assert_int_equal(far.info.status, EHD_OK);
+    check_same_state(&far, &cold);
+    problem_free(&far);
+    problem_free(&cold);
+}
+
+/* Corners of what a user may ask for. */
+static void extremes_converge(void **state) {
+    (void)state;
+    static const double corners[][2] = {{1, 0},   {2, 0.5}, {10, 0},  {20, 0},  {50, 0},
+                                        {200, 0}, {1, 25},  {20, 25}, {200, 25}};
+    full_settings settings = full_default_settings();
+    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++)
+        for (int d = 0; d < 2; d++) {
+            ehd_contact contact = sample_contact("barus", d ? "dowson-higginson" : "incompressible",
+                                                 corners[i][0], corners[i][1], 0.02);
+            problem solved;
+            problem_solve_cold(&solved, &contact, &settings);
+            assert_true(solved.state.exit < contact.grid.num_nodes - 1);
+            problem_free(&solved);
+        }
+}
+
+// ---- grids
+
+static void second_order_convergence(void **state) {
+    (void)state;
+    static const double steps[] = {0.02, 0.01, 0.005};
+    full_settings settings = full_default_settings();
+    double film[3];
+    for (int s = 0; s < 3; s++) {
+        ehd_contact contact = sample_contact("barus", "incompressible", 10, 2, steps[s]);
+        problem solved;
+        problem_solve_cold(&solved, &contact, &settings);
+        film[s] = full_evaluate_scalars(&solved.state, &contact).central_film_thickness;
+        problem_free(&solved);
+    }
+    double order = log2((film[0] - film[1]) / (film[1] - film[2]));
+    check_close(order, 2, 0, 0.4);
+}
+
+static void newton_count_does_not_grow(void **state) {
+    (void)state;
+    static const double steps[] = {0.02, 0.01, 0.005, 0.0025};
+    full_settings settings = full_default_settings();
+    for (int s = 0; s < 4; s++) {
+        ehd_contact contact = sample_contact("no1", "dowson-higginson", 12, 12, steps[s]);
+        problem solved;
+        problem_solve_cold(&solved, &contact, &settings);
+        assert_true(solved.info.newton_iterations <= (s == 0 ? 15 : 6));
+        problem_free(&solved);
+    }
+}
+
+// ---- outcomes and errors
+
+static void not_converged_is_an_outcome(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    settings.max_iterations = 1;
+    ehd_contact contact = contact_of_case(1);
+    problem stopped;
+    problem_init(&stopped, &contact, &settings);
+    assert_int_equal(full_solve_cold(&stopped.info, &stopped.state, stopped.solver, &contact, NULL),
+                     EHD_OK);
+    assert_int_equal(stopped.info.status, EHD_NOT_CONVERGED);
+    assert_string_equal(stopped.info.reason, "iteration limit reached");
+    assert_true(stopped.info.newton_iterations >= 1);
+    problem_free(&stopped);
+}
+
+static ehd_status singular_solver(full_system *system, double tolerance, size_t *iterations,
+                                  ehd_error *error) {
+    (void)system;
+    (void)tolerance;
+    *iterations = 0;
+    return ehd_fail(error, EHD_NOT_CONVERGED, "singular");
+}
+
+static ehd_status memoryless_solver(full_system *system, double tolerance, size_t *iterations,
+                                    ehd_error *error) {
+    (void)system;
+    (void)tolerance;
+    *iterations = 0;
+    return ehd_fail(error, EHD_MEMORY, "no memory left");
+}
+
+static void linear_solver_failures(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    ehd_contact contact = contact_of_case(1);
+    ehd_error error;
+    problem failing;
+
+    settings.solve_linear = singular_solver;
+    problem_init(&failing, &contact, &settings);
+    assert_int_equal(full_solve_cold(&failing.info, &failing.state, failing.solver, &contact, NULL),
+                     EHD_OK);
+    assert_int_equal(failing.info.status, EHD_NOT_CONVERGED);
+    assert_true(strlen(failing.info.reason) > 0);
+    problem_free(&failing);
+
+    settings.solve_linear = memoryless_solver;
+    problem_init(&failing, &contact, &settings);
+    assert_int_equal(
+        full_solve_cold(&failing.info, &failing.state, failing.solver, &contact, &error),
+        EHD_MEMORY);
+    assert_string_equal(error.text, "no memory left");
+    problem_free(&failing);
+}
+
+static void solver_without_memory(void **state) {
+    (void)state;
+    ehd_contact contact = contact_of_case(0);
+    full_settings settings = full_default_settings();
+    full_solver *solver;
+    size_t call = 0;
+    bool failed;
+    do {
+        allocation_fail_at(call);
+        ehd_status status =
+            full_solver_create(&solver, contact.kind, &contact.grid, &settings, NULL);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+        assert_true((solver == NULL) == failed);
+    } while (failed && call++ < 100);
+    assert_true(call >= 15 && call < 100);
+    full_solver_free(solver);
+}
+
+static void state_without_memory(void **state) {
+    (void)state;
+    ehd_contact contact = contact_of_case(0);
+    full_state fields;
+    for (size_t call = 0; call < 3; call++) {
+        allocation_fail_at(call);
+        ehd_status status = full_state_init(&fields, &contact.grid, NULL);
+        assert_int_equal(status, allocation_failed() ? EHD_MEMORY : EHD_OK);
+        assert_int_equal(status == EHD_OK, call == 2);
+        full_state_free(&fields);
+    }
+}
+
+/* A solve allocates too: the coarser grids and the continuation's memory. */
+static void solve_without_memory(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 10, 2, 0.01);
+    full_settings settings = full_default_settings();
+    size_t call = 0;
+    bool failed;
+    problem starved;
+    problem_init(&starved, &contact, &settings);
+    do {
+        allocation_fail_at(call);
+        ehd_status status =
+            full_solve_cold(&starved.info, &starved.state, starved.solver, &contact, NULL);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+    } while (failed && call++ < 200);
+    assert_true(call >= 15 && call < 200);
+    problem_free(&starved);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(iterative_equals_dense),
+        cmocka_unit_test(every_step_equals_dense),
+        cmocka_unit_test(whole_kernel_needs_two_iterations),
+        cmocka_unit_test(near_field_preconditions),
+        cmocka_unit_test(solution_satisfies_the_problem),
+        cmocka_unit_test(scalars_between_nodes),
+        cmocka_unit_test(warm_start_equals_cold_start),
+        cmocka_unit_test(solution_is_a_fixed_point),
+        cmocka_unit_test(far_start_converges),
+        cmocka_unit_test(extremes_converge),
+        cmocka_unit_test(second_order_convergence),
+        cmocka_unit_test(newton_count_does_not_grow),
+        cmocka_unit_test(not_converged_is_an_outcome),
+        cmocka_unit_test(linear_solver_failures),
+        cmocka_unit_test(solver_without_memory),
+        cmocka_unit_test(state_without_memory),
+        cmocka_unit_test(solve_without_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,574 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/physics/contact.h"
+#include "common/physics/deflection.h"
+#include "common/physics/reynolds.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <gsl/gsl_integration.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const lubricants[] = {"barus", "roelands", "no1", "no2", "no3"};
+static const char *const densities[] = {"incompressible", "dowson-higginson"};
+enum { NUM_LUBRICANTS = 5, NUM_DENSITIES = 2 };
+
+static ehd_lubricant sample_lubricant(const char *name) {
+    return sample_contact(name, "dowson-higginson", 10, 5, 0.1).lubricant;
+}
+
+static double log_viscosity(const ehd_lubricant *lubricant, double pressure) {
+    double slope;
+    return lubricant->viscosity->log_viscosity(lubricant, pressure, &slope);
+}
+
+// ---- lubricants
+
+static void viscosity_derivative(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(lubricants[l]);
+        for (double p = 1e7; p < fmin(4.6e9, lubricant.pressure_limit); p *= 1.3) {
+            double h = 1e-3 * p, slope;
+            // fourth order
+            double difference =
+                (8 * (log_viscosity(&lubricant, p + h) - log_viscosity(&lubricant, p - h)) -
+                 (log_viscosity(&lubricant, p + 2 * h) - log_viscosity(&lubricant, p - 2 * h))) /
+                (12 * h);
+            lubricant.viscosity->log_viscosity(&lubricant, p, &slope);
+            check_close(slope, difference, 1e-8, 0);
+        }
+    }
+}
+
+static void density_derivative(void **state) {
+    (void)state;
+    const density_law *law = sample_lubricant("barus").density;
+    for (double p = 1e7; p < 5e9; p *= 1.3) {
+        double h = 1e-4 * p, slope, ignored;
+        double difference =
+            (law->relative_density(p + h, &ignored) - law->relative_density(p - h, &ignored)) /
+            (2 * h);
+        law->relative_density(p, &slope);
+        check_close(slope, difference, 1e-6, 0);
+    }
+}
+
+static void density_values(void **state) {
+    (void)state;
+    const density_law *law = sample_lubricant("barus").density;
+    double slope;
+    check_close(law->relative_density(0, &slope), 1, 0, 0);
+    check_close(law->relative_density(5.9e8, &slope), 1.17, 1e-15, 0);
+    check_close(law->relative_density(1e30, &slope), 1.34, 1e-15, 0);
+}
+
+static void viscosity_values(void **state) {
+    (void)state;
+    // ln of eta(1 GPa)/eta(0), worked out apart from this code from the formulas of model.md
+    static const double at_giga[] = {20, 12.909806659521264, 13.328407194322661, 9.51454678656911,
+                                     10.96611946095047};
+    for (int l = 0; l < NUM_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(lubricants[l]);
+        check_close(log_viscosity(&lubricant, 1e9), at_giga[l], 1e-12, 0);
+        check_close(log_viscosity(&lubricant, 0), 0, 0, 1e-14);
+    }
+}
+
+static void barus_is_exact(void **state) {
+    (void)state;
+    ehd_lubricant lubricant = sample_lubricant("barus");
+    for (double p = 0; p < 3e10; p += 1.7e8)
+        check_close(log_viscosity(&lubricant, p), 2e-8 * p, 1e-15, 0);
+    check_close(lubricant.alpha, 2e-8, 0, 0);
+    assert_true(isnan(lubricant.eta0));
+    assert_true(lubricant.pressure_limit > 1e12);
+}
+
+static void roelands_slope_at_zero(void **state) {
+    (void)state;
+    ehd_lubricant lubricant = sample_lubricant("roelands");
+    double slope;
+    lubricant.viscosity->log_viscosity(&lubricant, 0, &slope);
+    check_close(slope, 2e-8, 1e-14, 0);
+    check_close(lubricant.alpha, 2e-8, 0, 0);
+    check_close(lubricant.eta0, 0.04, 0, 0);
+}
+
+static void wlf_coefficients_and_limits(void **state) {
+    (void)state;
+    static const double alpha[] = {23.60e-9, 12.51e-9, 18.05e-9};
+    static const double limit[] = {11.5e9, 5.0e9, 4.76e9};
+    static const double eta0[] = {0.028282476174235197, 0.0016537118365797577, 0.20208749448341043};
+    for (int l = 0; l < 3; l++) {
+        ehd_lubricant lubricant = sample_lubricant(lubricants[2 + l]);
+        check_close(lubricant.alpha, alpha[l], 0, 0.0051e-9);
+        check_close(lubricant.pressure_limit, limit[l], 0, 0.05e9);
+        check_close(lubricant.eta0, eta0[l], 1e-12, 0);
+    }
+}
+
+/* Below its limit a law rises with a finite slope; beyond, it is the value at the limit that counts. */
+static void viscosity_rises_to_its_limit(void **state) {
+    (void)state;
+    for (int l = 2; l < NUM_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(lubricants[l]);
+        double limit = lubricant.pressure_limit, last = -1, slope;
+        for (int i = 0; i <= 1000; i++) {
+            double here = lubricant.viscosity->log_viscosity(&lubricant, i * limit / 1000, &slope);
+            assert_true(here > last && isfinite(here) && slope >= 0);
+            last = here;
+        }
+        double pressure[] = {limit / 1e9, 2 * limit / 1e9}, log_eta[2], by_p[2], rho[2],
+               rho_by_p[2];
+        lubricant_evaluate(log_eta, by_p, rho, rho_by_p, &lubricant, 1e9, pressure, 2);
+        check_close(log_eta[1], log_eta[0], 1e-12, 0);
+    }
+}
+
+static void negative_pressure_counts_as_zero(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(lubricants[l]);
+        double pressure[] = {-0.01, 0}, log_eta[2], by_p[2], rho[2], rho_by_p[2];
+        lubricant_evaluate(log_eta, by_p, rho, rho_by_p, &lubricant, 1e9, pressure, 2);
+        check_close(log_eta[0], log_eta[1], 0, 0);
+        check_close(by_p[0], by_p[1], 0, 0);
+        check_close(rho[0], 1, 0, 0);
+        check_close(rho_by_p[0], rho_by_p[1], 0, 0);
+    }
+}
+
+static void bad_lubricants_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *lubricant;
+        size_t offset; // of the constant that is spoilt
+        double value;
+        const char *text; // of the error, in part
+    } cases[] = {
+        {"barus", offsetof(lubricant_settings, alpha), NAN, "alpha"},
+        {"barus", offsetof(lubricant_settings, alpha), -1e-8, "alpha"},
+        {"roelands", offsetof(lubricant_settings, alpha), 0, "alpha"},
+        {"roelands", offsetof(lubricant_settings, eta0), 1e-5, "eta0"},
+        {"roelands", offsetof(lubricant_settings, eta0), NAN, "eta0"},
+        {"no1", offsetof(lubricant_settings, temperature), -95, "glass transition"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lubricant_settings settings =
+            sample_scene(cases[i].lubricant, "incompressible", 10, 5).lubricant;
+        ehd_lubricant lubricant;
+        ehd_error error = {0};
+        memcpy((char *)&settings + cases[i].offset, &cases[i].value, sizeof(double));
+        assert_int_equal(lubricant_init(&lubricant, &settings, &error), EHD_DATA);
+        assert_non_null(strstr(error.text, cases[i].text));
+    }
+}
+
+static void unknown_laws_are_refused(void **state) {
+    (void)state;
+    lubricant_settings good = sample_scene("no1", "incompressible", 10, 5).lubricant, bad;
+    ehd_lubricant lubricant;
+    bad = good;
+    strcpy(bad.viscosity_law, "eyring");
+    assert_int_equal(lubricant_init(&lubricant, &bad, NULL), EHD_DATA);
+    bad = good;
+    strcpy(bad.viscosity_preset, "no4");
+    assert_int_equal(lubricant_init(&lubricant, &bad, NULL), EHD_DATA);
+    bad = good;
+    strcpy(bad.density_law, "tait");
+    assert_int_equal(lubricant_init(&lubricant, &bad, NULL), EHD_DATA);
+    assert_int_equal(lubricant_init(&lubricant, &good, NULL), EHD_OK);
+}
+
+// ---- contact
+
+static void physical_scene(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    given.load = 2e5;
+    given.radius = 0.01;
+    given.speed = 1;
+    given.modulus = 2.2e11;
+    given.viscosity = 0.01;
+    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    // by hand: U = 0.01 2 / (2.2e11 0.01), W = 2e5 / (2.2e11 0.01), a^2 = 8 2e5 0.01 / (pi 2.2e11)
+    check_close(contact.moes_M, 30.15113445777636, 1e-13, 0);
+    check_close(contact.moes_L, 7.6401960910866045, 1e-13, 0);
+    check_close(contact.half_width, 1.5215061585243644e-4, 1e-13, 0);
+    check_close(contact.hertz_pressure, 836828387.1884005, 1e-13, 0);
+    check_close(contact.alpha_p_H, 16.73656774376801, 1e-13, 0);
+    // lambda = 12 u eta0 R^2 / (p_H a^3)
+    check_close(contact.lambda, 0.004071211815449362, 1e-13, 0);
+    check_close(contact_film_scale(&contact), 2.3149809904275684e-6, 1e-13, 0);
+    check_close(contact.load, 2e5, 0, 0);
+}
+
+static void contradictory_viscosity_is_refused(void **state) {
+    (void)state;
+    scene given = sample_scene("roelands", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    ehd_error error;
+    given.load = 2e5;
+    given.radius = 0.01;
+    given.speed = 1;
+    given.modulus = 2.2e11;
+    given.viscosity = 0.0398; // the law says 0.04
+    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    given.viscosity = 0.039;
+    assert_int_equal(contact_init(&contact, &given, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
+}
+
+static void moes_numbers(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 8 * M_PI, 7, 0.1);
+    check_close(contact.alpha_p_H, 14, 1e-14, 0); // 7 sqrt(8 pi / 2 pi)
+    check_close(contact.hertz_pressure, 14 / 2e-8, 1e-14, 0);
+    check_close(contact.lambda, 3. / 512, 1e-14, 0); // 3 pi^2 / (8 64 pi^2)
+    assert_true(isnan(contact.half_width) && isnan(contact.radius) && isnan(contact.load));
+    contact_set_moes(&contact, 2 * M_PI, 3);
+    check_close(contact.alpha_p_H, 3, 1e-14, 0);
+    check_close(contact.hertz_pressure, 3 / 2e-8, 1e-14, 0);
+    check_close(contact.lambda, 3. / 32, 1e-14, 0);
+}
+
+static void given_hertz_pressure_wins(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", 12, 12);
+    ehd_contact contact;
+    given.hertz_pressure = 0.7e9;
+    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    check_close(contact.hertz_pressure, 0.7e9, 0, 0);
+    check_close(contact.alpha_p_H, 14, 1e-15, 0);
+    check_close(contact.moes_L, 12, 0, 0);
+    check_close(contact.lambda, 3 * M_PI * M_PI / (8 * 144), 1e-15, 0);
+}
+
+static void pressure_beyond_the_law_is_refused(void **state) {
+    (void)state;
+    scene given = sample_scene("no3", "incompressible", 100, 5);
+    ehd_contact contact;
+    ehd_error error;
+    given.hertz_pressure = 4.7e9;
+    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    given.hertz_pressure = 4.8e9;
+    assert_int_equal(contact_init(&contact, &given, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "hertz_pressure: found 4.8 GPa"));
+    given.hertz_pressure = NAN;
+    given.moes_L = 50;
+    assert_int_equal(contact_init(&contact, &given, NULL), EHD_DATA);
+}
+
+static void isoviscous_contact(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_LUBRICANTS; l++) {
+        ehd_contact contact = sample_contact(lubricants[l], "dowson-higginson", 10, 0, 0.1);
+        double mobility[3], slope[3], density[3], density_slope[3];
+        reynolds_fluid fluid = {mobility, slope, density, density_slope};
+        check_close(contact.hertz_pressure, 0, 0, 0);
+        check_close(contact.alpha_p_H, 0, 0, 0);
+        reynolds_fluid_evaluate(&fluid, &contact, (double[]){0, 0.5, 1}, 3);
+        for (int i = 0; i < 3; i++) {
+            check_close(mobility[i], 1 / contact.lambda, 1e-13, 0);
+            check_close(slope[i], 0, 0, 0);
+            check_close(density[i], 1, 0, 0);
+        }
+    }
+}
+
+static void grid_nodes(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, 0.005);
+    assert_int_equal(contact.grid.num_inner, 1201);
+    assert_int_equal(contact.grid.num_nodes, 1203);
+    check_close(grid_x(&contact.grid, 0), -4.005, 1e-15, 0);
+    check_close(grid_x(&contact.grid, 1), -4, 0, 0);
+    check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
+}
+
+// ---- Reynolds operator
+
+enum { NUM_NODES = 14 }; // of a small grid, boundary nodes included
+
+/* A small grid with all its stencils and fluid. */
+typedef struct small_problem {
+    ehd_contact contact;
+    double mobility[NUM_NODES], mobility_slope[NUM_NODES];
+    double density[NUM_NODES], density_slope[NUM_NODES];
+    reynolds_stencil stencils[NUM_NODES - 2];
+    double pressure[NUM_NODES], film[NUM_NODES];
+} small_problem;
+
+static void small_init(small_problem *small, const ehd_contact *contact) {
+    small->contact = *contact;
+    small->contact.grid = (ehd_grid){-1, 0.1, NUM_NODES - 2, NUM_NODES};
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        small->stencils[r] = reynolds_stencil_at(&small->contact.grid, r + 1);
+}
+
+static void small_rows(reynolds_row *rows, small_problem *small, double entrainment) {
+    int compressible = small->contact.lubricant.density != NULL;
+    reynolds_fluid fluid = {small->mobility, small->mobility_slope,
+                            compressible ? small->density : NULL,
+                            compressible ? small->density_slope : NULL};
+    reynolds_fluid_evaluate(&fluid, &small->contact, small->pressure, NUM_NODES);
+    reynolds_rows(rows, small->contact.grid.step, entrainment, small->stencils, NUM_NODES - 2,
+                  &fluid, small->pressure, small->film);
+}
+
+/* Derivative of the residuals with respect to `*value`, a pressure or film of `small`. */
+static void difference(double *derivative, small_problem *small, double *value) {
+    reynolds_row up[NUM_NODES - 2], down[NUM_NODES - 2];
+    double kept = *value, h = 1e-5 * kept;
+
+    *value = kept + h;
+    small_rows(up, small, 0.8);
+    *value = kept - h;
+    small_rows(down, small, 0.8);
+    *value = kept;
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        derivative[r] = (up[r].residual - down[r].residual) / (2 * h);
+}
+
+/* The analytic derivative with respect to the value at `node`; zero where it is not in the stencil. */
+static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
+    for (int a = 0; a < NUM_STENCIL; a++)
+        if (stencil->node[a] == node) return by[a];
+    return 0;
+}
+
+static double largest_of(const double *by) {
+    double largest = 0;
+    for (int a = 0; a < NUM_STENCIL; a++)
+        largest = fmax(largest, fabs(by[a]));
+    return largest;
+}
+
+static void check_row_derivatives(const ehd_contact *contact) {
+    small_problem small;
+    reynolds_row rows[NUM_NODES - 2];
+    double derivative[NUM_NODES - 2];
+
+    small_init(&small, contact);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.pressure[k] = 0.5 + 0.3 * sin(2. * (double)k);
+        small.film[k] = 0.4 + 0.1 * cos(3. * (double)k);
+    }
+    small_rows(rows, &small, 0.8);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        difference(derivative, &small, &small.pressure[k]);
+        for (size_t r = 0; r < NUM_NODES - 2; r++)
+            check_close(by_node(rows[r].by_pressure, &small.stencils[r], k), derivative[r], 1e-6,
+                        1e-7 * largest_of(rows[r].by_pressure));
+        difference(derivative, &small, &small.film[k]);
+        for (size_t r = 0; r < NUM_NODES - 2; r++)
+            check_close(by_node(rows[r].by_film, &small.stencils[r], k), derivative[r], 1e-6,
+                        1e-7 * largest_of(rows[r].by_film));
+    }
+}
+
+static void row_derivatives(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_LUBRICANTS; l++)
+        for (int d = 0; d < NUM_DENSITIES; d++) {
+            ehd_contact contact = sample_contact(lubricants[l], densities[d], 5, 6, 0.1);
+            check_row_derivatives(&contact);
+        }
+}
+
+static void first_row_has_no_second_node_back(void **state) {
+    (void)state;
+    ehd_grid grid = {-1, 0.1, NUM_NODES - 2, NUM_NODES};
+    reynolds_stencil first = reynolds_stencil_at(&grid, 1), second = reynolds_stencil_at(&grid, 2);
+    assert_true(first.node[NODE_BACK2] == NO_NODE);
+    assert_int_equal(first.node[NODE_BACK], 0);
+    assert_int_equal(first.node[NODE_HERE], 1);
+    assert_int_equal(first.node[NODE_AHEAD], 2);
+    assert_int_equal(second.node[NODE_BACK2], 0);
+}
+
+/* Isoviscous, so that both terms can be written down exactly, discretisation included. */
+static void manufactured_rows(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "dowson-higginson", 10, 0, 0.1);
+    small_problem small;
+    reynolds_row rows[NUM_NODES - 2];
+    const double film_slope = 0.2, pressure_slope = 0.3, curvature = 0.7, h = 0.1;
+
+    small_init(&small, &contact);
+    double lambda = contact.lambda;
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.film[k] = 0.6;
+        small.pressure[k] = 1 + pressure_slope * grid_x(&small.contact.grid, k);
+    }
+    small_rows(rows, &small, 1);
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        check_close(rows[r].residual, 0, 0, 1e-11 / lambda);
+
+    // film linear: H^3 of the half nodes' means gives 3 H^2 H' + H'^3 h^2
+    for (size_t k = 0; k < NUM_NODES; k++)
+        small.film[k] = 0.6 + film_slope * grid_x(&small.contact.grid, k);
+    small_rows(rows, &small, 0.5);
+    for (size_t r = 0; r < NUM_NODES - 2; r++) {
+        double film = small.film[r + 1];
+        double flow = pressure_slope * (3 * film * film * film_slope + pow(film_slope, 3) * h * h);
+        check_close(rows[r].residual, flow / lambda - 0.5 * film_slope, 1e-11, 1e-10);
+    }
+
+    // film constant, pressure quadratic
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.film[k] = 0.6;
+        small.pressure[k] = 2 + curvature * pow(grid_x(&small.contact.grid, k), 2);
+    }
+    small_rows(rows, &small, 1);
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        check_close(rows[r].residual, 2 * curvature * pow(0.6, 3) / lambda, 1e-11, 0);
+}
+
+// ---- deflection
+
+/* Film of the dry contact: zero inside, outside (|X| sqrt(X^2-1) - ln(|X| + sqrt(X^2-1)))/2, with
+ * Delta(0) = 1/4 + ln(2)/2. Returns the largest deviation. */
+static double hertz_deviation(double step) {
+    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, step);
+    const ehd_grid *grid = &contact.grid;
+    ehd_deflection *deflection = deflection_create(contact.kind, grid);
+    double *values = calloc(grid->num_nodes, sizeof *values), worst = 0;
+
+    assert_true(deflection && values);
+    for (size_t k = 1; k <= grid->num_inner; k++)
+        values[k] = sqrt(fmax(0, 1 - pow(grid_x(grid, k), 2)));
+    deflection_apply(values, deflection, values);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        double x = fabs(grid_x(grid, k)), root = x > 1 ? sqrt(x * x - 1) : 0;
+        double exact = x > 1 ? (x * root - log(x + root)) / 2 : 0;
+        double film = values[k] + contact.kind->gap(x) - (0.25 + M_LN2 / 2);
+        worst = fmax(worst, fabs(film - exact));
+    }
+    free(values);
+    deflection_free(deflection);
+    return worst;
+}
+
+static void hertz_pressure_gives_hertz_deflection(void **state) {
+    (void)state;
+    double coarse = hertz_deviation(0.02), fine = hertz_deviation(0.01),
+           finest = hertz_deviation(0.005);
+    assert_true(finest < 2.5e-4);
+    // the square root at the ends leaves h^1.5 ln h
+    assert_true(coarse / fine > 2.2 && coarse / fine < 3);
+    assert_true(fine / finest > 2.2 && fine / finest < 3);
+}
+
+static void fft_equals_direct_sum(void **state) {
+    (void)state;
+    static const double steps[] = {0.1, 0.04, 0.01};
+    for (int s = 0; s < 3; s++) {
+        ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, steps[s]);
+        size_t n = contact.grid.num_nodes;
+        ehd_deflection *deflection = deflection_create(contact.kind, &contact.grid);
+        double *pressure = malloc(n * sizeof *pressure), *delta = malloc(n * sizeof *delta);
+        double *direct = calloc(n, sizeof *direct), largest = 0;
+        unsigned long long seed = 5;
+
+        assert_true(deflection && pressure && delta && direct);
+        for (size_t k = 0; k < n; k++) {
+            seed = seed * 6364136223846793005ull + 1442695040888963407ull;
+            pressure[k] = (double)(seed >> 11) * 0x1p-53;
+        }
+        for (size_t k = 0; k < n; k++) {
+            for (size_t j = 0; j < n; j++)
+                direct[k] += pressure[j] * deflection_kernel(deflection)[k > j ? k - j : j - k];
+            largest = fmax(largest, fabs(direct[k]));
+        }
+        deflection_apply(delta, deflection, pressure);
+        check_close_array(delta, direct, n, 0, 1e-13 * largest);
+        deflection_apply(pressure, deflection, pressure); // in place
+        check_close_array(pressure, delta, n, 0, 0);
+        free(pressure);
+        free(delta);
+        free(direct);
+        deflection_free(deflection);
+    }
+}
+
+static double line_integrand(double x, void *parameters) {
+    (void)parameters;
+    return -log(x * x) / (2 * M_PI);
+}
+
+static void kernel_is_the_integral_over_a_cell(void **state) {
+    (void)state;
+    const double step = 0.05;
+    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, step);
+    ehd_deflection *deflection = deflection_create(contact.kind, &contact.grid);
+    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(200);
+    gsl_function integrand = {line_integrand, NULL};
+    double integral, estimate;
+
+    assert_true(deflection && workspace);
+    const double *kernel = deflection_kernel(deflection);
+    // singular at the cell's own node: both halves of it, which are alike
+    gsl_integration_qags(&integrand, 0, step / 2, 0, 1e-12, 200, workspace, &integral, &estimate);
+    check_close(kernel[0], 2 * integral, 1e-11, 0);
+    for (size_t d = 1; d < contact.grid.num_nodes; d++) {
+        double x = (double)d * step;
+        gsl_integration_qag(&integrand, x - step / 2, x + step / 2, 1e-16, 1e-11, 200,
+                            GSL_INTEG_GAUSS31, workspace, &integral, &estimate);
+        check_close(kernel[d], integral, 1e-10, 1e-15);
+    }
+    gsl_integration_workspace_free(workspace);
+    deflection_free(deflection);
+}
+
+static void deflection_without_memory(void **state) {
+    (void)state;
+    ehd_grid grid = {-1, 0.1, 21, 23};
+    ehd_deflection *deflection;
+    size_t call = 0;
+    bool failed;
+    do {
+        allocation_fail_at(call);
+        deflection = deflection_create(&contact_line, &grid);
+        failed = allocation_failed();
+        if (failed) assert_null(deflection);
+    } while (failed && call++ < 100);
+    assert_true(call >= 3 && call < 100);
+    assert_non_null(deflection);
+    deflection_free(deflection);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(viscosity_derivative),
+        cmocka_unit_test(density_derivative),
+        cmocka_unit_test(density_values),
+        cmocka_unit_test(viscosity_values),
+        cmocka_unit_test(barus_is_exact),
+        cmocka_unit_test(roelands_slope_at_zero),
+        cmocka_unit_test(wlf_coefficients_and_limits),
+        cmocka_unit_test(viscosity_rises_to_its_limit),
+        cmocka_unit_test(negative_pressure_counts_as_zero),
+        cmocka_unit_test(bad_lubricants_are_refused),
+        cmocka_unit_test(unknown_laws_are_refused),
+        cmocka_unit_test(physical_scene),
+        cmocka_unit_test(contradictory_viscosity_is_refused),
+        cmocka_unit_test(moes_numbers),
+        cmocka_unit_test(given_hertz_pressure_wins),
+        cmocka_unit_test(pressure_beyond_the_law_is_refused),
+        cmocka_unit_test(isoviscous_contact),
+        cmocka_unit_test(grid_nodes),
+        cmocka_unit_test(row_derivatives),
+        cmocka_unit_test(first_row_has_no_second_node_back),
+        cmocka_unit_test(manufactured_rows),
+        cmocka_unit_test(hertz_pressure_gives_hertz_deflection),
+        cmocka_unit_test(fft_equals_direct_sum),
+        cmocka_unit_test(kernel_is_the_integral_over_a_cell),
+        cmocka_unit_test(deflection_without_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

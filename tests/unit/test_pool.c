@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Threads over a tree: every point once, after its parent, with any number of workers. */
+#include "snapgen/pool.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <pthread.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { NUM_POINTS = 40, NONE = -1 };
+
+/* What the tasks note down. `lock` is for what solve touches, as the pool guards only the rest. */
+typedef struct notes {
+    pthread_mutex_t lock;
+    const size_t *parent;
+    int started[NUM_POINTS], solved[NUM_POINTS], finished[NUM_POINTS];
+    int begun, ended;
+    int inside;        // threads in `start` or `finish`
+    int failing_point; // NONE
+    bool failing_begin;
+    bool wrong_order;
+    int sum[NUM_POINTS]; // point + sum of the parent
+} notes;
+
+static ehd_status begin(void **worker, void *shared, ehd_error *error) {
+    notes *self = shared;
+    pthread_mutex_lock(&self->lock);
+    self->begun++;
+    pthread_mutex_unlock(&self->lock);
+    *worker = self;
+    return self->failing_begin ? ehd_fail(error, EHD_MEMORY, "begin failed") : EHD_OK;
+}
+
+static void end(void *worker) {
+    notes *self = worker;
+    pthread_mutex_lock(&self->lock);
+    self->ended++;
+    pthread_mutex_unlock(&self->lock);
+}
+
+static ehd_status start(void *shared, void *worker, size_t point, size_t parent, ehd_error *error) {
+    notes *self = shared;
+    (void)worker, (void)parent, (void)error;
+    self->wrong_order |= self->inside++ != 0;
+    self->started[point]++;
+    self->inside--;
+    return EHD_OK;
+}
+
+static ehd_status solve(void *shared, void *worker, size_t point, size_t parent, ehd_error *error) {
+    notes *self = shared;
+    (void)worker;
+    usleep((unsigned)(point % 3) * 300);
+    pthread_mutex_lock(&self->lock);
+    self->solved[point]++;
+    self->sum[point] = (int)point + (parent == NO_PARENT ? 0 : self->sum[parent]);
+    pthread_mutex_unlock(&self->lock);
+    if ((int)point != self->failing_point) return EHD_OK;
+    return ehd_fail(error, EHD_INTERNAL, "point %zu failed", point);
+}
+
+static ehd_status finish(void *shared, void *worker, size_t point, size_t parent,
+                         ehd_error *error) {
+    notes *self = shared;
+    (void)worker, (void)error;
+    self->wrong_order |= self->inside++ != 0 || parent != self->parent[point] ||
+                         (parent != NO_PARENT && !self->finished[parent]);
+    self->finished[point]++;
+    self->inside--;
+    return EHD_OK;
+}
+
+/* Binary heap: the parent of k is (k-1)/2. */
+static void make_tree(size_t parent[NUM_POINTS], size_t order[NUM_POINTS]) {
+    for (size_t i = 0; i < NUM_POINTS; i++)
+        parent[i] = i == 0 ? NO_PARENT : (i - 1) / 2;
+    assert_int_equal(tree_order(order, parent, NUM_POINTS, NULL), EHD_OK);
+}
+
+static ehd_status run(notes *self, size_t num_workers, const bool *done, ehd_error *error) {
+    size_t parent[NUM_POINTS], order[NUM_POINTS];
+    make_tree(parent, order);
+    self->parent = parent;
+    const pool_work work = {.num_points = NUM_POINTS,
+                            .parent = parent,
+                            .order = order,
+                            .done = done,
+                            .num_workers = num_workers,
+                            .shared = self,
+                            .begin = begin,
+                            .end = end,
+                            .start = start,
+                            .solve = solve,
+                            .finish = finish};
+    ehd_status status = pool_run(&work, error);
+    assert_int_equal(self->begun, self->ended);
+    assert_false(self->wrong_order);
+    return status;
+}
+
+static notes new_notes(void) {
+    return (notes){.lock = PTHREAD_MUTEX_INITIALIZER, .failing_point = NONE};
+}
+
+static void test_every_point_once(void **state) {
+    const size_t counts[] = {1, 2, 7, 100};
+    (void)state;
+
+    for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
+        notes noted = new_notes();
+        assert_int_equal(run(&noted, counts[k], NULL, NULL), EHD_OK);
+        for (size_t i = 0; i < NUM_POINTS; i++) {
+            assert_int_equal(noted.started[i], 1);
+            assert_int_equal(noted.solved[i], 1);
+            assert_int_equal(noted.finished[i], 1);
+        }
+        assert_int_equal(noted.sum[39], 39 + 19 + 9 + 4 + 1);
+        assert_in_range(noted.begun, 1, counts[k]);
+    }
+}
+
+static void test_done_points_are_left_alone(void **state) {
+    bool done[NUM_POINTS];
+    notes noted = new_notes();
+    (void)state;
+
+    for (size_t i = 0; i < NUM_POINTS; i++) {
+        done[i] = i != 38 && i != 5;
+        noted.finished[i] = done[i];
+    }
+    assert_int_equal(run(&noted, 2, done, NULL), EHD_OK);
+    for (size_t i = 0; i < NUM_POINTS; i++)
+        assert_int_equal(noted.solved[i], !done[i]);
+    done[38] = done[5] = true;
+    noted = new_notes();
+    assert_int_equal(run(&noted, 2, done, NULL), EHD_OK);
+    assert_int_equal(noted.begun, 0);
+}
+
+static void test_a_failure_stops_the_pool(void **state) {
+    (void)state;
+    for (size_t num_workers = 1; num_workers < 5; num_workers++) {
+        notes noted = new_notes();
+        ehd_error error = {""};
+        noted.failing_point = 1;
+        assert_int_equal(run(&noted, num_workers, NULL, &error), EHD_INTERNAL);
+        assert_string_equal(error.text, "point 1 failed");
+        assert_int_equal(noted.finished[1], 0);
+        for (size_t i = 3; i < NUM_POINTS; i++)
+            if ((i - 1) / 2 == 1) assert_int_equal(noted.solved[i], 0);
+    }
+}
+
+static void test_a_worker_that_cannot_begin(void **state) {
+    notes noted = new_notes();
+    ehd_error error = {""};
+    (void)state;
+
+    noted.failing_begin = true;
+    assert_int_equal(run(&noted, 3, NULL, &error), EHD_MEMORY);
+    assert_string_equal(error.text, "begin failed");
+}
+
+static void test_no_memory(void **state) {
+    ehd_status status;
+    (void)state;
+    for (size_t call = 1; call < 4; call++) { // call 0 is the test's own
+        notes noted = new_notes();
+        allocation_fail_at(call);
+        status = run(&noted, 2, NULL, NULL);
+        assert_true(allocation_failed());
+        // without a list of threads the caller's own one works
+        assert_int_equal(status, call < 3 ? EHD_MEMORY : EHD_OK);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_point_once),
+        cmocka_unit_test(test_done_points_are_left_alone),
+        cmocka_unit_test(test_a_failure_stops_the_pool),
+        cmocka_unit_test(test_a_worker_that_cannot_begin),
+        cmocka_unit_test(test_no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
