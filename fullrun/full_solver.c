@@ -243,6 +243,7 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 
 static const double MOST_PRESSURE_CHANGE = 0.3; // of the Hertz pressure, in one step
 static const double LEAST_FILM_LEFT = 0.2;      // of the smallest film, in one step
+static const double LEAST_FACTOR = 1e-6;        // below it Newton only squeezes the film to nothing
 
 /* Damping factor (model.md, section 3). */
 static double damping(full_solver *self, const full_system *system, const full_state *state) {
@@ -263,6 +264,7 @@ static double damping(full_solver *self, const full_system *system, const full_s
     return factor;
 }
 
+/* One damped step. EHD_NOT_CONVERGED, with info->reason, where there is none to take. */
 static ehd_status newton_step(double *factor, full_info *info, full_state *state, full_solver *self,
                               ehd_error *error) {
     size_t iterations = 0;
@@ -279,11 +281,14 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
     ehd_status status =
         self->settings.solve_linear(&system, self->settings.linear_tolerance, &iterations, error);
     info->gmres_iterations += iterations;
+    if (status == EHD_NOT_CONVERGED) info->reason = "linear system singular";
     if (status) return status;
 
     *factor = damping(self, &system, state);
-    if (!(*factor > 0) || !isfinite(system.step_approach))
-        return ehd_fail(error, EHD_NOT_CONVERGED, "Newton step: found it not finite");
+    if (!(*factor > LEAST_FACTOR) || !isfinite(system.step_approach)) {
+        info->reason = "film driven to zero, as by too coarse a grid";
+        return EHD_NOT_CONVERGED;
+    }
     for (size_t k = 1; k < state->exit; k++)
         state->pressure[k] += *factor * system.step[k];
     state->rigid_approach += *factor * system.step_approach;
@@ -341,10 +346,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         ehd_status status = newton_step(&factor, info, state, self, &ignored);
         info->seconds_linear += program_seconds() - before;
         info->newton_iterations++;
-        if (status == EHD_NOT_CONVERGED) {
-            info->reason = "linear system singular";
-            return EHD_OK;
-        }
+        if (status == EHD_NOT_CONVERGED) return EHD_OK;
         if (status) return ehd_fail(error, status, "%s", ignored.text);
     }
     if (program_interrupted()) return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
