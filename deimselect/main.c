@@ -13,12 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD };
+enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD, KEY_WEIGHTS };
 
 typedef struct select_options {
     const char *basis;
     size_t num_rows; // 0: twice the unknowns
     const selection_method *method;
+    const weighting *weights;
 } select_options;
 
 static const struct argp_option own_options[] = {
@@ -51,8 +52,14 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
             status = ehd_fail(&error, EHD_USAGE, "--method: found %.40s, expected one of --help",
                               argument);
         break;
-    case ARGP_KEY_END:
-        return 0;
+    case KEY_WEIGHTS:
+        options->weights = weightings;
+        while (options->weights->name && strcmp(options->weights->name, argument))
+            options->weights++;
+        if (!options->weights->name)
+            status = ehd_fail(&error, EHD_USAGE, "--weights: found %.40s, expected one of --help",
+                              argument);
+        break;
     default:
         return ARGP_ERR_UNKNOWN;
     }
@@ -63,7 +70,10 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
 static void print_methods(void) {
     puts("Methods of row selection:");
     for (const selection_method *method = selection_methods; method->name; method++)
-        printf("  %-8s %s\n", method->name, method->help);
+        printf("  %-10s %s\n", method->name, method->help);
+    puts("Weights of the rows:");
+    for (const weighting *weights = weightings; weights->name; weights++)
+        printf("  %-10s %s\n", weights->name, weights->help);
 }
 
 // ---- the residuals
@@ -137,7 +147,10 @@ static ehd_status write_model(const program *self, const select_options *options
     char text[128];
     ehd_status status = reduced_model_build(&model, basis, choice->rows, choice->num_rows, error);
 
-    snprintf(text, sizeof text, "method: %s\nrows: %zu\n", options->method->name, choice->num_rows);
+    snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\n", options->method->name,
+             choice->num_rows, options->weights->name);
+    for (size_t r = 0; r < choice->num_rows && !status; r++)
+        model.row_weight[r] *= choice->factors[r];
     if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
     if (!status)
         printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes\n"
@@ -165,7 +178,7 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
     if (!status) {
         size_t num_rows = options->num_rows ? options->num_rows : 2 * basis.states.num_unknowns;
         status = row_choice_make(&choice, snapshots.residuals, snapshots.steps, snapshots.count,
-                                 &basis, options->method, num_rows, error);
+                                 &basis, options->method, options->weights, num_rows, error);
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
     row_choice_free(&choice);
@@ -176,7 +189,7 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
 }
 
 int main(int argc, char **argv) {
-    select_options own = {.method = selection_methods};
+    select_options own = {.method = selection_methods, .weights = weightings};
     const program_options options = {
         .options = own_options,
         .parse = parse_own,

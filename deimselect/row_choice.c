@@ -9,6 +9,7 @@
 
 void row_choice_free(row_choice *choice) {
     free(choice->rows);
+    free(choice->factors);
     free(choice->sigma_min_by_exit);
     memset(choice, 0, sizeof *choice);
 }
@@ -88,7 +89,8 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const siz
 
 ehd_status row_choice_make(row_choice *choice, const double *residuals, const double *steps,
                            size_t num_snapshots, const reduced_basis *basis,
-                           const selection_method *method, size_t num_rows, ehd_error *error) {
+                           const selection_method *method, const weighting *weights,
+                           size_t num_rows, ehd_error *error) {
     size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
     pod_basis pods[2] = {{0}, {0}};
     ehd_status status = EHD_OK;
@@ -102,8 +104,9 @@ ehd_status row_choice_make(row_choice *choice, const double *residuals, const do
                         num_rows, num_inner);
     choice->num_rows = num_rows;
     choice->rows = malloc(num_rows * sizeof *choice->rows);
+    choice->factors = malloc(num_rows * sizeof(double));
     choice->sigma_min_by_exit = malloc((basis->states.num_states + 1) * sizeof(double));
-    if (!choice->rows || !choice->sigma_min_by_exit)
+    if (!choice->rows || !choice->factors || !choice->sigma_min_by_exit)
         status = ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
     if (!status)
         status = build_pods(pods, residuals, steps, num_snapshots, num_inner,
@@ -121,8 +124,11 @@ ehd_status row_choice_make(row_choice *choice, const double *residuals, const do
         memcpy(picked, choice->rows, num_rows * sizeof *picked);
         for (size_t r = 0; r < num_rows; r++)
             choice->rows[r]++; // row 0 of the snapshots belongs to node 1
-        status = measure(choice, pods, picked, basis, error);
+        size_t num_columns = num_unknowns < pods[1].num_modes ? num_unknowns : pods[1].num_modes;
+        status = weights->weigh(choice->factors, pods[1].modes, num_columns, num_inner, picked,
+                                num_rows, error);
     }
+    if (!status) status = measure(choice, pods, picked, basis, error);
     free(picked);
     pod_free(&pods[0]);
     pod_free(&pods[1]);

@@ -4,11 +4,13 @@
 #define EHD_ROW_CHOICE_H
 
 #include "deimselect/selection.h"
+#include "deimselect/weighting.h"
 #include "romrun/reduced_model.h"
 
 typedef struct row_choice {
     size_t num_rows;
     size_t *rows;                                  // [num_rows] grid nodes in order of selection
+    double *factors;                               // [num_rows] of the row weights, besides D
     double sigma_min_residual, sigma_min_jacobian; // of the bases sampled at the rows
     double sigma_min_over_exits;
     double *sigma_min_by_exit; // [num_states]
@@ -16,7 +18,7 @@ typedef struct row_choice {
 
 void row_choice_free(row_choice *choice);
 
-/* PODs of both snapshot sets, the method's rows, and the smallest singular values of the bases sampled
+/* PODs of both snapshot sets, the method's rows and their weights, and the smallest singular values of the bases sampled
  * there: over all rows, and for the exit of each training state with the rows before it and as many
  * leading modes as there are unknowns (film rupture takes the other rows away).
  * EHD_DATA: fewer rows than unknowns, more rows than the snapshots support. */
@@ -27,6 +29,6 @@ ehd_status row_choice_make(
     const double *residuals, // [num_snapshots, num_inner] D f
     const double *steps,     // [num_snapshots, num_inner] D J dz
     size_t num_snapshots, const reduced_basis *basis, const selection_method *method,
-    size_t num_rows, ehd_error *error);
+    const weighting *weights, size_t num_rows, ehd_error *error);
 
 #endif

@@ -75,12 +75,14 @@ static void end_worker(void *given) {
 
 static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     const training *owner = shared;
-    const full_settings settings = full_default_settings();
+    full_settings settings = full_default_settings();
     const ehd_contact *first = &owner->set->contacts[0];
     worker *self = calloc(1, sizeof *self);
     *result = self;
     if (!self) return ehd_fail(error, EHD_MEMORY, "solver: found no memory");
 
+    // the last modes of a basis weigh 1e-10 of the first: solutions must be better than that
+    settings.tolerance = 1e-12;
     ehd_status status =
         full_solver_create(&self->solver, first->kind, &first->grid, &settings, error);
     return status ? status : full_state_init(&self->solution.state, &first->grid, error);

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Weights of the selected rows: how much each counts in the online least squares, besides D. */
+#ifndef EHD_WEIGHTING_H
+#define EHD_WEIGHTING_H
+
+#include "common/program/status.h"
+#include <stddef.h>
+
+/* Writes one positive factor a row. `modes` are the leading modes of the weighted Jacobian products,
+ * as many as there are unknowns. EHD_MEMORY. */
+typedef ehd_status weighting_function(
+    // output:
+    double *factors, // [num_rows]
+    // input:
+    const double *modes, size_t num_modes, size_t num_nodes, // [num_modes, num_nodes] orthonormal
+    const size_t *rows, size_t num_rows,                     // into the nodes of the modes
+    ehd_error *error);
+
+typedef struct weighting {
+    const char *name; // "quadrature"
+    weighting_function *weigh;
+    const char *help;
+} weighting;
+
+extern const weighting weightings[]; // ends with a row whose name is NULL
+
+/* One for every row, as published. */
+weighting_function weighting_plain;
+
+/* Factors with which the selected rows stand for all of them: the least squares of all rows has the
+ * normal matrix sum_k q_k q_k^T = 1 over the rows q_k of an orthonormal basis of D J; find w >= least
+ * such that sum_r w_r q_r q_r^T over the selected rows is nearest to it (Frobenius), as in empirical
+ * quadrature (Farhat et al. 2014; Hernandez et al. 2017). The factor is sqrt(w_r). */
+weighting_function weighting_quadrature;
+
+#endif
