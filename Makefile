@@ -21,7 +21,7 @@ endif
 # The compiler may have to be installed by `deps`, so it is asked at first use in a recipe, and once.
 MARCH ?= $(eval MARCH := $$(if $$(filter x86_64%,$$(shell $(CC) -dumpmachine)),x86-64-v3))$(MARCH)
 
-CFLAGS_release := -O2 -g
+CFLAGS_release := -O3 -g
 CFLAGS_debug   := -O0 -g3
 CFLAGS_san     := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover
 CFLAGS_cov     := -O0 -g --coverage

@@ -202,13 +202,14 @@ static double band_film(const reduced_solver *self, const double *z, size_t exit
 // ---- exit boundary
 
 static const double WINDOW = 0.05; // around the exit, where it is looked at and moved; half widths
-static const double NOISE = 1e-6;  // negative pressure that the truncated basis may show
+static const double NOISE = 1e-5;  // negative pressure that the truncated basis may show
 
 static size_t window_begin(const reduced_model *model, size_t exit) {
     size_t checkpoint = reduced_model_checkpoint(model, exit);
     size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
-    size_t begin = exit > model->band_begin + window ? exit - window : model->band_begin;
+    size_t reach = window + 2; // a row at the window's first node has its stencil before it
+    size_t begin = exit > model->band_begin + reach ? exit - reach : model->band_begin;
 
     return begin < base ? begin : base;
 }
@@ -263,7 +264,7 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
         reynolds_row row = band_row(self, z, exit, exit, contact, &flux);
         if (row.residual <= 0) return exit;
         from = exit + 1;
-        end = exit + window;
+        end = exit + window < model->most_exit ? exit + window : model->most_exit;
     }
     for (node = from; node < end; node++)
         if (band_film(self, z, exit, node) >= flux) break;
@@ -432,8 +433,8 @@ static size_t watch_exit(exit_watch *watch, size_t exit, size_t next) {
 
     if (direction && watch->direction && direction != watch->direction) watch->turns++;
     if (direction) watch->direction = direction;
-    if (watch->turns > 5) return exit;
-    return watch->turns > 1 ? (size_t)((ptrdiff_t)exit + direction) : next;
+    if (watch->turns > 3) return exit;
+    return watch->turns > 0 ? (size_t)((ptrdiff_t)exit + direction) : next;
 }
 
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,

@@ -1,0 +1,69 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# All measurements, one after the other; `make bench` calls this with BIN and BENCH set.
+# One thread each unless stated. Numbers are seconds of this machine: compare within one run.
+set -eu
+: "${BIN:?folder of the programs}" "${BENCH:?folder of the benchmark programs}"
+here=$(cd "$(dirname "$0")/../.." && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+failed=0
+
+section() { printf '\n== %s\n' "$*"; }
+
+# chain PLAN MODES ROWS NAME: train, bases, residuals, rows; the model is $work/NAME-model.h5
+chain() {
+    local plan=$1 modes=$2 rows=$3 name=$work/$4
+    "$BIN/snapgen" -q "$plan" -f -o "$name-snapshots.h5"
+    "$BIN/podbuild" -q "$name-snapshots.h5" -f -o "$name-basis.h5" --pressure-modes "$modes" >/dev/null
+    "$BIN/snapgen" -q "$plan" --basis "$name-basis.h5" -f -o "$name-residuals.h5" >/dev/null
+    "$BIN/deimselect" -q "$name-residuals.h5" --basis "$name-basis.h5" -f -o "$name-model.h5" \
+        --rows "$rows" >/dev/null
+}
+
+low=$here/scenes/stationary-line
+high=$here/scenes/stationary-line-high
+
+section "POD: pod_build against LAPACK dgesdd, 3001 x 1500 to 160 modes (goal: at most 1.3)"
+"$BENCH/bench_pod" || failed=1
+
+section "joint selection: 160 of 3001 rows, two bases of 160 (goal: at most 0.05 s)"
+"$BENCH/bench_selection" || failed=1
+
+section "full solve: against the dense Newton (goal: 10 times), growth with n (goal: n^1.3)"
+"$BENCH/bench_full" || failed=1
+
+section "training: 120 points of the lower loaded region, $(nproc) processors (goal: 20 s)"
+chain "$low/plan.yml" 110 176 low
+
+section "online solve, model open (goal: 1 ms for the slowest), 110 modes and 176 rows"
+tail -n +2 "$low/cases.csv" | while IFS=, read -r lubricant M L p_H _; do
+    printf 'no%s ' "$lubricant"
+    "$BENCH/bench_online" "$work/low-model.h5" "$low/scene.yml" 101 moes.M="$M" moes.L="$L" \
+        hertz_pressure="${p_H}e9" lubricant.viscosity.preset="no$lubricant"
+done
+
+section "online solve, higher loaded region, 100 modes and 160 rows"
+chain "$high/plan.yml" 100 160 high
+tail -n +2 "$high/cases.csv" | while IFS=, read -r lubricant M L p_H _; do
+    printf 'no%s ' "$lubricant"
+    "$BENCH/bench_online" "$work/high-model.h5" "$high/scene.yml" 101 moes.M="$M" moes.L="$L" \
+        hertz_pressure="${p_H}e9" lubricant.viscosity.preset="no$lubricant"
+done
+
+section "online instructions of six iterations, n = 4801 against n = 1201 (goal: within 20 %)"
+sed 's/step: *0\.005/step: 0.00125/' "$low/scene.yml" >"$work/scene.yml"
+cp "$low/plan.yml" "$work/plan.yml"
+chain "$work/plan.yml" 110 176 fine
+count() { # MODEL SCENE
+    valgrind --tool=callgrind --callgrind-out-file="$work/callgrind" \
+        --toggle-collect=reduced_solve "$BENCH/bench_online" "$1" "$2" 0 moes.M=20.5 moes.L=9.2 \
+        2>"$work/valgrind" | sed 's/^/  /' >&2
+    awk '/Collected/ { print $NF }' "$work/valgrind"
+}
+coarse=$(count "$work/low-model.h5" "$low/scene.yml")
+fine=$(count "$work/fine-model.h5" "$work/scene.yml")
+awk -v a="$coarse" -v b="$fine" 'BEGIN {
+    printf "%d against %d instructions: %+.1f %%\n", b, a, (b / a - 1) * 100
+    exit b > 1.2 * a }' || failed=1
+exit $failed
