@@ -92,14 +92,7 @@ static ehd_status check_fit(artefact *file, const reduced_basis *basis, const ch
     char *made_with = NULL;
     ehd_status status = grid_read(&grid, &kind, file, error);
 
-    if (!status &&
-        (grid.num_inner != basis->grid.num_inner || fabs(grid.x_min - basis->grid.x_min) > 1e-9 ||
-         fabs(grid.step - basis->grid.step) > 1e-9 * grid.step))
-        status = ehd_fail(error, EHD_DATA,
-                          "%s: x: found %zu nodes from %g in steps of %g, expected %zu from %g in "
-                          "steps of %g as in %s",
-                          artefact_path(file), grid.num_inner, grid.x_min, grid.step,
-                          basis->grid.num_inner, basis->grid.x_min, basis->grid.step, basis_path);
+    if (!status) status = grid_check(&grid, artefact_path(file), &basis->grid, basis_path, error);
     if (!status && artefact_has(file, "basis_sha256")) {
         status = artefact_get_text(file, "basis_sha256", &made_with, error);
         if (!status && strcmp(made_with, identity))

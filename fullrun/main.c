@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fullrun: solves one scene with the full model. */
 #include "common/output/check.h"
+#include "common/output/grid_file.h"
 #include "common/output/result.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
@@ -30,24 +31,6 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
 static void print_settings(void) {
     puts("Settings of a scene (SCENE.yml, --set):");
     scene_print_help(stdout);
-}
-
-// ---- the scene
-
-/* `text` identifies the scene; free with free(). */
-static ehd_status load_scene(ehd_contact *contact, bool *with_fields, char **text,
-                             const program *self, ehd_error *error) {
-    const char *path = self->arguments[0];
-    ehd_error cause = {""};
-    scene given;
-    ehd_status status = scene_read(&given, path, self->overrides, self->num_overrides, error);
-    if (status) return status;
-
-    status = contact_init(contact, &given, &cause);
-    if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
-    *with_fields = given.output_fields != 0;
-    *text = scene_text(&given);
-    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
 }
 
 // ---- the start
@@ -140,8 +123,8 @@ static ehd_status run(const program *self, const char *start_path, ehd_error *er
     full_info info;
     artefact *file = NULL;
     char *text = NULL;
-    bool with_fields = true;
-    ehd_status status = load_scene(&contact, &with_fields, &text, self, error);
+    int output_fields = 1;
+    ehd_status status = contact_load(&contact, &output_fields, &text, self, error);
 
     if (status) goto done;
     start = contact;
@@ -151,7 +134,7 @@ static ehd_status run(const program *self, const char *start_path, ehd_error *er
     if (!status) status = solve(&info, &state, &contact, start_path ? &start : NULL, error);
     if (status) goto done;
 
-    run_result result = make_result(&info, &state, &contact, with_fields);
+    run_result result = make_result(&info, &state, &contact, output_fields != 0);
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
     status = result_write(&file, &result, &contact, error);

@@ -2,7 +2,7 @@
 #include "podbuild/snapshot_set.h"
 
 #include "common/artefact/artefact.h"
-#include "romrun/basis_file.h"
+#include "common/output/grid_file.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -117,20 +117,6 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     return EHD_OK;
 }
 
-static ehd_status check_grid(const snapshot_set *set, const ehd_grid *grid, const char *path,
-                             const char *first, ehd_error *error) {
-    const ehd_grid *known = &set->grid;
-
-    if (grid->num_inner == known->num_inner && fabs(grid->x_min - known->x_min) < 1e-9 &&
-        fabs(grid->step - known->step) < 1e-9 * known->step)
-        return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "%s: x: found %zu nodes from %g in steps of %g, expected %zu from %g in steps "
-                    "of %g as in %s",
-                    path, grid->num_inner, grid->x_min, grid->step, known->num_inner, known->x_min,
-                    known->step, first);
-}
-
 static ehd_status add_file(snapshot_set *set, const char *path, const char *first,
                            ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_snapshots, &schema_result, NULL};
@@ -143,7 +129,7 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
         status = ehd_fail(error, EHD_DATA, "%s: found no dataset pressure, expected fields", path);
     if (!status) status = grid_read(&grid, &set->kind, file, error);
     if (!status && path == first) set->grid = grid;
-    if (!status) status = check_grid(set, &grid, path, first, error);
+    if (!status) status = grid_check(&grid, path, &set->grid, first, error);
     if (!status) status = read_columns(&states, file, error);
     if (!status) status = reserve(set, set->num_states + states.count, error);
     for (size_t i = 0; i < states.count && !status; i++) {

@@ -22,42 +22,6 @@ static ehd_status film_axis_write(artefact *file, const ehd_grid *grid, ehd_erro
     return status;
 }
 
-ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
-                      ehd_error *error) {
-    double *x = malloc(grid->num_inner * sizeof *x);
-    if (!x) return no_memory(file, error);
-    for (size_t i = 0; i < grid->num_inner; i++)
-        x[i] = grid_x(grid, i + 1);
-    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
-    if (!status) status = artefact_put_text(file, "contact", kind->name, error);
-    if (!status) status = artefact_put_real(file, "x_min", grid->x_min, error);
-    if (!status) status = artefact_put_real(file, "step", grid->step, error);
-    free(x);
-    return status;
-}
-
-ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
-    char *contact = NULL;
-    ehd_status status = artefact_get_text(file, "contact", &contact, error);
-
-    if (!status && strcmp(contact, contact_line.name))
-        status = ehd_fail(error, EHD_DATA, "%s: contact: found %s, expected %s",
-                          artefact_path(file), contact, contact_line.name);
-    free(contact);
-    *kind = &contact_line;
-    if (!status) status = artefact_get_real(file, "x_min", &grid->x_min, error);
-    if (!status) status = artefact_get_real(file, "step", &grid->step, error);
-    if (status) return status;
-    grid->num_inner = artefact_length(file, "x");
-    grid->num_nodes = grid->num_inner + 2;
-    double x_max = grid->x_min + ((double)grid->num_inner - 1) * grid->step;
-    if (!(grid->step > 0 && grid->x_min < -1 && x_max > 1))
-        return ehd_fail(error, EHD_DATA,
-                        "%s: x: found %g to %g in steps of %g, expected the dry contact inside",
-                        artefact_path(file), grid->x_min, x_max, grid->step);
-    return EHD_OK;
-}
-
 ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error) {
     char *name = NULL;
     ehd_status status = artefact_get_text(file, "deformation", &name, error);
@@ -90,13 +54,15 @@ ehd_status modes_write(artefact *file, const char *field, const double *modes, s
     return status;
 }
 
-static ehd_status check_finite(const double *values, size_t count, const artefact *file,
-                               const char *field, ehd_error *error) {
-    for (size_t i = 0; i < count; i++)
+static ehd_status get_finite(double *values, artefact *file, const char *field, size_t count,
+                             ehd_error *error) {
+    ehd_status status = artefact_get(file, field, values, error);
+
+    for (size_t i = 0; i < count && !status; i++)
         if (!isfinite(values[i]))
-            return ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
-                            artefact_path(file), field);
-    return EHD_OK;
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
+                              artefact_path(file), field);
+    return status;
 }
 
 ehd_status modes_read(double **modes, artefact *file, const char *field, size_t num_nodes,
@@ -106,8 +72,7 @@ ehd_status modes_read(double **modes, artefact *file, const char *field, size_t 
     *modes = calloc(num_nodes * num_modes, sizeof(double));
     ehd_status status = turned && *modes ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = artefact_get(file, field, turned, error);
-    if (!status) status = check_finite(turned, length * num_modes, file, field, error);
+    if (!status) status = get_finite(turned, file, field, length * num_modes, error);
     for (size_t j = 0; j < num_modes && !status; j++)
         for (size_t k = 0; k < length; k++)
             (*modes)[(k + boundary) * num_modes + j] = turned[j * length + k];
@@ -167,6 +132,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     } parts[] = {{"state_pressure", 0, num_pressure},
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
+    // the pressure ends behind the centre, with room for a row's stencil in between
+    int64_t least_exit = (int64_t)(-grid->x_min / grid->step) + 3;
     size_t num_states = artefact_length(file, "state");
     size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
     double *part = malloc(num_states * num_unknowns * sizeof *part);
@@ -176,22 +143,20 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     if (!status) status = reduced_states_init(states, num_states, num_unknowns, error);
     for (size_t i = 0; i < 3 && !status; i++)
         if (parts[i].width > 0) {
-            status = artefact_get(file, parts[i].field, part, error);
-            if (!status)
-                status =
-                    check_finite(part, num_states * parts[i].width, file, parts[i].field, error);
+            status = get_finite(part, file, parts[i].field, num_states * parts[i].width, error);
             if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
         }
     if (!status) status = artefact_get_integers(file, "state_exit_node", exits, error);
     for (size_t s = 0; s < num_states && !status; s++) {
-        if (exits[s] < 1 || (size_t)exits[s] > grid->num_inner)
-            status = ehd_fail(error, EHD_DATA, "%s: state_exit_node: found %lld, expected 1 to %zu",
-                              artefact_path(file), (long long)exits[s], grid->num_inner);
+        if (exits[s] < least_exit || (size_t)exits[s] > grid->num_inner)
+            status = ehd_fail(
+                error, EHD_DATA, "%s: state_exit_node: found %lld, expected %lld to %zu",
+                artefact_path(file), (long long)exits[s], (long long)least_exit, grid->num_inner);
         else
             states->exit[s] = (size_t)exits[s] + 1;
     }
-    if (!status) status = artefact_get(file, "state_moes_M", states->moes_M, error);
-    if (!status) status = artefact_get(file, "state_alpha_p_H", states->alpha_p_H, error);
+    if (!status) status = get_finite(states->moes_M, file, "state_moes_M", num_states, error);
+    if (!status) status = get_finite(states->alpha_p_H, file, "state_alpha_p_H", num_states, error);
     if (!status && artefact_has(file, "state_central_film_thickness"))
         status = artefact_get(file, "state_central_film_thickness", states->central_film_thickness,
                               error);

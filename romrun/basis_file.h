@@ -4,6 +4,7 @@
 #define EHD_BASIS_FILE_H
 
 #include "common/artefact/artefact.h"
+#include "common/output/grid_file.h"
 #include "common/program/program.h"
 #include "romrun/reduced_model.h"
 
@@ -30,13 +31,6 @@ ehd_status basis_read(
     char identity[65],    // SHA-256 of the file
     // input:
     const char *path, ehd_error *error);
-
-/* Axis x and the attributes contact, x_min, step of a file that is being written. */
-ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
-                      ehd_error *error);
-
-/* Grid and kind of contact of an open file, checked for plausibility. */
-ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
 /* The attribute `deformation` of an open file. */
 ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error);

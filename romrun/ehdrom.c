@@ -104,9 +104,7 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
                                 ehd_error *error) {
     const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;
 
-    if (contact->kind == model->reduced.kind && grid->num_inner == own->num_inner &&
-        fabs(grid->x_min - own->x_min) < 1e-9 && fabs(grid->step - own->step) < 1e-9 * own->step)
-        return EHD_OK;
+    if (contact->kind == model->reduced.kind && grid_same(grid, own)) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "grid: found a %s contact with %zu nodes from %g in steps of %g, expected a %s "
                     "contact with %zu from %g in steps of %g as in %s",

@@ -11,11 +11,12 @@
 #include <string.h>
 
 struct least_squares {
-    size_t most_rows, num_columns;
+    size_t num_columns;
+    size_t longest; // of rows and columns
     double *scale;  // [num_columns] 1 / norm of the column
-    double *scaled; // [most_rows, num_columns]
+    double *scaled; // [longest, num_columns]
     double *gram;   // [num_columns, num_columns]
-    double *right;  // [most_rows]
+    double *right;  // [longest]
     double *work;   // [num_work] of LAPACK
     int num_work;
 };
@@ -38,7 +39,7 @@ least_squares *least_squares_create(size_t most_rows, size_t num_columns) {
     least_squares *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     size_t longest = most_rows > num_columns ? most_rows : num_columns;
-    self->most_rows = most_rows;
+    self->longest = longest;
     self->num_columns = num_columns;
     self->num_work = (int)(64 * (longest + num_columns));
     self->scale = malloc(num_columns * sizeof(double));
@@ -98,17 +99,30 @@ static void solve_gram(double *solution, least_squares *self, const double *righ
     cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, self->gram, n, solution, 1);
 }
 
-/* QR of the scaled matrix; zero columns get a row of their own in the factor. */
+/* Closes the gaps that zero columns leave in the scaled matrix; returns the number of the others. */
+static size_t drop_zero_columns(least_squares *self, size_t num_rows) {
+    size_t n = self->num_columns, kept = 0;
+
+    for (size_t j = 0; j < n; j++)
+        kept += self->scale[j] > 0;
+    for (size_t r = 0, to = 0; r < num_rows && kept < n; r++)
+        for (size_t j = 0; j < n; j++)
+            if (self->scale[j] > 0) self->scaled[to++] = self->scaled[r * n + j];
+    return kept;
+}
+
+/* QR of the scaled matrix without its zero columns, since a singular factor has no solution. */
 static void solve_qr(double *solution, least_squares *self, const double *right, size_t num_rows) {
-    int n = (int)self->num_columns;
+    size_t n = self->num_columns, kept = drop_zero_columns(self, num_rows);
 
     // row-major J is column-major J^T: the transposed problem of dgels
     for (size_t r = 0; r < num_rows; r++)
         self->right[r] = -right[r];
-    int info = LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', n, (int)num_rows, 1, self->scaled, n,
-                                  self->right, (int)self->most_rows, self->work, self->num_work);
-    memcpy(solution, self->right, (size_t)n * sizeof(double));
-    if (info) memset(solution, 0, (size_t)n * sizeof(double));
+    int info =
+        LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', (int)kept, (int)num_rows, 1, self->scaled,
+                           (int)kept, self->right, (int)self->longest, self->work, self->num_work);
+    for (size_t j = 0, from = 0; j < n; j++)
+        solution[j] = info ? NAN : self->scale[j] > 0 ? self->right[from++] : 0;
 }
 
 ehd_status least_squares_solve(double *solution, least_squares *self, const double *matrix,

@@ -12,7 +12,8 @@ least_squares *least_squares_create(size_t most_rows, size_t num_columns); // NU
 least_squares *least_squares_free(least_squares *workspace); // accepts and returns NULL
 
 /* solution = argmin |matrix solution + right|. Columns that are zero (modes that the exit cut away
- * entirely) get a zero. Returns EHD_OK, or EHD_NOT_CONVERGED when the matrix is not finite. */
+ * entirely) get a zero. Returns EHD_OK, or EHD_NOT_CONVERGED when the matrix is not finite or the
+ * others are exactly dependent. */
 ehd_status least_squares_solve(
     // output:
     double *solution, // [num_columns]

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* romrun: solves one scene with the reduced model. */
 #include "common/output/check.h"
+#include "common/output/grid_file.h"
 #include "common/output/result.h"
 #include "common/program/program.h"
 #include "romrun/ehdrom.h"
@@ -206,47 +207,32 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
     return EHD_OK;
 }
 
-static ehd_status load_scene(ehd_contact *contact, bool *with_fields, char **text,
-                             const program *self, ehd_error *error) {
-    const char *path = self->arguments[0];
-    ehd_error cause = {""};
-    scene given;
-    ehd_status status = scene_read(&given, path, self->overrides, self->num_overrides, error);
-    if (status) return status;
-
-    status = contact_init(contact, &given, &cause);
-    if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
-    *with_fields = given.output_fields == 1;
-    *text = scene_text(&given);
-    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
-}
-
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
     const char *const inputs[] = {self->arguments[0], options->model, NULL};
     ehd_contact contact;
     ehdrom_model *model = NULL;
     ehdrom_solver *solver = NULL;
-    ehdrom_result solution;
+    ehdrom_result solution = {.status = EHD_NOT_CONVERGED, .reason = ""};
     stored_result full = {0};
     artefact *file = NULL;
     double *pressure = NULL, *film = NULL;
     char *text = NULL;
-    bool with_fields = false;
+    int output_fields = 0;
     ehd_status status;
 
     if (!options->model)
         return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
-    status = load_scene(&contact, &with_fields, &text, self, error);
+    status = contact_load(&contact, &output_fields, &text, self, error);
     if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
     if (!status) status = ehdrom_solver_create(&solver, model, error);
     if (!status && options->against) {
-        status = result_read(&full, options->against, contact.kind, with_fields, error);
+        status = result_read(&full, options->against, contact.kind, output_fields == 1, error);
         if (!status) status = check_same_scene(&full, options->against, &contact, error);
     }
     if (!status && self->output) status = result_create(&file, self, &contact, text, inputs, error);
     if (!status) status = solve(&solution, solver, &contact, options->repeats, error);
-    if (!status && with_fields) {
+    if (!status && output_fields == 1) {
         pressure = malloc(contact.grid.num_nodes * sizeof *pressure);
         film = malloc(contact.grid.num_nodes * sizeof *film);
         status = pressure && film ? ehdrom_fields(pressure, film, solver, error)

@@ -235,7 +235,7 @@ static ehd_status read_places(reduced_model *model, artefact *file, ehd_error *e
         *places[i].value = (size_t)value;
     }
     if (!status &&
-        !(model->band_begin <= model->least_exit && model->least_exit <= model->most_exit &&
+        !(model->band_begin + 2 <= model->least_exit && model->least_exit <= model->most_exit &&
           model->most_exit + 2 <= model->band_begin + model->num_band))
         status = ehd_fail(error, EHD_DATA,
                           "%s: found exits from %zu to %zu, expected them inside the band",

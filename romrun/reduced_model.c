@@ -177,7 +177,8 @@ static ehd_status find_band(reduced_model *model, const reduced_basis *basis,
     }
     free(pressure);
     size_t centre = (size_t)(-grid->x_min / grid->step) + 2;
-    model->least_exit = least > centre + margin ? least - margin : centre;
+    // a row at the exit needs the two nodes before it in the band
+    model->least_exit = least > centre + margin + 2 ? least - margin : centre + 2;
     model->most_exit = most + margin < grid->num_nodes - 2 ? most + margin : grid->num_nodes - 2;
     first = first < model->least_exit ? first : model->least_exit;
     model->band_begin = first > centre + before ? first - before : centre;

@@ -193,20 +193,6 @@ static ehd_status write_file(artefact **file, const repeated_training *training,
 
 // ---- all of it
 
-static ehd_status check_basis(const reduced_basis *basis, const training_set *set,
-                              const char *basis_path, const char *plan_path, ehd_error *error) {
-    const ehd_grid *a = &basis->grid, *b = &set->grid;
-
-    if (a->num_inner == b->num_inner && fabs(a->x_min - b->x_min) < 1e-9 &&
-        fabs(a->step - b->step) < 1e-9 * b->step)
-        return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "%s: x: found %zu nodes from %g in steps of %g, expected %zu from %g in steps "
-                    "of %g as in %s",
-                    basis_path, a->num_inner, a->x_min, a->step, b->num_inner, b->x_min, b->step,
-                    plan_path);
-}
-
 static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
     size_t num_points = training->set->num_points;
     size_t *parent = malloc(num_points * sizeof *parent);
@@ -242,7 +228,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
     char identity[65];
     ehd_status status = basis_read(&basis, identity, basis_path, error);
 
-    if (!status) status = check_basis(&basis, set, basis_path, plan_path, error);
+    if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
     if (!status)
         status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,
                                  inputs, error);

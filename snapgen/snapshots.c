@@ -1,24 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/snapshots.h"
 
+#include "common/output/grid_file.h"
+
 #include <stdlib.h>
 
 // ---- creating
-
-ehd_status snapshots_put_grid(artefact *file, const ehd_contact *contact, ehd_error *error) {
-    const ehd_grid *grid = &contact->grid;
-    double *x = malloc(grid->num_inner * sizeof *x);
-    if (!x) return ehd_fail(error, EHD_MEMORY, "x: found no memory for %zu nodes", grid->num_inner);
-
-    for (size_t i = 0; i < grid->num_inner; i++)
-        x[i] = grid_x(grid, i + 1);
-    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
-    if (!status) status = artefact_put_text(file, "contact", contact->kind->name, error);
-    if (!status) status = artefact_put_real(file, "x_min", grid->x_min, error);
-    if (!status) status = artefact_put_real(file, "step", grid->step, error);
-    free(x);
-    return status;
-}
 
 /* What is known before anything is solved. */
 static ehd_status put_parameters(artefact *file, const training_set *set, ehd_error *error) {
@@ -52,7 +39,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
         artefact_create(file, caller->output, &schema_snapshots, caller, set->text, inputs, error);
 
     if (!status) status = artefact_put_axis(*file, "state", set->num_points, NULL, error);
-    if (!status) status = snapshots_put_grid(*file, &set->contacts[0], error);
+    if (!status) status = grid_write(*file, set->contacts[0].kind, &set->grid, error);
     if (!status) status = declare_fields(*file, error);
     if (!status) status = put_parameters(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);

@@ -21,7 +21,4 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
 ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
                            const snapshot *solution, ehd_error *error);
 
-/* Axis x of a grid and the attributes that every file with this axis has. */
-ehd_status snapshots_put_grid(artefact *file, const ehd_contact *contact, ehd_error *error);
-
 #endif

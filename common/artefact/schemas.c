@@ -186,10 +186,7 @@ const artefact_schema schema_basis = {"ehdrom-basis",
 // ---- residuals
 
 static const artefact_axis residuals_axes[] = {
-    {"iteration", "1", "index of the Newton iteration, over all states"},
-    X_AXIS,
-    STATE_AXIS,
-    {0}};
+    {"iteration", "1", "index of the Newton iteration, over all states"}, X_AXIS, STATE_AXIS, {0}};
 
 static const artefact_field residuals_fields[] = {
     REAL("weighted_residual", "1", NEED_ALWAYS, "weighted residual D f of the Reynolds rows",
@@ -273,7 +270,8 @@ static const artefact_field model_fields[] = {
     STATE_FIELDS,
     REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "
-         "the state", "state"),
+         "the state",
+         "state"),
     {0}};
 
 static const artefact_attribute model_attributes[] = {

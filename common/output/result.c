@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/result.h"
 
+#include "common/output/grid_file.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,21 +10,8 @@
 
 // ---- writing
 
-static ehd_status put_x_axis(artefact *file, const ehd_grid *grid, ehd_error *error) {
-    double *x = malloc(grid->num_inner * sizeof *x);
-    if (!x) return ehd_fail(error, EHD_MEMORY, "x: found no memory for %zu nodes", grid->num_inner);
-
-    for (size_t i = 0; i < grid->num_inner; i++)
-        x[i] = grid_x(grid, i + 1);
-    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
-    free(x);
-    return status;
-}
-
 static ehd_status put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
-    ehd_status status = artefact_put_text(file, "contact", contact->kind->name, error);
-    if (!status) status = artefact_put_real(file, "x_min", contact->grid.x_min, error);
-    if (!status) status = artefact_put_real(file, "step", contact->grid.step, error);
+    ehd_status status = grid_write_attributes(file, contact->kind, &contact->grid, error);
     if (!status) status = artefact_put_real(file, "hertz_pressure", contact->hertz_pressure, error);
     if (!status) status = artefact_put_real(file, "moes_M", contact->moes_M, error);
     if (!status) status = artefact_put_real(file, "moes_L", contact->moes_L, error);
@@ -69,7 +58,7 @@ static ehd_status put_fields(artefact *file, const run_result *result, const ehd
                              ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    if (result->pressure || result->film) status = put_x_axis(file, grid, error);
+    if (result->pressure || result->film) status = grid_write_axis(file, grid, error);
     if (!status && result->pressure)
         status = artefact_put(file, "pressure", result->pressure + 1, error);
     if (!status && result->film)
@@ -242,14 +231,7 @@ void result_free(stored_result *stored) {
 
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error) {
-    const double tolerance = 1e-9 * grid->step;
+    const ehd_grid own = {stored->x_min, stored->step, stored->num_inner, stored->num_inner + 2};
 
-    if (stored->num_inner == grid->num_inner && fabs(stored->x_min - grid->x_min) <= tolerance &&
-        fabs(stored->step - grid->step) <= tolerance)
-        return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "%s: x: found %zu nodes from %g by %g, expected %zu from %g by %g, as in the "
-                    "scene",
-                    path, stored->num_inner, stored->x_min, stored->step, grid->num_inner,
-                    grid->x_min, grid->step);
+    return grid_check(&own, path, grid, "the scene", error);
 }

@@ -59,6 +59,13 @@ double grid_x(const ehd_grid *grid, size_t node) {
     return grid->x_min + ((double)node - 1) * grid->step;
 }
 
+bool grid_same(const ehd_grid *a, const ehd_grid *b) {
+    const double slack = 1e-9 * b->step;
+
+    return a->num_inner == b->num_inner && fabs(a->x_min - b->x_min) <= slack &&
+           fabs(a->step - b->step) <= slack;
+}
+
 static void grid_init(ehd_grid *grid, const scene *given) {
     grid->x_min = given->x_min;
     grid->step = given->step;

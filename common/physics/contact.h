@@ -6,6 +6,7 @@
 #include "common/physics/lubricant.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 /* What differs between kinds of contact (model.md, section 1). */
@@ -33,6 +34,9 @@ typedef struct ehd_grid {
 } ehd_grid;
 
 double grid_x(const ehd_grid *grid, size_t node);
+
+/* Whether two grids have the same nodes, to 1e-9 of a step. */
+bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 /* One contact in its dimensionless frame. */
 typedef struct ehd_contact {

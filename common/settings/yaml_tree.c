@@ -202,7 +202,7 @@ static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *e
 
 /* Reads one child; `event` is its key in a map, and itself in a list. */
 static ehd_status read_child(reader *self, tree_node *parent, yaml_event_t *event, size_t depth) {
-    tree_node *child;
+    tree_node *child = NULL;
     ehd_status status = add_node(self, &child, parent, event->start_mark);
     if (!status && parent->kind == TREE_MAP) {
         status = set_key(self, event, parent, child);

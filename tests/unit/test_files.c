@@ -1,0 +1,514 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bases and models as files, and the library that solves with them. */
+#include "romrun/basis_file.h"
+#include "romrun/ehdrom.h"
+#include "romrun/model_file.h"
+#include "romrun/reduced_solver.h"
+#include "tests/unit/check.h"
+#include "tests/unit/trained.h"
+
+#include <hdf5.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUM_ROWS = 40 };
+
+static trained training; // 121 nodes
+static reduced_basis bases[2];
+static size_t rows[NUM_ROWS]; // from before the contact to behind the exits
+static char folder[64], path[128];
+static ehd_error error;
+static char *words[] = {"podbuild", NULL};
+static const model_sizes everything = {0};
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+static program writer(void) {
+    program self = {.name = "podbuild", .argc = 1, .argv = words, .force = true, .output = path};
+    return self;
+}
+
+static int set_up(void **state) {
+    (void)state;
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-files-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/file.h5", folder);
+    trained_init(&training, 0.05);
+    trained_basis(&bases[0], &training, DEFORMATION_INDEPENDENT, 9, 7);
+    trained_basis(&bases[1], &training, DEFORMATION_COUPLED, 9, 0);
+    for (size_t r = 0; r < NUM_ROWS; r++)
+        rows[r] = 40 + (r * 27) % 67; // 40 … 106, not ascending
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[128];
+
+    reduced_basis_free(&bases[0]);
+    reduced_basis_free(&bases[1]);
+    trained_free(&training);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+// ---- helpers
+
+static void write_basis(const reduced_basis *basis) {
+    const double values[] = {3, 2, 1};
+    const basis_origin origin = {values, 3, 1e-9, basis->num_deformation ? values : NULL, 3, 1e-8};
+    const program self = writer();
+
+    check_ok(basis_write(basis, &origin, &self, "energy: 1\n", NULL, &error));
+}
+
+static void write_model(const reduced_model *model, const reduced_basis *basis) {
+    double sigmas[TRAINED_STATES];
+    const program self = writer();
+
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        sigmas[s] = 0.25;
+    const model_origin origin = {"joint", "0123", 0.5, 0.5, 0.25, sigmas};
+    check_ok(model_write(model, basis, &origin, &self, "rows: 40\n", NULL, &error));
+}
+
+static void build_model(reduced_model *model, const reduced_basis *basis, size_t num_rows) {
+    check_ok(reduced_model_build(model, basis, rows, num_rows, &error));
+}
+
+static void check_states(const reduced_states *found, const reduced_states *expected) {
+    size_t count = expected->num_states;
+
+    assert_int_equal(found->num_states, count);
+    assert_int_equal(found->num_unknowns, expected->num_unknowns);
+    check_close_array(found->coordinates, expected->coordinates, count * expected->num_unknowns, 0,
+                      0);
+    check_close_array(found->moes_M, expected->moes_M, count, 0, 0);
+    check_close_array(found->alpha_p_H, expected->alpha_p_H, count, 0, 0);
+    check_close_array(found->central_film_thickness, expected->central_film_thickness, count, 0, 0);
+    for (size_t s = 0; s < count; s++)
+        assert_int_equal(found->exit[s], expected->exit[s]);
+}
+
+/* Opens the file at `path` for writing past our own code. */
+static hid_t open_raw(void) {
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    assert_true(file >= 0);
+    return file;
+}
+
+/* Replaces one entry of a dataset. */
+static void patch_real(const char *name, size_t entry, double value) {
+    hid_t file = open_raw(), set = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(set);
+    hssize_t count = H5Sget_simple_extent_npoints(space);
+    double *data = malloc((size_t)count * sizeof *data);
+
+    assert_true(data && count > (hssize_t)entry);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+    data[entry] = value;
+    assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
+    free(data);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+}
+
+static void patch_integer_attribute(const char *name, long long value) {
+    hid_t file = open_raw(), attribute = H5Aopen(file, name, H5P_DEFAULT);
+
+    assert_true(H5Awrite(attribute, H5T_NATIVE_LLONG, &value) >= 0);
+    H5Aclose(attribute);
+    H5Fclose(file);
+}
+
+static void check_refused(ehd_status found, const char *words_of_it) {
+    if (found != EHD_DATA || !strstr(error.text, words_of_it) || !strstr(error.text, path))
+        fail_msg("found %d \"%s\", expected %d with \"%s\"", (int)found, error.text, (int)EHD_DATA,
+                 words_of_it);
+}
+
+static void basis_is_refused(const char *words_of_it) {
+    reduced_basis found;
+    char identity[65];
+
+    check_refused(basis_read(&found, identity, path, &error), words_of_it);
+}
+
+static void model_is_refused(const model_sizes *sizes, const char *words_of_it) {
+    reduced_model found;
+
+    check_refused(model_read(&found, path, sizes, &error), words_of_it);
+}
+
+/* Solves a contact between the training points. */
+static reduced_info solve(const reduced_model *model, double *coordinates) {
+    const reduced_settings settings = reduced_default_settings();
+    ehd_contact contact = training.contacts[4];
+    reduced_state state = {coordinates, 0};
+    reduced_solver *solver;
+    reduced_info info;
+
+    contact_set_moes(&contact, 12, 3);
+    check_ok(reduced_solver_create(&solver, model, &settings, &error));
+    reduced_guess(&state, model, contact.moes_M, contact.alpha_p_H);
+    check_ok(reduced_solve(&info, &state, solver, &contact, &error));
+    reduced_solver_free(solver);
+    return info;
+}
+
+static void check_same_solution(const reduced_model *a, const reduced_model *b, double tolerance) {
+    double *z = calloc(a->num_unknowns + b->num_unknowns, sizeof *z);
+
+    assert_non_null(z);
+    assert_int_equal(a->num_unknowns, b->num_unknowns);
+    assert_int_equal(a->num_needed, b->num_needed);
+    reduced_info first = solve(a, z), second = solve(b, z + a->num_unknowns);
+    assert_int_equal(first.status, EHD_OK);
+    assert_int_equal(second.iterations, first.iterations);
+    check_close_array(z, z + a->num_unknowns, a->num_unknowns, tolerance, tolerance);
+    check_close(first.minimum_film_thickness, second.minimum_film_thickness, tolerance, 0);
+    check_close(first.central_film_thickness, second.central_film_thickness, tolerance, 0);
+    free(z);
+}
+
+// ---- round trips
+
+static void a_basis_comes_back(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_basis *basis = &bases[kind];
+        size_t num_nodes = basis->grid.num_nodes;
+        reduced_basis found;
+        char identity[65], again[65];
+        write_basis(basis);
+        check_ok(artefact_check(path, &error));
+        check_ok(basis_read(&found, identity, path, &error));
+        assert_int_equal(strlen(identity), 64);
+        assert_ptr_equal(found.kind, basis->kind);
+        assert_int_equal(found.grid.num_nodes, num_nodes);
+        check_close(found.grid.x_min, basis->grid.x_min, 0, 0);
+        check_close(found.grid.step, basis->grid.step, 0, 0);
+        assert_int_equal(found.deformation, basis->deformation);
+        assert_int_equal(found.num_pressure, basis->num_pressure);
+        assert_int_equal(found.num_deformation, basis->num_deformation);
+        // the file holds inner nodes; pressure is zero at the boundary, and no row lies there
+        size_t first = basis->num_pressure, count = (num_nodes - 2) * first;
+        check_close_array(found.pressure + first, basis->pressure + first, count, 0, 0);
+        check_close_array(found.pressure, (double[9]){0}, first, 0, 0);
+        check_close_array(found.weight + 1, basis->weight + 1, num_nodes - 2, 0, 0);
+        if (basis->num_deformation)
+            check_close_array(found.deformation_modes, basis->deformation_modes,
+                              num_nodes * basis->num_deformation, 0, 0);
+        check_states(&found.states, &basis->states);
+        reduced_basis_free(&found);
+        check_ok(basis_read(&found, again, path, &error));
+        assert_string_equal(again, identity);
+        reduced_basis_free(&found);
+    }
+}
+
+static void a_model_comes_back(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_model model, found;
+        build_model(&model, &bases[kind], NUM_ROWS);
+        write_model(&model, &bases[kind]);
+        check_ok(artefact_check(path, &error));
+        check_ok(model_read(&found, path, &everything, &error));
+        size_t num_pressure = model.num_pressure;
+        assert_int_equal(found.deformation, model.deformation);
+        assert_int_equal(found.num_rows, NUM_ROWS);
+        for (size_t r = 0; r < NUM_ROWS; r++)
+            assert_int_equal(found.row_node[r], rows[r]);
+        check_close_array(found.row_weight, model.row_weight, NUM_ROWS, 0, 0);
+        assert_int_equal(found.num_needed, model.num_needed);
+        assert_int_equal(found.band_begin, model.band_begin);
+        assert_int_equal(found.least_exit, model.least_exit);
+        assert_int_equal(found.most_exit, model.most_exit);
+        assert_int_equal(found.num_cut, model.num_cut);
+        check_close_array(found.left, model.left, model.num_band * model.num_cut, 0, 0);
+        check_close_array(found.checkpoint_cut, model.checkpoint_cut,
+                          model.num_checkpoints * model.num_cut * num_pressure, 0, 0);
+        if (model.checkpoint_band)
+            check_close_array(found.checkpoint_band, model.checkpoint_band,
+                              model.num_checkpoints * model.num_band * num_pressure, 0, 0);
+        check_states(&found.states, &model.states);
+        check_same_solution(&found, &model, 0);
+        double *basis;
+        check_ok(model_read_pressure_basis(&basis, path, &found, &error));
+        check_close_array(basis + num_pressure, bases[kind].pressure + num_pressure,
+                          (model.grid.num_nodes - 2) * num_pressure, 0, 0);
+        free(basis);
+        reduced_model_free(&found);
+        reduced_model_free(&model);
+    }
+}
+
+static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        const model_sizes sizes = {.rows = 30};
+        reduced_model whole, part, found;
+        build_model(&whole, &bases[kind], NUM_ROWS);
+        build_model(&part, &bases[kind], 30);
+        write_model(&whole, &bases[kind]);
+        check_ok(model_read(&found, path, &sizes, &error));
+        assert_int_equal(found.num_rows, 30);
+        check_same_solution(&found, &part, 0);
+        reduced_model_free(&found);
+        reduced_model_free(&part);
+        reduced_model_free(&whole);
+    }
+}
+
+/* The same training with fewer modes gives the same first modes; only where the exit band begins may
+ * differ, which shows in the last digits. */
+static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        const model_sizes sizes = {7, kind ? 0 : 6, 0};
+        reduced_basis small;
+        reduced_model whole, part, found;
+        trained_basis(&small, &training, bases[kind].deformation, 7, kind ? 0 : 6);
+        build_model(&whole, &bases[kind], NUM_ROWS);
+        build_model(&part, &small, NUM_ROWS);
+        write_model(&whole, &bases[kind]);
+        check_ok(model_read(&found, path, &sizes, &error));
+        assert_int_equal(found.num_pressure, 7);
+        assert_int_equal(found.num_deformation, kind ? 0 : 6);
+        check_same_solution(&found, &part, 1e-8);
+        reduced_model_free(&found);
+        reduced_model_free(&part);
+        reduced_model_free(&whole);
+        reduced_basis_free(&small);
+    }
+}
+
+// ---- what is refused
+
+static void bad_bases_are_refused(void **state) {
+    (void)state;
+    const struct {
+        const char *field;
+        double value;
+        const char *words;
+    } cases[] = {{"pressure_basis", NAN, "pressure_basis: found a value that is not finite"},
+                 {"deformation_basis", INFINITY, "deformation_basis: found a value"},
+                 {"weight", NAN, "weight: found a value"},
+                 {"state_pressure", NAN, "state_pressure: found a value"},
+                 {"state_deformation", NAN, "state_deformation: found a value"},
+                 {"state_rigid_approach", -INFINITY, "state_rigid_approach: found a value"},
+                 {"state_moes_M", NAN, "state_moes_M: found a value"},
+                 {"state_alpha_p_H", NAN, "state_alpha_p_H: found a value"},
+                 {"state_exit_node", 0, "state_exit_node: found 0, expected"},
+                 {"state_exit_node", -1, "state_exit_node: found -1, expected"},
+                 {"state_exit_node", 10, "state_exit_node: found 10, expected"},
+                 {"state_exit_node", 122, "state_exit_node: found 122, expected"}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        write_basis(&bases[0]);
+        patch_real(cases[i].field, 1, cases[i].value);
+        basis_is_refused(cases[i].words);
+    }
+}
+
+static void bad_models_are_refused(void **state) {
+    (void)state;
+    const struct {
+        const char *field;
+        size_t entry;
+        double value;
+        const char *words;
+    } cases[] = {{"selected_row", 1, -1, "selected_row: found -1, expected 0 to 120"},
+                 {"selected_row", 1, 121, "selected_row: found 121, expected 0 to 120"},
+                 {"selected_row", 1, 3, "needed_node_index: found no node"},
+                 {"needed_node_index", 2, 1, "needed_node_index: found no node"},
+                 {"needed_node_index", 2, 500, "needed_node_index: found 500, expected 0 to 122"},
+                 {"row_weight", 1, NAN, "row_weight: found a value"},
+                 {"needed_pressure_basis", 1, NAN, "needed_pressure_basis: found a value"},
+                 {"band_pressure_basis", 1, NAN, "band_pressure_basis: found a value"},
+                 {"load_jacobian", 1, NAN, "load_jacobian: found a value"},
+                 {"state_pressure", 1, NAN, "state_pressure: found a value"},
+                 {"state_moes_M", 1, NAN, "state_moes_M: found a value"},
+                 {"state_exit_node", 1, 1000, "state_exit_node: found 1000"}};
+    const struct {
+        const char *name;
+        long long value;
+    } places[] = {{"band_begin", -1},  {"band_begin", 2},  {"band_begin", 1000}, {"least_exit", 1},
+                  {"least_exit", 122}, {"most_exit", 121}, {"most_exit", 4},     {"band_begin", 0}};
+    reduced_model model;
+
+    build_model(&model, &bases[1], NUM_ROWS);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        write_model(&model, &bases[1]);
+        patch_real(cases[i].field, cases[i].entry, cases[i].value);
+        model_is_refused(&everything, cases[i].words);
+    }
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        write_model(&model, &bases[1]);
+        patch_integer_attribute(places[i].name, places[i].value);
+        model_is_refused(&everything, "found");
+    }
+    // an exit needs the two nodes before it in the band
+    write_model(&model, &bases[1]);
+    patch_integer_attribute("least_exit", (long long)model.band_begin);
+    model_is_refused(&everything, "inside the band");
+    reduced_model_free(&model);
+}
+
+static void sizes_beyond_the_model_are_refused(void **state) {
+    (void)state;
+    const struct {
+        model_sizes sizes;
+        const char *words;
+    } cases[] = {{{10, 0, 0}, "--pressure-modes: found 10, expected at most the 9"},
+                 {{0, 8, 0}, "--deformation-modes: found 8, expected at most the 7"},
+                 {{0, 0, 41}, "--rows: found 41, expected at most the 40"}};
+    reduced_model model;
+
+    build_model(&model, &bases[0], NUM_ROWS);
+    write_model(&model, &bases[0]);
+    for (size_t i = 0; i < 3; i++)
+        model_is_refused(&cases[i].sizes, cases[i].words);
+    const model_sizes few = {0, 0, 8};
+    reduced_model found;
+    assert_int_equal(model_read(&found, path, &few, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "--rows: found 8, expected at least the 9 modes"));
+    reduced_model_free(&model);
+}
+
+// ---- the library
+
+typedef struct library_run {
+    const ehdrom_model *model;
+    ehdrom_result results[8];
+    ehd_status status;
+} library_run;
+
+static void *solve_many(void *argument) {
+    library_run *run = argument;
+    ehdrom_solver *solver = NULL;
+
+    run->status = ehdrom_solver_create(&solver, run->model, NULL);
+    for (size_t i = 0; i < 8 && !run->status; i++) {
+        ehd_contact contact = training.contacts[0];
+        contact_set_moes(&contact, 9 + (double)i, 3);
+        run->status = ehdrom_solve(&run->results[i], solver, &contact, NULL);
+    }
+    ehdrom_solver_free(solver);
+    return NULL;
+}
+
+/* Times differ; nothing else may. */
+static void check_same_results(const library_run *a, const library_run *b) {
+    assert_int_equal(a->status, EHD_OK);
+    assert_int_equal(b->status, EHD_OK);
+    for (size_t i = 0; i < 8; i++) {
+        const ehdrom_result *p = &a->results[i], *q = &b->results[i];
+        assert_int_equal(p->status, EHD_OK);
+        assert_int_equal(q->iterations, p->iterations);
+        check_close(q->central_film_thickness, p->central_film_thickness, 0, 0);
+        check_close(q->minimum_film_thickness, p->minimum_film_thickness, 0, 0);
+        check_close(q->rigid_approach, p->rigid_approach, 0, 0);
+        check_close(q->exit_position, p->exit_position, 0, 0);
+        check_close(q->residual, p->residual, 0, 0);
+    }
+}
+
+static void two_threads_give_the_same_bits(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_model built;
+        ehdrom_model *model;
+        build_model(&built, &bases[kind], NUM_ROWS);
+        write_model(&built, &bases[kind]);
+        check_ok(ehdrom_open(&model, path, NULL, &error));
+        library_run alone = {.model = model}, runs[2] = {{.model = model}, {.model = model}};
+        pthread_t threads[2];
+        solve_many(&alone);
+        for (int i = 0; i < 2; i++)
+            assert_int_equal(pthread_create(&threads[i], NULL, solve_many, &runs[i]), 0);
+        for (int i = 0; i < 2; i++)
+            pthread_join(threads[i], NULL);
+        check_same_results(&runs[0], &alone);
+        check_same_results(&runs[1], &alone);
+        assert_null(ehdrom_close(model));
+        reduced_model_free(&built);
+    }
+}
+
+static void the_library_says_what_it_solved(void **state) {
+    (void)state;
+    size_t num_nodes = training.set.grid.num_nodes;
+    double *pressure = calloc(2 * num_nodes, sizeof *pressure), *film = pressure + num_nodes;
+    const ehdrom_sizes sizes = {8, 0, 35};
+    ehdrom_model *model;
+    ehdrom_solver *solver;
+    ehdrom_result result;
+    reduced_model built;
+
+    build_model(&built, &bases[1], NUM_ROWS);
+    write_model(&built, &bases[1]);
+    check_ok(ehdrom_open(&model, path, &sizes, &error));
+    ehdrom_properties properties = ehdrom_describe(model);
+    assert_int_equal(properties.num_inner, 121);
+    assert_int_equal(properties.pressure_modes, 8);
+    assert_int_equal(properties.rows, 35);
+    assert_int_equal(properties.unknowns, 9);
+    assert_int_equal(properties.states, TRAINED_STATES);
+    assert_string_equal(properties.deformation, "coupled");
+
+    ehd_contact contact = training.contacts[4];
+    contact_set_moes(&contact, 12, 3);
+    check_ok(ehdrom_solver_create(&solver, model, &error));
+    check_ok(ehdrom_solve(&result, solver, &contact, &error));
+    assert_string_equal(result.reason, "");
+    check_ok(ehdrom_fields(pressure, film, solver, &error));
+    double load = 0, least = INFINITY;
+    for (size_t k = 0; k < num_nodes; k++) {
+        load += training.set.grid.step * pressure[k] / contact.kind->load;
+        if (k > 0 && k + 1 < num_nodes) least = fmin(least, film[k]);
+    }
+    check_close(film[81], result.central_film_thickness, 1e-11, 0); // X = 0
+    check_close(pressure[81], result.central_pressure, 1e-11, 0);
+    check_close(least, result.minimum_film_thickness, 1e-11, 0);
+    check_close(load, result.load, 1e-11, 0);
+
+    // outside of what was trained: solved, and said
+    contact_set_moes(&contact, 25, 3);
+    check_ok(ehdrom_solve(&result, solver, &contact, &error));
+    assert_int_equal(result.status, EHD_UNTRUSTED);
+    assert_non_null(strstr(result.reason, "trained range"));
+    // another grid
+    contact.grid.num_inner++;
+    check_refused(ehdrom_solve(&result, solver, &contact, &error), "grid: found a line contact");
+    ehdrom_solver_free(solver);
+    ehdrom_close(model);
+    reduced_model_free(&built);
+    free(pressure);
+
+    snprintf(path + strlen(path), 3, "no");
+    assert_int_equal(ehdrom_open(&model, path, NULL, &error), EHD_NOINPUT);
+    assert_null(model);
+    path[strlen(path) - 2] = '\0';
+    assert_null(ehdrom_close(NULL));
+    assert_null(ehdrom_solver_free(NULL));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_basis_comes_back),
+        cmocka_unit_test(a_model_comes_back),
+        cmocka_unit_test(a_prefix_of_the_rows_is_the_model_of_those_rows),
+        cmocka_unit_test(a_prefix_of_the_modes_is_the_model_of_those_modes),
+        cmocka_unit_test(bad_bases_are_refused),
+        cmocka_unit_test(bad_models_are_refused),
+        cmocka_unit_test(sizes_beyond_the_model_are_refused),
+        cmocka_unit_test(two_threads_give_the_same_bits),
+        cmocka_unit_test(the_library_says_what_it_solved),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
