@@ -223,7 +223,6 @@ const artefact_schema schema_residuals = {
 
 static const artefact_axis model_axes[] = {
     X_AXIS,
-    FILM_X_AXIS,
     {"row", "1", "index of the selected row, in order of selection"},
     {"needed_node", "1", "index of the film node whose pressure and film the selected rows need"},
     {"band_node", "1", "index of the film node, counted from the first of the exit band"},
@@ -234,8 +233,11 @@ static const artefact_axis model_axes[] = {
 
 static const artefact_field model_fields[] = {
     INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
-    REAL("row_weight", "1", NEED_ALWAYS, "weight D at the selected rows", "row"),
-    INTEGER("needed_node_index", NEED_ALWAYS, "index into film_x of the needed nodes",
+    REAL("row_weight", "1", NEED_ALWAYS,
+         "weight of the selected rows: D times their factor in the least squares", "row"),
+    INTEGER("needed_node_index", NEED_ALWAYS,
+            "film nodes that are needed, ascending; film node k + 1 is index k of x, 0 and the "
+            "last are the boundary nodes",
             "needed_node"),
     REAL("needed_pressure_basis", "1", NEED_ALWAYS, "pressure modes at the needed nodes",
          "needed_node", "pressure_mode"),
@@ -265,8 +267,6 @@ static const artefact_field model_fields[] = {
     REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
          "pressure_mode"),
     REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
-    REAL("deformation_basis", "1", NEED_OPTIONAL,
-         "deformation modes, only for deformation = independent", "deformation_mode", "film_x"),
     STATE_FIELDS,
     REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "
@@ -277,12 +277,11 @@ static const artefact_field model_fields[] = {
 static const artefact_attribute model_attributes[] = {
     GRID_ATTRIBUTES,
     DEFORMATION_ATTRIBUTE,
-    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
-              "index into film_x of the first node of the exit band"),
+    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS, "first film node of the exit band"),
     ATTRIBUTE("least_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
-              "index into film_x, the first at which the exit may lie"),
+              "first film node at which the exit may lie"),
     ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
-              "index into film_x, the last at which the exit may lie"),
+              "last film node at which the exit may lie"),
     ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest singular value of the sampled residual basis"),
