@@ -61,8 +61,8 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
 static ehd_status measure(row_choice *choice, const pod_basis pods[2], const size_t *picked,
                           const reduced_basis *basis, ehd_error *error) {
     const reduced_states *states = &basis->states;
-    size_t num_unknowns = states->num_unknowns;
-    size_t num_columns = num_unknowns < pods[0].num_modes ? num_unknowns : pods[0].num_modes;
+    size_t num_columns =
+        basis->num_pressure < pods[0].num_modes ? basis->num_pressure : pods[0].num_modes;
     double *const sigmas[] = {&choice->sigma_min_residual, &choice->sigma_min_jacobian};
     size_t *kept = malloc(choice->num_rows * sizeof *kept);
     ehd_status status = kept ? EHD_OK : ehd_fail(error, EHD_MEMORY, "selection: found no memory");

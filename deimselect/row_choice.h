@@ -20,7 +20,7 @@ void row_choice_free(row_choice *choice);
 
 /* PODs of both snapshot sets, the method's rows and their weights, and the smallest singular values of the bases sampled
  * there: over all rows, and for the exit of each training state with the rows before it and as many
- * leading modes as there are unknowns (film rupture takes the other rows away).
+ * leading modes as the basis has pressure modes (film rupture takes the other rows away).
  * EHD_DATA: fewer rows than unknowns, more rows than the snapshots support. */
 ehd_status row_choice_make(
     // output:

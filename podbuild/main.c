@@ -96,10 +96,14 @@ static ehd_status build(const program *self, const bases_settings *settings, ehd
     pod_basis pressure = {0}, deformation = {0};
     ehd_status status = snapshot_set_read(&set, self->arguments, self->num_arguments, error);
     const char **inputs = calloc(self->num_arguments + 1, sizeof *inputs);
+    ehd_error cause = {""};
     char text[256];
 
     if (!status && !inputs) status = ehd_fail(error, EHD_MEMORY, "podbuild: found no memory");
-    if (!status) status = bases_build(&basis, &pressure, &deformation, &set, settings, error);
+    if (!status) {
+        status = bases_build(&basis, &pressure, &deformation, &set, settings, &cause);
+        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
+    }
     if (!status) {
         const basis_origin origin = {
             pressure.singular_values,          pressure.num_singular_values,

@@ -24,6 +24,25 @@ groups:
 YAML
 }
 
+# A scene of 121 nodes and a plan of 9 points around it, in the present folder.
+common_setup_small() {
+    cat >scene.yml <<'YAML'
+contact: line
+regime: stationary
+moes: {M: 12, L: 4}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {step: 0.05}
+YAML
+    grep -v moes scene.yml >base.yml
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 11, 15], moes.L: [2, 4, 6]}
+YAML
+}
+
 # refused CODE PATTERN COMMAND...: the exit code, and one line on stderr that matches the pattern and is
 # led by the program's name.
 refused() {

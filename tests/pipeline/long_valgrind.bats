@@ -1,0 +1,83 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The small pipeline under valgrind: no read of what was never written, nothing beyond an array, no leak.
+
+load common
+
+setup() {
+    command -v valgrind || skip "valgrind is not installed"
+    common_setup
+    common_setup_small
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 11, 15], moes.L: [2, 6]}
+YAML
+}
+
+# checked CODE COMMAND...: the exit code, and not a word from valgrind. Exit code 99 is its own.
+checked() {
+    local code=$1
+    shift
+    run --separate-stderr valgrind -q --error-exitcode=99 --leak-check=full \
+        --errors-for-leak-kinds=definite,indirect,possible "$@"
+    if ((status != code)) || [[ $stderr == *"=="* ]]; then
+        printf '%s\n' "command: $*" "exit code: $status, expected $code" "$stderr"
+        return 1
+    fi
+}
+
+# Scenes whose exit runs into the ends of the model's tables.
+far_outside() {
+    local M
+    for M in 1 2 4 300; do
+        run --separate-stderr valgrind -q --error-exitcode=99 romrun scene.yml --model m.h5 \
+            --set moes.M=$M
+        echo "M=$M: $status $stderr"
+        [[ $status == [34] && $stderr != *"=="* ]] || return
+    done
+}
+
+@test "all five programs, deflection coupled" {
+    checked 0 fullrun scene.yml -o full.h5
+    checked 0 snapgen plan.yml -o s.h5 --jobs 2
+    checked 0 podbuild s.h5 full.h5 -o b.h5
+    checked 0 snapgen plan.yml --basis b.h5 -o r.h5 --jobs 2
+    checked 0 deimselect r.h5 --basis b.h5 -o m.h5
+    checked 0 romrun scene.yml --model m.h5 -o red.h5 --set output.fields=true --against full.h5
+    checked 0 romrun scene.yml --model m.h5 --pressure-modes 6 --repeat 3
+    checked 0 romrun --check m.h5
+    far_outside
+}
+
+@test "all programs, deflection with a basis of its own, rows by pivoted QR" {
+    checked 0 snapgen plan.yml -o s.h5 --shard 1/1
+    checked 0 podbuild s.h5 -o b.h5 --deformation independent --pressure-modes 6 --deformation-modes 4
+    checked 0 snapgen plan.yml --basis b.h5 -o r.h5
+    checked 0 deimselect r.h5 --basis b.h5 -o m.h5 --method qr --rows 15
+    checked 0 romrun scene.yml --model m.h5 -o red.h5 --set output.fields=true
+    far_outside
+}
+
+@test "bad input and points that fail" {
+    checked 3 snapgen plan.yml -o f.h5 --set grid.x_max=1.05
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5
+    head -c 9000 m.h5 >cut.h5
+    echo 'contact: [' >bad.yml
+    checked 65 fullrun bad.yml -o x.h5
+    checked 65 fullrun scene.yml -o x.h5 --set moes.M=nan
+    checked 3 fullrun scene.yml -o x.h5 --set moes.M=1 --set moes.L=1 --set grid.x_max=1.05
+    checked 65 snapgen bad.yml -o y.h5
+    checked 65 snapgen plan.yml --basis m.h5 -o y.h5
+    checked 65 podbuild s.h5 -o y.h5 --pressure-modes 50
+    checked 65 podbuild s.h5 cut.h5 -o y.h5
+    checked 65 deimselect r.h5 --basis b.h5 -o y.h5 --rows 3
+    checked 65 deimselect r.h5 --basis cut.h5 -o y.h5
+    checked 65 romrun scene.yml --model cut.h5 -o y.h5
+    checked 65 romrun scene.yml --model m.h5 -o y.h5 --set grid.step=0.02
+    checked 73 romrun scene.yml --model m.h5 -o x.h5
+    checked 64 romrun scene.yml -o y.h5
+}

@@ -1,0 +1,457 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# podbuild, snapgen --basis, deimselect and romrun, from training to answer.
+
+load common
+
+# One chain on 121 nodes for all tests: s.h5, b.h5, r.h5, m.h5 and full.h5.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    common_setup_small
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5
+    fullrun scene.yml -o full.h5
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+# refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
+refuse() {
+    refused "$@"
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+}
+
+# patch FILE PYTHON: copies the file to bad.h5 and runs the code on it as `f`
+patch() {
+    cp "$1" bad.h5
+    /usr/bin/python3 -c "
+import h5py, numpy
+with h5py.File('bad.h5', 'r+') as f:
+    $2"
+}
+
+# ---- what it is for
+
+@test "from training to answer" {
+    run --separate-stderr podbuild s.h5 -o x.h5
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output == "9 states on 121 nodes"* ]]
+    run --separate-stderr snapgen plan.yml --basis b.h5 -o y.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output == "9 points with the projected system, 9 converged"* ]]
+    run --separate-stderr deimselect r.h5 --basis b.h5 -o z.h5
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output =~ "rows of 121 by method joint, 10 unknowns" ]]
+    [[ $output =~ "1/sigma_min: residuals "[0-9] ]]
+    run --separate-stderr romrun scene.yml --model m.h5 -o red.h5
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output == *"central film thickness"* ]]
+    close_to "$(number red.h5 central_film_thickness)" \
+        "$(number full.h5 central_film_thickness)" 0.002
+    close_to "$(number red.h5 load)" 1 0.001
+    for file in x y z red; do
+        fullrun --check $file.h5
+        [ ! -e $file.h5.partial ]
+    done
+    # every stage can say whether a file is whole
+    podbuild --check b.h5 && deimselect --check m.h5 && romrun --check red.h5
+}
+
+@test "with a basis of its own for the deflection, and rows by pivoted QR" {
+    podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
+    snapgen plan.yml --basis bi.h5 -o ri.h5 --quiet
+    for method in joint qr; do
+        deimselect ri.h5 --basis bi.h5 -o mi.h5 --method $method --rows 25 --force
+        romrun scene.yml --model mi.h5 -o red.h5 --force
+        close_to "$(number red.h5 central_film_thickness)" \
+            "$(number full.h5 central_film_thickness)" 0.01
+    done
+}
+
+@test "the same input gives the same bits, whatever --jobs" {
+    podbuild s.h5 -o b2.h5
+    same_data b.h5 b2.h5
+    snapgen plan.yml --basis b.h5 -o r2.h5 --jobs 1
+    snapgen plan.yml --basis b.h5 -o r3.h5 --jobs 5
+    same_data r2.h5 r3.h5
+    deimselect r.h5 --basis b.h5 -o m2.h5
+    same_data m.h5 m2.h5
+}
+
+@test "a result of fullrun is a snapshot too" {
+    run --separate-stderr podbuild full.h5 s.h5 -o x.h5
+    [ "$status" -eq 0 ]
+    [[ $output == "10 states on 121 nodes"* ]]
+    [[ $(h5dump -d state_moes_M x.h5) == *"(0): 12, 8, 8, 8, 11,"* ]]
+    fullrun scene.yml -o bare.h5 --set output.fields=false
+    refused 65 "bare.h5: found no dataset pressure" podbuild bare.h5 -o y.h5
+    [ ! -e y.h5 ]
+}
+
+@test "--against prints the deviations" {
+    run --separate-stderr romrun scene.yml --model m.h5 --against full.h5
+    [ "$status" -eq 0 ]
+    [[ $output =~ "against full.h5:" ]]
+    [[ $output =~ "central film thickness"[^$'\n']*" against "[^$'\n']*"permille" ]]
+    [[ $output != *"largest pressure error"* ]]
+    run --separate-stderr romrun scene.yml --model m.h5 --against full.h5 --set output.fields=true
+    [[ $output =~ "largest pressure error"\ *[0-9.]*e-0[3-9] ]]
+    # a result of something else
+    fullrun scene.yml -o other.h5 --set moes.M=13
+    refuse 65 "other.h5: found a result of M = 13 .*expected the scene's M = 12" \
+        romrun scene.yml --model m.h5 --against other.h5 -o x.h5
+    refuse 66 "none.h5" romrun scene.yml --model m.h5 --against none.h5 -o x.h5
+    refuse 65 "b.h5: " romrun scene.yml --model m.h5 --against b.h5 -o x.h5
+}
+
+@test "fields only when asked for, and they fit the scalars" {
+    romrun scene.yml --model m.h5 -o bare.h5
+    romrun scene.yml --model m.h5 -o red.h5 --set output.fields=true
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("bare.h5") as bare:
+    assert "pressure" not in bare and "film_thickness" not in bare and "x" not in bare
+with h5py.File("red.h5") as red, h5py.File("full.h5") as full:
+    assert red["pressure"].shape == (1, 121)
+    numpy.testing.assert_allclose(red["x"], full["x"], atol=1e-12)
+    numpy.testing.assert_allclose(red["film_thickness"][0, 80], red["central_film_thickness"][0], rtol=1e-11)
+    numpy.testing.assert_allclose(red["film_thickness"][0].min(), red["minimum_film_thickness"][0], rtol=1e-11)
+    numpy.testing.assert_allclose(red["pressure"][0], full["pressure"][0], atol=5e-3)
+    numpy.testing.assert_allclose(red["film_thickness"][0], full["film_thickness"][0], atol=2e-3)
+    assert (red["pressure"][0, red["x"][...] >= red["exit_position"][0]] == 0).all()
+PYTHON
+    # a reduced result is a result: it starts the full solver
+    fullrun scene.yml -o from.h5 --start red.h5
+    close_to "$(number from.h5 central_film_thickness)" \
+        "$(number full.h5 central_film_thickness)" 1e-8
+}
+
+@test "the first modes and rows of a model" {
+    run --separate-stderr romrun scene.yml --model m.h5 --pressure-modes 8 --rows 13 -o red.h5
+    [ "$status" -eq 0 ]
+    close_to "$(number red.h5 central_film_thickness)" \
+        "$(number full.h5 central_film_thickness)" 0.05
+    refuse 65 "--pressure-modes: found 10, expected at most the 9 stored in m.h5" \
+        romrun scene.yml --model m.h5 --pressure-modes 10 -o x.h5
+    refuse 65 "--rows: found 8, expected at least the 9 modes" \
+        romrun scene.yml --model m.h5 --rows 8 -o x.h5
+    refuse 65 "--rows: found 1000, expected at most" \
+        romrun scene.yml --model m.h5 --rows 1000 -o x.h5
+}
+
+@test "every kind of file opens with h5py, xarray and ncdump" {
+    romrun scene.yml --model m.h5 -o red.h5
+    podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
+    snapgen plan.yml --basis bi.h5 -o ri.h5 --quiet
+    deimselect ri.h5 --basis bi.h5 -o mi.h5
+    for file in b r m red bi ri mi; do
+        run "$BATS_TEST_DIRNAME/open_elsewhere.py" $file.h5
+        echo "$file: $output"
+        [ "$status" -ne 2 ] || skip "a reader is not installed"
+        [ "$status" -eq 0 ]
+    done
+}
+
+@test "each output has the history of all stages before it" {
+    romrun scene.yml --model m.h5 -o red.h5
+    history=$(h5dump -a history red.h5)
+    for stage in "snapgen plan.yml -o s.h5" "podbuild s.h5" "--basis b.h5 -o r.h5" "deimselect r.h5" \
+        "romrun scene.yml"; do
+        [[ $history == *"$stage"* ]] || { echo "no $stage in $history"; return 1; }
+    done
+}
+
+# ---- the trained range, and points that fail
+
+@test "a scene outside of the trained range is solved, flagged, and exit 4" {
+    run --separate-stderr romrun scene.yml --model m.h5 -o red.h5 --set moes.M=16
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: scene.yml: found outside of the trained range"* ]]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $output == *"central film thickness"* ]]
+    [ "$(number red.h5 status)" = 4.0 ]
+    romrun --check red.h5
+    fullrun scene.yml -o far.h5 --set moes.M=16
+    close_to "$(number red.h5 central_film_thickness)" \
+        "$(number far.h5 central_film_thickness)" 0.05
+    run --separate-stderr romrun scene.yml --model m.h5 -o ok.h5 --set moes.M=16 --allow-untrusted
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
+    [ "$(number ok.h5 status)" = 4.0 ]
+    # not to be trained on
+    refuse 65 "red.h5: found no" podbuild red.h5 -o x.h5
+}
+
+@test "a point that does not converge is left out, and the bases are built of the rest" {
+    cat >failing.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [1, 8, 10, 12], moes.L: [1, 3]}
+YAML
+    run --separate-stderr snapgen failing.yml -o f.h5 --set grid.x_max=1.1 --quiet
+    [ "$status" -eq 3 ]
+    [[ $stderr == *"point M=1 L=1: not converged: "* ]]
+    [[ ${stderr_lines[-1]} == *"failing.yml: found 2 of 8 points not converged"* ]]
+    run snapgen failing.yml -o f.h5 --set grid.x_max=1.1 --quiet --force --allow-failures 1
+    [ "$status" -eq 3 ]
+    run snapgen failing.yml -o f.h5 --set grid.x_max=1.1 --quiet --force --allow-failures 2
+    [ "$status" -eq 0 ]
+    run --separate-stderr podbuild f.h5 -o fb.h5
+    [ "$status" -eq 0 ]
+    [[ $output == "6 states on 103 nodes, 2 left out that had not converged"* ]]
+    snapgen failing.yml --basis fb.h5 -o fr.h5 --set grid.x_max=1.1 --quiet
+    deimselect fr.h5 --basis fb.h5 -o fm.h5
+    romrun scene.yml --model fm.h5 --set grid.x_max=1.1 --set moes.M=9 --set moes.L=2
+}
+
+@test "a file without any converged state is refused" {
+    snapgen scene.yml -o f.h5 --quiet --set moes.M=1 --set moes.L=1 --set grid.x_max=1.1 \
+        --allow-failures 1
+    refuse 65 "f.h5: found no converged state" podbuild f.h5 -o x.h5
+}
+
+# ---- files that do not fit
+
+@test "more modes than snapshots, fewer rows than unknowns" {
+    refuse 65 "s.h5: .*found 10, expected at most 9" podbuild s.h5 -o x.h5 --pressure-modes 10
+    refuse 65 "s.h5: .*found 10, expected at most 9" \
+        podbuild s.h5 -o x.h5 --deformation independent --deformation-modes 10
+    refuse 65 "--rows: found 8, expected at least the 9" \
+        deimselect r.h5 --basis b.h5 -o x.h5 --rows 8
+    refuse 65 "--rows: found 122, expected at most the 121" \
+        deimselect r.h5 --basis b.h5 -o x.h5 --rows 122
+    for method in joint qr; do
+        refuse 65 "found .*, expected at most" \
+            deimselect r.h5 --basis b.h5 -o x.h5 --rows 120 --method $method
+    done
+}
+
+@test "files of different grids" {
+    fullrun scene.yml -o fine.h5 --set grid.step=0.04
+    refuse 65 "fine.h5: x: found 151 nodes .*expected 121 .*as in s.h5" podbuild s.h5 fine.h5 -o x.h5
+    podbuild fine.h5 -o fb.h5
+    refuse 65 "fb.h5: x: found 151 nodes .*expected 121 .*as in plan.yml" \
+        snapgen plan.yml --basis fb.h5 -o x.h5
+    refuse 65 "r.h5: x: found 121 nodes .*expected 151 .*as in fb.h5" \
+        deimselect r.h5 --basis fb.h5 -o x.h5
+    refuse 65 "found a line contact with 151 nodes .*with 121 .*as in m.h5" \
+        romrun scene.yml --model m.h5 -o x.h5 --set grid.step=0.04
+    # as many nodes elsewhere
+    refuse 65 "found a line contact with 121 nodes from -3.95 .*as in m.h5" \
+        romrun scene.yml --model m.h5 -o x.h5 --set grid.x_min=-3.95 --set grid.x_max=2.05
+}
+
+@test "residuals of another basis, and a model of another contact" {
+    podbuild s.h5 -o other.h5 --pressure-modes 8
+    refuse 65 "r.h5: basis_sha256: found .*of other.h5: they were made with another basis" \
+        deimselect r.h5 --basis other.h5 -o x.h5
+    patch m.h5 "f.attrs['contact'] = 'point'"
+    refuse 65 "bad.h5: contact: found point, expected line" romrun scene.yml --model bad.h5 -o x.h5
+    patch b.h5 "f.attrs['deformation'] = 'both'"
+    refuse 65 "bad.h5: deformation: found both, expected independent.coupled" \
+        snapgen plan.yml --basis bad.h5 -o x.h5
+}
+
+@test "a file of another kind or of a newer schema" {
+    refuse 65 "b.h5: " podbuild b.h5 -o x.h5
+    refuse 65 "s.h5: " snapgen plan.yml --basis s.h5 -o x.h5
+    refuse 65 "s.h5: " deimselect s.h5 --basis b.h5 -o x.h5
+    refuse 65 "r.h5: " deimselect r.h5 --basis r.h5 -o x.h5
+    refuse 65 "b.h5: " romrun scene.yml --model b.h5 -o x.h5
+    newer="f.attrs['schema_version'] = '2.0'"
+    patch s.h5 "$newer"
+    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" podbuild bad.h5 -o x.h5
+    patch b.h5 "$newer"
+    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" snapgen plan.yml --basis bad.h5 -o x.h5
+    patch r.h5 "$newer"
+    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" deimselect bad.h5 --basis b.h5 -o x.h5
+    patch m.h5 "$newer"
+    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" romrun scene.yml --model bad.h5 -o x.h5
+    # a newer minor version is read
+    patch m.h5 "f.attrs['schema_version'] = '1.9'"
+    romrun scene.yml --model bad.h5
+}
+
+# damaged FILE DATASET COMMAND...: the command refuses bad.h5, a copy of the file cut off in several places,
+# of noise, or with one bit of the dataset flipped
+damaged() {
+    local file=$1 dataset=$2 size part
+    shift 2
+    size=$(stat -c %s "$file")
+    for part in 0 1 8 500 $((size / 2)) $((size - 1)); do
+        head -c "$part" "$file" >bad.h5
+        refuse 65 "bad.h5: " "$@"
+    done
+    head -c 5000 /dev/urandom >bad.h5
+    refuse 65 "bad.h5: " "$@"
+    /usr/bin/python3 - "$file" "$dataset" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as file:
+    place = file[sys.argv[2]].id.get_chunk_info(0).byte_offset + 30
+data = bytearray(open(sys.argv[1], "rb").read())
+data[place] ^= 4
+open("bad.h5", "wb").write(data)
+PYTHON
+    refuse 65 "bad.h5: .*$dataset" "$@"
+}
+
+@test "truncated, empty, foreign and bit-flipped files" {
+    damaged s.h5 pressure podbuild bad.h5 -o x.h5
+    damaged b.h5 pressure_basis snapgen plan.yml --basis bad.h5 -o x.h5 --quiet
+    damaged r.h5 weighted_residual deimselect bad.h5 --basis b.h5 -o x.h5
+    damaged b.h5 weight deimselect r.h5 --basis bad.h5 -o x.h5
+    damaged m.h5 needed_pressure_basis romrun scene.yml --model bad.h5 -o x.h5
+    refuse 66 "none.h5" podbuild none.h5 -o x.h5
+    refuse 66 "none.h5" snapgen plan.yml --basis none.h5 -o x.h5
+    refuse 66 "none.h5" deimselect none.h5 --basis b.h5 -o x.h5
+    refuse 66 "none.h5" romrun scene.yml --model none.h5 -o x.h5
+}
+
+@test "values that no solver could have found" {
+    patch s.h5 "f['pressure'][2, 60] = numpy.nan"
+    refuse 65 "bad.h5: state 2: found values that are not finite" podbuild bad.h5 -o x.h5
+    patch b.h5 "f['weight'][3] = numpy.nan"
+    refuse 65 "bad.h5: weight: found a value that is not finite" \
+        snapgen plan.yml --basis bad.h5 -o x.h5
+    patch r.h5 "f['weighted_jacobian_step'][3, 5] = numpy.inf"
+    refuse 65 "found inf in state 3 at node 5" deimselect bad.h5 --basis b.h5 -o x.h5
+    patch m.h5 "f['band_pressure_basis'][3, 5] = numpy.nan"
+    refuse 65 "bad.h5: band_pressure_basis" romrun scene.yml --model bad.h5 -o x.h5
+    patch m.h5 "f['selected_row'][3] = 5000"
+    refuse 65 "bad.h5: selected_row: found 5000, expected 0 to 120" \
+        romrun scene.yml --model bad.h5 -o x.h5
+    patch m.h5 "del f['load_jacobian']"
+    refuse 65 "bad.h5: .*load_jacobian" romrun scene.yml --model bad.h5 -o x.h5
+}
+
+@test "a basis by somebody else's program, with only what it must have" {
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("s.h5") as s:
+    pressure = s["pressure"][...]
+    states = {name: s[name][...] for name in ["rigid_approach", "moes_M", "alpha_p_H"]}
+    exits, x = s["exit_node"][...], s["x"][...]
+modes = numpy.linalg.svd(pressure, full_matrices=False)[2]
+with h5py.File("foreign.h5", "w") as f:
+    f.attrs["schema_name"] = "ehdrom-basis"
+    f.attrs["schema_version"] = "1.0"
+    f.attrs["complete"] = 1
+    f.attrs["contact"] = "line"
+    f.attrs["x_min"], f.attrs["step"] = x[0], 0.05
+    f.attrs["deformation"] = "coupled"
+    f["pressure_basis"] = modes
+    f["weight"] = numpy.maximum(abs(modes[0]), 1e-3 * abs(modes[0]).max())
+    f["state_pressure"] = pressure @ modes.T
+    f["state_exit_node"] = exits
+    for name, values in states.items():
+        f["state_" + name] = values
+PYTHON
+    run --separate-stderr snapgen plan.yml --basis foreign.h5 -o fr.h5 --quiet
+    echo "$stderr"
+    [ "$status" -eq 0 ]
+    [[ $output == *"9 converged"* ]]
+    deimselect fr.h5 --basis foreign.h5 -o fm.h5
+    romrun scene.yml --model fm.h5 -o red.h5
+    close_to "$(number red.h5 central_film_thickness)" \
+        "$(number full.h5 central_film_thickness)" 0.002
+}
+
+# ---- outputs
+
+@test "an existing output is kept, and replaced only with --force" {
+    echo precious >x.h5
+    for command in "podbuild s.h5" "snapgen plan.yml --basis b.h5 --quiet" \
+        "deimselect r.h5 --basis b.h5" "romrun scene.yml --model m.h5"; do
+        refused 73 "x.h5: found an existing file" $command -o x.h5
+        [ "$(cat x.h5)" = precious ]
+        refused 73 "none/x.h5" $command -o none/x.h5
+        cp x.h5 y.h5
+        $command -o y.h5 --force
+        fullrun --check y.h5
+    done
+}
+
+@test "a refused input leaves an existing output as it was, also with --force" {
+    echo precious >x.h5
+    refused 65 "rank" podbuild s.h5 -o x.h5 --force --pressure-modes 10
+    refused 65 "rows" deimselect r.h5 --basis b.h5 -o x.h5 --force --rows 3
+    refused 65 "m.h5" snapgen plan.yml --basis m.h5 -o x.h5 --force
+    refused 65 "grid" romrun scene.yml --model m.h5 -o x.h5 --force --set grid.step=0.04
+    [ "$(cat x.h5)" = precious ]
+    [ ! -e x.h5.partial ]
+}
+
+@test "a full disk is 74, and an existing output stays" {
+    echo precious >x.h5
+    limited() {
+        (ulimit -f 4 && "$@")
+    }
+    for command in "podbuild s.h5" "snapgen plan.yml --basis b.h5 --quiet" \
+        "deimselect r.h5 --basis b.h5" "romrun scene.yml --model m.h5"; do
+        run --separate-stderr limited $command -o x.h5 --force
+        echo "$command: $status $stderr"
+        [ "$status" -eq 74 ]
+        [ "${#stderr_lines[@]}" -eq 1 ]
+        [[ $stderr == "${command%% *}: x.h5"* ]]
+        [ "$(cat x.h5)" = precious ]
+    done
+}
+
+@test "Ctrl-C during snapgen --basis leaves nothing" {
+    cat >slow.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 9, 10, 11, 12, 13, 14, 15], moes.L: [2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6]}
+YAML
+    snapgen plan.yml -o fine.h5 --quiet --set grid.step=0.0005
+    podbuild fine.h5 -o fb.h5
+    snapgen slow.yml --basis fb.h5 -o x.h5 --quiet --set grid.step=0.0005 --jobs 1 &
+    wait_for_file x.h5.partial
+    kill -INT $!
+    code=0
+    wait $! || code=$?
+    [ "$code" -eq 130 ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
+}
+
+# ---- the command line
+
+@test "misuse is one line and exit 64" {
+    refuse 64 "--model" romrun scene.yml -o x.h5
+    refuse 64 "SCENE.yml" romrun --model m.h5 -o x.h5
+    refuse 64 "--basis: found none" deimselect r.h5 -o x.h5
+    refuse 64 "--method: found magic" deimselect r.h5 --basis b.h5 -o x.h5 --method magic
+    refuse 64 "--deformation: found both" podbuild s.h5 -o x.h5 --deformation both
+    refuse 64 "SNAPSHOTS" podbuild -o x.h5
+    refuse 64 "output" podbuild s.h5
+    refuse 64 "output" deimselect r.h5 --basis b.h5
+    refuse 64 "--resume" snapgen plan.yml --basis b.h5 -o x.h5 --resume
+    for number in 0 -1 x 1e3 2.5 '' 99999999999999999999; do
+        refuse 64 "--pressure-modes: found" podbuild s.h5 -o x.h5 "--pressure-modes=$number"
+        refuse 64 "--deformation-modes: found" podbuild s.h5 -o x.h5 "--deformation-modes=$number"
+        refuse 64 "--rows: found" deimselect r.h5 --basis b.h5 -o x.h5 "--rows=$number"
+        refuse 64 "--rows: found" romrun scene.yml --model m.h5 -o x.h5 "--rows=$number"
+        refuse 64 "--repeat: found" romrun scene.yml --model m.h5 -o x.h5 "--repeat=$number"
+    done
+    for number in -1 1 nan inf x 1e-1O ''; do
+        refuse 64 "--energy: found" podbuild s.h5 -o x.h5 "--energy=$number"
+    done
+}
+
+@test "--help and --version" {
+    for name in podbuild deimselect romrun; do
+        run --separate-stderr $name --help
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [[ $output == *"--output"* ]]
+        run --separate-stderr $name --version
+        [ "$status" -eq 0 ]
+    done
+    run deimselect --help
+    [[ $output == *joint* && $output == *qr* ]]
+}

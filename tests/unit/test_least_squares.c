@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/least_squares.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS = 40, COLUMNS = 12 };
+
+static double random_number(void) {
+    static unsigned long long seed = 42;
+    seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+    return (double)(seed >> 11) / (double)(1ULL << 53) - 0.5;
+}
+
+/* Random [num_rows, COLUMNS] with singular values from 1 down to 1/condition. */
+static void random_matrix(double *matrix, size_t num_rows, double condition) {
+    double left[ROWS * COLUMNS], right[COLUMNS * COLUMNS], scales[COLUMNS];
+
+    for (size_t i = 0; i < num_rows * COLUMNS; i++)
+        left[i] = random_number();
+    for (size_t i = 0; i < COLUMNS * COLUMNS; i++)
+        right[i] = random_number();
+    double *const both[] = {left, right};
+    const int rows[] = {(int)num_rows, COLUMNS};
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(
+            LAPACKE_dgeqrf(LAPACK_ROW_MAJOR, rows[i], COLUMNS, both[i], COLUMNS, scales), 0);
+        assert_int_equal(
+            LAPACKE_dorgqr(LAPACK_ROW_MAJOR, rows[i], COLUMNS, COLUMNS, both[i], COLUMNS, scales),
+            0);
+    }
+    for (size_t r = 0; r < num_rows; r++)
+        for (size_t j = 0; j < COLUMNS; j++)
+            left[r * COLUMNS + j] *= pow(condition, -(double)j / (COLUMNS - 1));
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num_rows, COLUMNS, COLUMNS, 1, left,
+                COLUMNS, right, COLUMNS, 0, matrix, COLUMNS);
+}
+
+static void random_vector(double *vector, size_t length) {
+    for (size_t i = 0; i < length; i++)
+        vector[i] = random_number();
+}
+
+static double norm(const double *vector, size_t length) {
+    return cblas_dnrm2((int)length, vector, 1);
+}
+
+/* |matrix x + right| */
+static double residual(const double *matrix, const double *x, const double *right,
+                       size_t num_rows) {
+    double left[ROWS];
+
+    memcpy(left, right, num_rows * sizeof(double));
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)num_rows, COLUMNS, 1, matrix, COLUMNS, x, 1, 1,
+                left, 1);
+    return norm(left, num_rows);
+}
+
+/* argmin |matrix x + right| by LAPACK. */
+static void reference(double *x, const double *matrix, const double *right, size_t num_rows) {
+    double copy[ROWS * COLUMNS], b[ROWS];
+
+    memcpy(copy, matrix, num_rows * COLUMNS * sizeof(double));
+    for (size_t r = 0; r < num_rows; r++)
+        b[r] = -right[r];
+    assert_int_equal(
+        LAPACKE_dgels(LAPACK_ROW_MAJOR, 'N', (int)num_rows, COLUMNS, 1, copy, COLUMNS, b, 1), 0);
+    memcpy(x, b, COLUMNS * sizeof(double));
+}
+
+static void solve(double *x, const double *matrix, const double *right, size_t num_rows) {
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+
+    assert_non_null(workspace);
+    assert_int_equal(least_squares_solve(x, workspace, matrix, right, num_rows), EHD_OK);
+    least_squares_free(workspace);
+}
+
+/* A perturbation theory's bound: condition, and its square where the residual is not small. */
+static void equals_lapack(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
+
+    for (double condition = 1; condition < 2e8; condition *= 10)
+        for (size_t num_rows = COLUMNS; num_rows <= ROWS; num_rows += 7) {
+            random_matrix(matrix, num_rows, condition);
+            random_vector(right, num_rows);
+            solve(x, matrix, right, num_rows);
+            reference(expected, matrix, right, num_rows);
+            double limit = fmin(1e-13 * condition * condition, 0.5) * norm(expected, COLUMNS);
+            check_close_array(x, expected, COLUMNS, 0, limit);
+            double least = residual(matrix, expected, right, num_rows);
+            check_close(residual(matrix, x, right, num_rows), least, 1e-2, 1e-2);
+        }
+}
+
+/* Columns of very different length are no ill conditioning. */
+static void scales_columns(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
+
+    random_matrix(matrix, ROWS, 10);
+    random_vector(right, ROWS);
+    reference(expected, matrix, right, ROWS);
+    for (size_t j = 0; j < COLUMNS; j++)
+        for (size_t r = 0; r < ROWS; r++)
+            matrix[r * COLUMNS + j] *= pow(10, 2 * (double)j - 10);
+    solve(x, matrix, right, ROWS);
+    for (size_t j = 0; j < COLUMNS; j++)
+        check_close(x[j] * pow(10, 2 * (double)j - 10), expected[j], 1e-10, 1e-12);
+}
+
+/* The other columns are solved as if the zero ones were not there, well conditioned or not. */
+static void zero_columns_get_zero(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
+
+    for (double condition = 1; condition < 2e8; condition *= 1e4) {
+        random_matrix(matrix, ROWS, condition);
+        random_vector(right, ROWS);
+        for (size_t r = 0; r < ROWS; r++)
+            matrix[r * COLUMNS + 3] = matrix[r * COLUMNS + 11] = 0;
+        for (size_t r = 0; r < ROWS && condition > 1; r++) // nearly equal columns too
+            matrix[r * COLUMNS + 7] = matrix[r * COLUMNS + 2] * (1 + 1e-9 * (double)r);
+        solve(x, matrix, right, ROWS);
+        check_close(x[3], 0, 0, 0);
+        check_close(x[11], 0, 0, 0);
+        // the best of the others: the gradient vanishes
+        double left[ROWS], gradient[COLUMNS];
+        memcpy(left, right, sizeof left);
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, COLUMNS, 1, matrix, COLUMNS, x, 1, 1, left,
+                    1);
+        cblas_dgemv(CblasRowMajor, CblasTrans, ROWS, COLUMNS, 1, matrix, COLUMNS, left, 1, 0,
+                    gradient, 1);
+        check_close_array(gradient, (double[COLUMNS]){0}, COLUMNS, 0, 1e-7);
+        assert_true(norm(left, ROWS) < norm(right, ROWS));
+    }
+}
+
+/* Columns that are equal to working precision, or fewer rows than columns: any minimiser will do, as
+ * long as it is one and not large. */
+static void near_rank_deficiency_is_harmless(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], known[COLUMNS];
+
+    for (double apart = 1e-6; apart > 1e-18; apart *= 1e-2) {
+        random_matrix(matrix, ROWS, 5);
+        random_vector(known, COLUMNS);
+        for (size_t r = 0; r < ROWS; r++)
+            matrix[r * COLUMNS + 7] = matrix[r * COLUMNS + 2] + apart * random_number();
+        memset(right, 0, sizeof right);
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, COLUMNS, -1, matrix, COLUMNS, known, 1, 0,
+                    right, 1);
+        solve(x, matrix, right, ROWS);
+        assert_true(residual(matrix, x, right, ROWS) < 1e-7 * norm(right, ROWS));
+    }
+    random_matrix(matrix, ROWS, 5);
+    random_vector(right, ROWS);
+    solve(x, matrix, right, COLUMNS - 3);
+    assert_true(residual(matrix, x, right, COLUMNS - 3) < 1e-10);
+    assert_true(norm(x, COLUMNS) < 1e3);
+}
+
+static void not_finite_is_said(void **state) {
+    (void)state;
+    const double bad[] = {NAN, INFINITY, -INFINITY};
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+
+    for (size_t i = 0; i < 3; i++) {
+        random_matrix(matrix, ROWS, 5);
+        random_vector(right, ROWS);
+        matrix[17] = bad[i];
+        assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
+    }
+    least_squares_free(workspace);
+}
+
+static void survives_failing_allocations(void **state) {
+    (void)state;
+    least_squares *workspace;
+    size_t call = 0;
+
+    for (;; call++) {
+        allocation_fail_at(call);
+        workspace = least_squares_create(ROWS, COLUMNS);
+        if (!allocation_failed()) break;
+        assert_null(workspace);
+    }
+    assert_true(call > 1);
+    assert_null(least_squares_free(workspace));
+    assert_null(least_squares_free(NULL));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(equals_lapack),         cmocka_unit_test(scales_columns),
+        cmocka_unit_test(zero_columns_get_zero), cmocka_unit_test(near_rank_deficiency_is_harmless),
+        cmocka_unit_test(not_finite_is_said),    cmocka_unit_test(survives_failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,628 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/physics/deflection.h"
+#include "romrun/reduced_solver.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/trained.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static trained training;      // 301 nodes, a checkpoint every second node
+static reduced_basis coupled; // all modes that the training spans
+static reduced_basis independent;
+static const reduced_settings strict = {.tolerance = 1e-12, .max_iterations = 40};
+
+static const struct {
+    const char *name;
+    const reduced_basis *basis;
+} kinds[] = {{"coupled", &coupled}, {"independent", &independent}};
+
+static int set_up(void **state) {
+    (void)state;
+    trained_init(&training, 0.02);
+    trained_basis(&coupled, &training, DEFORMATION_COUPLED, 0, 0);
+    trained_basis(&independent, &training, DEFORMATION_INDEPENDENT, 0, 0);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    reduced_basis_free(&coupled);
+    reduced_basis_free(&independent);
+    trained_free(&training);
+    return 0;
+}
+
+// ---- helpers
+
+/* A model with what it takes to solve it. */
+typedef struct problem {
+    reduced_model model;
+    reduced_solver *solver;
+    reduced_state state;
+    reduced_info info;
+} problem;
+
+static void problem_init(problem *self, const reduced_basis *basis, const size_t *rows,
+                         size_t num_rows, const reduced_settings *settings) {
+    ehd_error error = {""};
+
+    if (reduced_model_build(&self->model, basis, rows, num_rows, &error))
+        fail_msg("%s", error.text);
+    if (reduced_solver_create(&self->solver, &self->model, settings, &error))
+        fail_msg("%s", error.text);
+    self->state.coordinates = calloc(self->model.num_unknowns, sizeof(double));
+    assert_non_null(self->state.coordinates);
+}
+
+static void problem_free(problem *self) {
+    reduced_solver_free(self->solver);
+    reduced_model_free(&self->model);
+    free(self->state.coordinates);
+}
+
+static void solve(problem *self, const ehd_contact *contact) {
+    ehd_error error = {""};
+
+    if (reduced_solve(&self->info, &self->state, self->solver, contact, &error))
+        fail_msg("%s", error.text);
+    assert_string_equal(self->info.reason, "");
+    assert_int_equal(self->info.status, EHD_OK);
+}
+
+static void solve_from_neighbour(problem *self, size_t s) {
+    reduced_neighbour(&self->state, &self->model, training.set.moes_M[s],
+                      training.set.alpha_p_H[s]);
+    solve(self, &training.contacts[s]);
+}
+
+/* Pressure and film on the whole grid, from the definition: modes cut at the exit, then K. */
+static void full_fields(double *pressure, double *film, const problem *self,
+                        const reduced_basis *basis) {
+    const ehd_grid *grid = &basis->grid;
+    const double *z = self->state.coordinates;
+    size_t n = self->model.num_unknowns;
+    ehd_deflection *deflection = deflection_create(basis->kind, grid);
+
+    assert_non_null(deflection);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        pressure[k] = 0;
+        for (size_t j = 0; j < basis->num_pressure && k < self->state.exit; j++)
+            pressure[k] += basis->pressure[k * basis->num_pressure + j] * z[j];
+    }
+    deflection_apply(film, deflection, pressure);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        if (basis->deformation == DEFORMATION_INDEPENDENT) {
+            film[k] = 0;
+            for (size_t j = 0; j < basis->num_deformation; j++)
+                film[k] += basis->deformation_modes[k * basis->num_deformation + j] *
+                           z[basis->num_pressure + j];
+        }
+        film[k] += z[n - 1] + basis->kind->gap(grid_x(grid, k));
+    }
+    deflection_free(deflection);
+}
+
+static double *fields(void) {
+    double *memory = calloc(2 * training.set.grid.num_nodes, sizeof *memory);
+
+    assert_non_null(memory);
+    return memory;
+}
+
+/* The solution is the full solver's, everywhere. */
+static void check_is_training_state(const problem *self, const reduced_basis *basis, size_t s,
+                                    double tolerance) {
+    size_t num_nodes = basis->grid.num_nodes;
+    double *pressure = fields(), *film = pressure + num_nodes;
+
+    full_fields(pressure, film, self, basis);
+    assert_int_equal(self->state.exit, training.set.exit[s]);
+    check_close(self->info.central_film_thickness, training.set.central_film_thickness[s],
+                tolerance, 0);
+    check_close_array(pressure, training.set.pressure + s * num_nodes, num_nodes, 0, tolerance);
+    check_close_array(film, training.film + s * num_nodes, num_nodes, 0, tolerance);
+    free(pressure);
+}
+
+/* Every inner node is a mode of its own: the reduced model is the full one. */
+static reduced_basis identity_basis(void) {
+    const snapshot_set *set = &training.set;
+    size_t num_nodes = set->grid.num_nodes, num_inner = set->grid.num_inner;
+    reduced_basis basis = {.kind = set->kind,
+                           .grid = set->grid,
+                           .deformation = DEFORMATION_COUPLED,
+                           .num_pressure = num_inner};
+
+    basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
+    basis.weight = calloc(num_nodes, sizeof(double));
+    assert_int_equal(reduced_states_init(&basis.states, set->num_states, num_inner + 1, NULL),
+                     EHD_OK);
+    for (size_t k = 0; k < num_inner; k++) {
+        basis.pressure[(k + 1) * num_inner + k] = 1;
+        basis.weight[k + 1] = coupled.weight[k + 1];
+    }
+    for (size_t s = 0; s < set->num_states; s++) {
+        double *coordinates = basis.states.coordinates + s * (num_inner + 1);
+        memcpy(coordinates, set->pressure + s * num_nodes + 1, num_inner * sizeof(double));
+        coordinates[num_inner] = set->rigid_approach[s];
+        basis.states.exit[s] = set->exit[s];
+        basis.states.moes_M[s] = set->moes_M[s];
+        basis.states.alpha_p_H[s] = set->alpha_p_H[s];
+    }
+    return basis;
+}
+
+/* A fixed order of 1 … count that is none of the obvious ones. */
+static size_t *shuffled_nodes(size_t count) {
+    size_t *nodes = malloc(count * sizeof *nodes);
+    unsigned long long random = 12345;
+
+    assert_non_null(nodes);
+    for (size_t i = 0; i < count; i++)
+        nodes[i] = i + 1;
+    for (size_t i = count; i-- > 1;) {
+        random = random * 6364136223846793005ULL + 1442695040888963407ULL;
+        size_t other = (size_t)(random >> 33) % (i + 1), kept = nodes[i];
+        nodes[i] = nodes[other];
+        nodes[other] = kept;
+    }
+    return nodes;
+}
+
+// ---- the reduced model is the full one
+
+static void full_rank_reproduces_the_full_model(void **state) {
+    (void)state;
+    reduced_basis basis = identity_basis();
+    problem reduced;
+
+    problem_init(&reduced, &basis, NULL, 0, &strict);
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        solve_from_neighbour(&reduced, s);
+        check_is_training_state(&reduced, &basis, s, 1e-10);
+    }
+    problem_free(&reduced);
+    reduced_basis_free(&basis);
+}
+
+/* Started near by and with its exit: a start with an exit behind it may stay there for a node or some,
+ * since such a basis has no pressure there whose sign could tell (moving_the_exit_…). */
+static void a_basis_with_the_solution_finds_it(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        problem reduced;
+        problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict);
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            size_t n = reduced.model.num_unknowns;
+            const double *target = kinds[kind].basis->states.coordinates + s * n;
+            for (size_t j = 0; j < n; j++)
+                reduced.state.coordinates[j] = target[j] * (1 + (j % 2 ? 1e-3 : -1e-3));
+            reduced.state.exit = training.set.exit[s];
+            solve(&reduced, &training.contacts[s]);
+            check_is_training_state(&reduced, kinds[kind].basis, s, 1e-10);
+            assert_true(reduced.info.residual < 1e-6);
+        }
+        problem_free(&reduced);
+    }
+}
+
+static void all_rows_in_any_order_are_level_i(void **state) {
+    (void)state;
+    size_t num_inner = training.set.grid.num_inner, *nodes = shuffled_nodes(num_inner);
+
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_basis small;
+        problem level_i, level_n;
+        trained_basis(&small, &training, kinds[kind].basis->deformation, 9, kind ? 7 : 0);
+        problem_init(&level_i, &small, NULL, 0, &strict);
+        problem_init(&level_n, &small, nodes, num_inner, &strict);
+        for (size_t s = 0; s < TRAINED_STATES; s += 2) {
+            solve_from_neighbour(&level_i, s);
+            solve_from_neighbour(&level_n, s);
+            assert_int_equal(level_n.state.exit, level_i.state.exit);
+            assert_int_equal(level_n.info.iterations, level_i.info.iterations);
+            check_close(level_n.info.central_film_thickness, level_i.info.central_film_thickness,
+                        1e-12, 0);
+            check_close(level_n.info.minimum_film_thickness, level_i.info.minimum_film_thickness,
+                        1e-12, 0);
+            check_close(level_n.info.residual, level_i.info.residual, 1e-9, 1e-15);
+        }
+        problem_free(&level_i);
+        problem_free(&level_n);
+        reduced_basis_free(&small);
+    }
+    free(nodes);
+}
+
+/* What a truncated basis costs: its own training states, to its accuracy. */
+static void truncated_bases_stay_near(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        double before = INFINITY;
+        for (size_t num_pressure = 6; num_pressure <= 10; num_pressure += 2) {
+            double worst = 0;
+            reduced_basis small;
+            problem reduced;
+            trained_basis(&small, &training, kinds[kind].basis->deformation, num_pressure,
+                          kind ? num_pressure : 0);
+            problem_init(&reduced, &small, NULL, 0, &strict);
+            for (size_t s = 0; s < TRAINED_STATES; s++) {
+                double expected = training.set.central_film_thickness[s];
+                reduced_guess(&reduced.state, &reduced.model, training.set.moes_M[s],
+                              training.set.alpha_p_H[s]);
+                solve(&reduced, &training.contacts[s]);
+                worst = fmax(worst, fabs(reduced.info.central_film_thickness / expected - 1));
+            }
+            assert_true(worst < before);
+            before = worst;
+            problem_free(&reduced);
+            reduced_basis_free(&small);
+        }
+        assert_true(before < 1e-2);
+    }
+}
+
+// ---- the exit's cut
+
+/* K V_p with V_p cut at an exit, at one node, by a plain sum. */
+static double dense_deflection(const reduced_basis *basis, size_t exit, size_t node, size_t mode) {
+    double sum = 0;
+
+    for (size_t i = 1; i < exit; i++) {
+        double distance = (node > i ? (double)(node - i) : (double)(i - node)) * basis->grid.step;
+        sum += basis->kind->kernel(distance, basis->grid.step) *
+               basis->pressure[i * basis->num_pressure + mode];
+    }
+    return sum;
+}
+
+static double dense_load(const reduced_basis *basis, size_t exit, size_t mode) {
+    double sum = 0;
+
+    for (size_t i = 1; i < exit; i++)
+        sum += basis->grid.step * basis->pressure[i * basis->num_pressure + mode];
+    return sum;
+}
+
+/* One entry of the cut table by definition. */
+static double dense_cut(const reduced_model *model, const reduced_basis *basis, size_t exit,
+                        size_t row, size_t mode) {
+    double sum = 0;
+
+    if (row == model->num_cut - 1) return dense_load(basis, exit, mode);
+    if (basis->deformation == DEFORMATION_COUPLED)
+        return dense_deflection(basis, exit, model->needed_node[row], mode);
+    for (size_t k = 0; k < basis->grid.num_nodes; k++)
+        sum += basis->deformation_modes[k * basis->num_deformation + row] *
+               dense_deflection(basis, exit, k, mode);
+    return sum;
+}
+
+static void cut_tables_equal_plain_sums(void **state) {
+    (void)state;
+    const size_t rows[] = {150, 155, 160, 165, 170, 175, 180, 185, 190, 195, 200, 205, 210, 240};
+
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_basis *basis = kinds[kind].basis;
+        size_t num_pressure = basis->num_pressure;
+        reduced_model model;
+        assert_int_equal(reduced_model_build(&model, basis, rows, sizeof rows / sizeof *rows, NULL),
+                         EHD_OK);
+        assert_true(model.num_checkpoints > 3 && model.checkpoint_stride > 1);
+        for (size_t c = 0; c < model.num_checkpoints; c++) {
+            size_t exit = model.least_exit + c * model.checkpoint_stride;
+            assert_int_equal(reduced_model_checkpoint(&model, exit), c);
+            assert_int_equal(reduced_model_checkpoint(&model, exit + model.checkpoint_stride - 1),
+                             c);
+            if (c % 4 && c + 1 < model.num_checkpoints) continue; // plain sums are slow
+            const double *cut = model.checkpoint_cut + c * model.num_cut * num_pressure;
+            for (size_t row = 0; row < model.num_cut; row += row + 4 < model.num_cut ? 3 : 1)
+                for (size_t j = 0; j < num_pressure; j += 3)
+                    check_close(cut[row * num_pressure + j], dense_cut(&model, basis, exit, row, j),
+                                1e-12, 1e-12);
+            for (size_t i = 0; i < model.num_band && model.checkpoint_band; i++)
+                check_close(model.checkpoint_band[(c * model.num_band + i) * num_pressure + 1],
+                            dense_deflection(basis, exit, model.band_begin + i, 1), 1e-12, 1e-12);
+        }
+        reduced_model_free(&model);
+    }
+}
+
+/* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update of
+ * the tables each time. What is reported at the end comes from the updated tables; it must be what the
+ * final state gives by definition, and the solution must not depend on where the exit began. */
+static void moving_the_exit_equals_rebuilding(void **state) {
+    (void)state;
+    enum { STATE = 4 };
+    size_t num_nodes = training.set.grid.num_nodes, centre = 201;
+    double *pressure = fields(), *film = pressure + num_nodes;
+
+    check_close(grid_x(&training.set.grid, centre), 0, 0, 1e-12);
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_basis *basis = kinds[kind].basis;
+        problem reduced;
+        problem_init(&reduced, basis, NULL, 0, &strict);
+        size_t least = reduced.model.least_exit, most = reduced.model.most_exit, found = 0;
+        for (size_t exit = least; exit <= most; exit++) {
+            double load = 0;
+            reduced_neighbour(&reduced.state, &reduced.model, training.set.moes_M[STATE],
+                              training.set.alpha_p_H[STATE]);
+            reduced.state.exit = exit;
+            solve(&reduced, &training.contacts[STATE]);
+            if (reduced.state.exit == training.set.exit[STATE])
+                check_is_training_state(&reduced, basis, STATE, 1e-10);
+            found += reduced.state.exit == training.set.exit[STATE];
+            check_close(reduced.info.central_film_thickness,
+                        training.set.central_film_thickness[STATE], 1e-5, 0);
+            full_fields(pressure, film, &reduced, basis);
+            for (size_t k = 1; k < num_nodes; k++)
+                load += basis->grid.step * pressure[k] / basis->kind->load;
+            check_close(reduced.info.load, load, 1e-12, 0);
+            check_close(reduced.info.load, 1, 1e-7, 0);
+            check_close(reduced.info.central_film_thickness, film[centre], 1e-11, 0);
+            check_close(reduced.info.central_pressure, pressure[centre], 1e-11, 0);
+        }
+        assert_true(found > (most - least) / 3);
+        problem_free(&reduced);
+    }
+    free(pressure);
+}
+
+/* Contacts whose exit lies where the tables do not reach: whatever comes out, it stays inside. */
+static void the_exit_stays_inside_the_tables(void **state) {
+    (void)state;
+    const double moes_M[] = {2, 4, 5, 6, 7, 300};
+
+    for (int kind = 0; kind < 2; kind++) {
+        problem reduced;
+        problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict);
+        const size_t ends[] = {reduced.model.least_exit, reduced.model.most_exit};
+        for (size_t i = 0; i < 12; i++) {
+            ehd_contact contact = training.contacts[0];
+            contact_set_moes(&contact, moes_M[i / 2], 3);
+            reduced_guess(&reduced.state, &reduced.model, contact.moes_M, contact.alpha_p_H);
+            reduced.state.exit = ends[i % 2];
+            assert_int_equal(
+                reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL),
+                EHD_OK);
+            assert_true(reduced.state.exit >= reduced.model.least_exit);
+            assert_true(reduced.state.exit <= reduced.model.most_exit);
+            assert_true(reduced.info.iterations <= strict.max_iterations);
+        }
+        problem_free(&reduced);
+    }
+}
+
+static void minimum_film_is_the_smallest_nodal_film(void **state) {
+    (void)state;
+    size_t num_nodes = training.set.grid.num_nodes;
+    double *pressure = fields(), *film = pressure + num_nodes;
+
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_basis *basis = kinds[kind].basis;
+        problem reduced;
+        problem_init(&reduced, basis, NULL, 0, &strict);
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            double least = INFINITY;
+            solve_from_neighbour(&reduced, s);
+            full_fields(pressure, film, &reduced, basis);
+            for (size_t k = 1; k + 1 < num_nodes; k++)
+                least = fmin(least, film[k]);
+            check_close(reduced.info.minimum_film_thickness, least, 1e-11, 0);
+            check_close(reduced.info.exit_position, grid_x(&basis->grid, reduced.state.exit), 0,
+                        1e-12);
+        }
+        problem_free(&reduced);
+    }
+    free(pressure);
+}
+
+// ---- the Jacobian
+
+typedef struct observation {
+    size_t num_rows, count;
+    double *residual, *step; // [num_rows] of the first iteration
+} observation;
+
+static ehd_status observe_first(void *context, const double *residual, const double *step,
+                                ehd_error *error) {
+    observation *seen = context;
+    (void)error;
+    if (seen->count++ == 0) {
+        memcpy(seen->residual, residual, seen->num_rows * sizeof(double));
+        memcpy(seen->step, step, seen->num_rows * sizeof(double));
+    }
+    return EHD_OK;
+}
+
+/* One iteration from z with a given exit: what the observer sees, and where it leads. */
+static void iterate_once(observation *seen, problem *self, const double *z, size_t exit,
+                         const ehd_contact *contact) {
+    seen->count = 0;
+    memcpy(self->state.coordinates, z, self->model.num_unknowns * sizeof(double));
+    self->state.exit = exit;
+    assert_int_equal(reduced_solve(&self->info, &self->state, self->solver, contact, NULL), EHD_OK);
+    assert_int_equal(seen->count, 1);
+}
+
+/* (D f(z + t dz) - D f(z - t dz)) / 2t against the recorded D J dz, for states off the solution. */
+static void jacobian_equals_finite_differences(void **state) {
+    (void)state;
+    const reduced_settings once = {.tolerance = 1e-12, .max_iterations = 1};
+    const double t = 0.5;
+    enum { STATE = 7 };
+
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_basis *basis = kinds[kind].basis;
+        problem reduced;
+        problem_init(&reduced, basis, NULL, 0, &once);
+        size_t n = reduced.model.num_unknowns, num_rows = reduced.model.num_rows;
+        double *memory = calloc(6 * num_rows + 3 * n, sizeof *memory);
+        assert_non_null(memory);
+        double *z = memory + 6 * num_rows, *dz = z + n, *moved = dz + n;
+        observation here = {num_rows, 0, memory, memory + num_rows};
+        observation ahead = {num_rows, 0, memory + 2 * num_rows, memory + 3 * num_rows};
+        observation behind = {num_rows, 0, memory + 4 * num_rows, memory + 5 * num_rows};
+        size_t exit = training.set.exit[STATE];
+        for (size_t mode = 0; mode < n; mode++) {
+            double largest = 0;
+            const double *trained_z = basis->states.coordinates + STATE * n;
+            memcpy(z, trained_z, n * sizeof(double));
+            z[mode] += 1e-4;
+            reduced_solver_observe(reduced.solver, observe_first, &here);
+            iterate_once(&here, &reduced, z, exit, &training.contacts[STATE]);
+            for (size_t j = 0; j < n; j++)
+                dz[j] = reduced.state.coordinates[j] - z[j];
+            for (size_t j = 0; j < n; j++)
+                moved[j] = z[j] + t * dz[j];
+            reduced_solver_observe(reduced.solver, observe_first, &ahead);
+            iterate_once(&ahead, &reduced, moved, exit, &training.contacts[STATE]);
+            for (size_t j = 0; j < n; j++)
+                moved[j] = z[j] - t * dz[j];
+            reduced_solver_observe(reduced.solver, observe_first, &behind);
+            iterate_once(&behind, &reduced, moved, exit, &training.contacts[STATE]);
+            for (size_t r = 0; r < num_rows; r++)
+                largest = fmax(largest, fabs(here.step[r]));
+            assert_true(largest > 1e-8);
+            for (size_t r = 0; r < num_rows; r++) {
+                double difference = (ahead.residual[r] - behind.residual[r]) / (2 * t);
+                check_close(here.step[r], difference, 1e-4, 1e-6 * largest);
+                if (r + 1 >= exit) check_close(here.step[r], 0, 0, 0);
+            }
+        }
+        free(memory);
+        problem_free(&reduced);
+    }
+}
+
+// ---- starts and the trained range
+
+static void guess_at_a_training_point_is_that_state(void **state) {
+    (void)state;
+    problem reduced;
+
+    problem_init(&reduced, &coupled, NULL, 0, &strict);
+    size_t n = reduced.model.num_unknowns;
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        const double *expected = coupled.states.coordinates + s * n;
+        double M = training.set.moes_M[s], pressure = training.set.alpha_p_H[s], away = 0;
+        reduced_guess(&reduced.state, &reduced.model, M, pressure);
+        assert_int_equal(reduced.state.exit, coupled.states.exit[s]);
+        check_close_array(reduced.state.coordinates, expected, n, 1e-4, 1e-4);
+        reduced_neighbour(&reduced.state, &reduced.model, M, pressure);
+        for (size_t j = 0; j < n; j++)
+            away = fmax(away, fabs(reduced.state.coordinates[j] - expected[j]));
+        assert_true(away > 1e-3);
+        assert_true(reduced.state.exit >= reduced.model.least_exit);
+        assert_true(reduced.state.exit <= reduced.model.most_exit);
+    }
+    // far outside: some trained solution, and an exit within the tables
+    reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
+    assert_true(reduced.state.exit >= reduced.model.least_exit);
+    assert_true(reduced.state.exit <= reduced.model.most_exit);
+    problem_free(&reduced);
+}
+
+static void trained_range_is_the_hull(void **state) {
+    (void)state;
+    double moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
+    reduced_model model = {.states = {.num_states = 6, .moes_M = moes_M, .alpha_p_H = alpha_p_H}};
+    const struct {
+        double M, alpha_p_H;
+        int inside;
+    } points[] = {{15, 3, 1},    {10, 1, 1},    {20, 6, 1},     {15, 5.5, 1},   {15, 1.5, 1},
+                  {10, 3, 1},    {20, 4, 1},    {15, 5.501, 0}, {15, 1.499, 0}, {9.99, 3, 0},
+                  {20.01, 4, 0}, {10, 0.99, 0}, {20, 6.01, 0},  {1e6, 3, 0},    {15, 0, 0},
+                  {12, 1.3, 1},  {12, 5.1, 1},  {12, 5.3, 0},   {12, 1.1, 0}};
+
+    for (size_t i = 0; i < sizeof points / sizeof *points; i++)
+        if (reduced_trained(&model, points[i].M, points[i].alpha_p_H) != points[i].inside)
+            fail_msg("M = %g, alpha p_H = %g: found %d", points[i].M, points[i].alpha_p_H,
+                     !points[i].inside);
+    // points on a line, a single point and none have no inside
+    double line[] = {1, 2, 3, 4, 5, 6};
+    model.states.alpha_p_H = line;
+    model.states.moes_M = line;
+    assert_false(reduced_trained(&model, 2.5, 2.5));
+    model.states.num_states = 1;
+    assert_false(reduced_trained(&model, 1, 1));
+    model.states.num_states = 0;
+    assert_false(reduced_trained(&model, 1, 1));
+}
+
+// ---- faults
+
+static void bad_rows_are_refused(void **state) {
+    (void)state;
+    const size_t few[] = {100, 101, 102}, zero[] = {0}, behind[] = {302};
+    size_t *nodes = shuffled_nodes(training.set.grid.num_inner);
+    const struct {
+        const size_t *rows;
+        size_t num_rows;
+        const char *words;
+    } cases[] = {{few, 3, "rows: found 3, expected at least 12"},
+                 {zero, 1, "rows: found node 0, expected 1 to 301"},
+                 {behind, 1, "rows: found node 302, expected 1 to 301"}};
+
+    for (size_t i = 0; i < 3; i++) {
+        ehd_error error = {""};
+        reduced_model model;
+        size_t kept = nodes[0];
+        if (i > 0) nodes[0] = cases[i].rows[0];
+        assert_int_equal(reduced_model_build(&model, &coupled, i ? nodes : few, i ? 20 : 3, &error),
+                         EHD_DATA);
+        assert_string_equal(strstr(error.text, cases[i].words) ? "" : error.text, "");
+        nodes[0] = kept;
+    }
+    free(nodes);
+}
+
+static void survives_failing_allocations(void **state) {
+    (void)state;
+    const size_t rows[] = {100, 110, 120, 130, 140, 150, 160, 170, 180, 190, 200, 210, 220, 240};
+
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_model model;
+        reduced_solver *solver;
+        size_t call = 0;
+        for (;; call++) {
+            allocation_fail_at(call);
+            ehd_status status = reduced_model_build(&model, kinds[kind].basis, rows, 14, NULL);
+            if (!allocation_failed()) break;
+            assert_int_equal(status, EHD_MEMORY);
+        }
+        assert_true(call > 20);
+        for (call = 0;; call++) {
+            allocation_fail_at(call);
+            ehd_status status = reduced_solver_create(&solver, &model, &strict, NULL);
+            if (!allocation_failed()) break;
+            assert_int_equal(status, EHD_MEMORY);
+            assert_null(solver);
+        }
+        assert_true(call > 10);
+        reduced_solver_free(solver);
+        reduced_model_free(&model);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(full_rank_reproduces_the_full_model),
+        cmocka_unit_test(a_basis_with_the_solution_finds_it),
+        cmocka_unit_test(all_rows_in_any_order_are_level_i),
+        cmocka_unit_test(truncated_bases_stay_near),
+        cmocka_unit_test(cut_tables_equal_plain_sums),
+        cmocka_unit_test(moving_the_exit_equals_rebuilding),
+        cmocka_unit_test(the_exit_stays_inside_the_tables),
+        cmocka_unit_test(minimum_film_is_the_smallest_nodal_film),
+        cmocka_unit_test(jacobian_equals_finite_differences),
+        cmocka_unit_test(guess_at_a_training_point_is_that_state),
+        cmocka_unit_test(trained_range_is_the_hull),
+        cmocka_unit_test(bad_rows_are_refused),
+        cmocka_unit_test(survives_failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A small training, kept in memory, for tests of what is made of it. */
+#ifndef EHD_TRAINED_H
+#define EHD_TRAINED_H
+
+#include "podbuild/bases.h"
+#include "tests/unit/check.h"
+
+/* Full solutions over M in {8, 11, 15, 20} times L in {2, 4, 6} with a compressible Barus lubricant. */
+enum { TRAINED_STATES = 12 };
+
+typedef struct trained {
+    snapshot_set set; // exits and fields as podbuild would read them
+    ehd_contact contacts[TRAINED_STATES];
+    double *film; // [TRAINED_STATES, num_nodes]
+} trained;
+
+/* Solves the points on -4 … 2 with the given step to a residual of 1e-13; the test fails when one does
+ * not converge. */
+void trained_init(trained *self, double step); // free with trained_free
+void trained_free(trained *self);
+
+/* POD bases; sizes 0 stand for as many modes as the states span. */
+void trained_basis(
+    // output:
+    reduced_basis *basis, // free with reduced_basis_free
+    // input:
+    const trained *self, deformation_kind kind, size_t num_pressure, size_t num_deformation);
+
+#endif
