@@ -160,6 +160,7 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
     residual_snapshots snapshots = {0};
     reduced_basis basis = {0};
     row_choice choice = {0};
+    ehd_error cause = {""};
     char identity[65];
 
     if (!options->basis)
@@ -172,7 +173,8 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
     if (!status) {
         size_t num_rows = options->num_rows ? options->num_rows : basis.num_pressure * 8 / 5;
         status = row_choice_make(&choice, snapshots.residuals, snapshots.steps, snapshots.count,
-                                 &basis, options->method, options->weights, num_rows, error);
+                                 &basis, options->method, options->weights, num_rows, &cause);
+        if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
     row_choice_free(&choice);

@@ -160,6 +160,9 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     if (!status && artefact_has(file, "state_central_film_thickness"))
         status = artefact_get(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
+    else
+        for (size_t i = 0; i < num_states && !status; i++)
+            states->central_film_thickness[i] = NAN; // a foreign file need not have it
     free(exits);
     free(part);
     return status;

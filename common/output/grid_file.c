@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double COARSEST_STEP = 0.125; // half widths, as for scenes
+
 ehd_status grid_write_axis(artefact *file, const ehd_grid *grid, ehd_error *error) {
     double *x = malloc(grid->num_inner * sizeof *x);
     if (!x)
@@ -50,10 +52,11 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     grid->num_inner = artefact_length(file, "x");
     grid->num_nodes = grid->num_inner + 2;
     double x_max = grid->x_min + ((double)grid->num_inner - 1) * grid->step;
-    if (!(grid->step > 0 && grid->x_min < -1 && x_max > 1))
+    if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,
-                        "%s: x: found %g to %g in steps of %g, expected the dry contact inside",
-                        artefact_path(file), grid->x_min, x_max, grid->step);
+                        "%s: x: found %g to %g in steps of %g, expected the dry contact inside and "
+                        "steps of at most %g",
+                        artefact_path(file), grid->x_min, x_max, grid->step, COARSEST_STEP);
     return EHD_OK;
 }
 
