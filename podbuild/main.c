@@ -140,6 +140,13 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
+    if (settings.kind == DEFORMATION_COUPLED && settings.deformation.num_modes > 0)
+        return program_finish(&self,
+                              ehd_fail(&error, EHD_USAGE,
+                                       "--deformation-modes: found %zu with a coupled basis, "
+                                       "expected --deformation independent",
+                                       settings.deformation.num_modes),
+                              &error);
     ehd_status status = build(&self, &settings, &error);
     return program_finish(&self, status, &error);
 }

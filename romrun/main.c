@@ -120,13 +120,14 @@ static ehd_status check_same_scene(const stored_result *stored, const char *path
 
     if (fabs(stored->moes_M - contact->moes_M) <= slack * contact->moes_M &&
         fabs(stored->hertz_pressure - contact->hertz_pressure) <=
-            slack * fmax(contact->hertz_pressure, 1))
+            slack * fmax(contact->hertz_pressure, 1) &&
+        fabs(stored->alpha_p_H - contact->alpha_p_H) <= slack * fmax(contact->alpha_p_H, 1))
         return EHD_OK;
     return ehd_fail(error, EHD_DATA,
-                    "%s: found a result of M = %g and %.6g GPa, expected the scene's M = %g and "
-                    "%.6g GPa",
-                    path, stored->moes_M, stored->hertz_pressure * 1e-9, contact->moes_M,
-                    contact->hertz_pressure * 1e-9);
+                    "%s: found a result of M = %g, alpha p_H = %g, %.6g GPa, expected the scene's "
+                    "M = %g, alpha p_H = %g, %.6g GPa",
+                    path, stored->moes_M, stored->alpha_p_H, stored->hertz_pressure * 1e-9,
+                    contact->moes_M, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
 }
 
 static void compare(const run_result *result, const stored_result *stored, const char *path,
@@ -164,7 +165,9 @@ static ehd_status solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
         runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
 
     for (size_t i = 0; i < repeats && !status; i++)
-        status = ehdrom_solve(&runs[i], solver, contact, error);
+        status = program_interrupted()
+                     ? ehd_fail(error, EHD_INTERRUPTED, "--repeat: interrupted after %zu", i)
+                     : ehdrom_solve(&runs[i], solver, contact, error);
     if (!status) {
         qsort(runs, repeats, sizeof *runs, compare_seconds);
         *result = runs[repeats / 2];
@@ -202,14 +205,14 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
     if (result->status)
         return ehd_fail(error, result->status, "%s: found %s, expected %s", path, result->reason,
                         result->status == EHD_UNTRUSTED
-                            ? "a scene inside it (--allow-untrusted takes it all the same)"
+                            ? "a result to be trusted (--allow-untrusted takes it all the same)"
                             : "convergence");
     return EHD_OK;
 }
 
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], options->model, NULL};
+    const char *const inputs[] = {self->arguments[0], options->model, options->against, NULL};
     ehd_contact contact;
     ehdrom_model *model = NULL;
     ehdrom_solver *solver = NULL;

@@ -202,7 +202,8 @@ static double band_film(const reduced_solver *self, const double *z, size_t exit
 // ---- exit boundary
 
 static const double WINDOW = 0.05; // around the exit, where it is looked at and moved; half widths
-static const double NOISE = 1e-5;  // negative pressure that the truncated basis may show
+static const double SETTLED = 0.005; // half widths
+static const double NOISE = 1e-5;    // negative pressure that the truncated basis may show
 
 static size_t window_begin(const reduced_model *model, size_t exit) {
     size_t checkpoint = reduced_model_checkpoint(model, exit);
@@ -437,6 +438,14 @@ static size_t watch_exit(exit_watch *watch, size_t exit, size_t next) {
     return watch->turns > 0 ? (size_t)((ptrdiff_t)exit + direction) : next;
 }
 
+/* Whether an exit that was kept where it is lies near enough to where it should be: a node or two do
+ * not move the film, more do. */
+static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted) {
+    size_t distance = wanted > exit ? wanted - exit : exit - wanted;
+
+    return distance <= (size_t)(SETTLED / model->grid.step) + 1;
+}
+
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, ehd_error *error) {
     const reduced_model *model = self->model;
@@ -482,7 +491,8 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         }
 
         start = program_seconds();
-        size_t exit = watch_exit(&watch, state->exit, adapt_exit(self, state, contact));
+        size_t wanted = adapt_exit(self, state, contact);
+        size_t exit = watch_exit(&watch, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         double film = at_centre(model, self->film) + factor * at_centre(model, self->step_film);
         bool moved_exit = exit != state->exit;
@@ -493,8 +503,9 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         double rate = fmin(change / change_before, 1);
         if (!moved_exit && factor == 1 && film_change * rate < self->settings.tolerance * film &&
             change * rate < 1e-4) {
-            info->status = EHD_OK;
-            info->reason = "";
+            bool settled = exit_settled(model, exit, wanted);
+            info->status = settled ? EHD_OK : EHD_UNTRUSTED;
+            info->reason = settled ? "" : "an exit boundary that does not settle";
             break;
         }
         film_before = film;

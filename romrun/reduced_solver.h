@@ -20,7 +20,7 @@ typedef struct reduced_state {
 } reduced_state;
 
 typedef struct reduced_info {
-    ehd_status status; // EHD_OK or EHD_NOT_CONVERGED
+    ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
     size_t iterations;
     double residual; // |D f| over the rows and the linear equations, at the last iteration
     double central_film_thickness, minimum_film_thickness, central_pressure;

@@ -79,7 +79,7 @@ $(OUT)/basis$2.h5: $(OUT)/snapshots.h5 $(BIN)/podbuild $(call options,basis$2,$(
 	$$(call quiet,podbuild  ,$$@)$(BIN)/podbuild $$< -o $$@ --force $(strip $(call podbuild_options,$1))
 
 $(OUT)/residuals$2.h5: $(OUT)/basis$2.h5 $(OUT)/snapshots.h5
-	$$(call quiet,snapgen   ,$$@)$(BIN)/snapgen plan.yml --basis $$< -o $$@ --force --allow-failures $(ALLOW_FAILURES) $(SNAPGEN_OPTIONS) $(SET)
+	$$(call quiet,snapgen   ,$$@)$(BIN)/snapgen plan.yml --basis $$< -o $$@ --force $(SET)
 
 $(OUT)/$1.h5: $(OUT)/residuals$2.h5 $(OUT)/basis$2.h5 $(BIN)/deimselect $(call options,$1,$(call deimselect_options,$1))
 	$$(call quiet,deimselect,$$@)$(BIN)/deimselect $$< --basis $(OUT)/basis$2.h5 -o $$@ --force $(strip $(call deimselect_options,$1))

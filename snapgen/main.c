@@ -182,6 +182,10 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     training_set set = {0};
     ehd_status status = EHD_OK;
 
+    if (options->piece.total > 1 || options->allowed_failures > 0)
+        return ehd_fail(error, EHD_USAGE,
+                        "--basis: found with --shard or --allow-failures, expected neither: the "
+                        "whole plan is one file, and points that fail count with the rest");
     if (options->resume)
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with --basis, expected one of them: the "

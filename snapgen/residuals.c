@@ -111,8 +111,9 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
     training_point_name(name, &training->set->contacts[point]);
     if (trace->info.status) {
         training->num_failed++;
-        program_detail(training->caller, "%s: found the projected system not converged: %s", name,
-                       trace->info.reason);
+        program_note(training->caller,
+                     "%s: found the projected system not converged (%s); its iterations are kept",
+                     name, trace->info.reason);
     }
     progress_show(&training->progress, ++training->num_done, name);
     return EHD_OK;

@@ -28,12 +28,16 @@ static ehd_status check_final_name(const artefact *file, ehd_error *error) {
 /* Excludes a second writer. This kind of lock does not disturb readers, which HDF5 lets use flock,
  * and it goes away with the process. Where a file system has no locks we go without. */
 static ehd_status lock_partial(artefact *file, int flags, ehd_error *error) {
-    file->lock = open(file->partial, O_RDWR | O_CLOEXEC | flags, 0666);
+    file->lock = open(file->partial, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, 0666);
     if (file->lock < 0) {
         bool missing = errno == ENOENT && !(flags & O_CREAT);
         return ehd_fail(error, missing ? EHD_NOINPUT : EHD_CANTCREATE,
                         "%s: found %s, expected a writable file", file->partial, strerror(errno));
     }
+    struct stat found;
+    if (fstat(file->lock, &found) != 0 || !S_ISREG(found.st_mode))
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected one or none",
+                        file->partial);
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     if (fcntl(file->lock, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES)) {
         return ehd_fail(error, EHD_CANTCREATE,

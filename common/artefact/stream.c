@@ -141,6 +141,11 @@ static ehd_status write_last(artefact *file, ehd_error *error) {
 }
 
 ehd_status artefact_finish(artefact **file, ehd_error *error) {
+    if (program_interrupted()) {
+        ehd_fail(error, EHD_INTERRUPTED, "%s: interrupted, not written", (*file)->path);
+        artefact_close(file);
+        return EHD_INTERRUPTED;
+    }
     ehd_status status = write_last(*file, error);
     if (status == EHD_OK) status = give_final_name(*file, error);
     artefact_delete(*file);

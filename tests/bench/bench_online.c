@@ -4,9 +4,8 @@
  *
  *     bench_online MODEL.h5 SCENE.yml [repeats] [key=value ...]
  *
- * With repeats = 0 it does six iterations from the trained solution nearest to the scene: for counting
- * instructions by callgrind with --toggle-collect=reduced_solve. Two models of the same training and
- * sizes on different grids then do the same work, whatever their accuracy. */
+ * With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
+ * instructions by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
 #include "romrun/model_file.h"
 #include "romrun/reduced_solver.h"
@@ -48,7 +47,7 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
 
 int main(int argc, char **argv) {
     const model_sizes whole = {0};
-    reduced_settings settings = reduced_default_settings();
+    const reduced_settings settings = reduced_default_settings();
     scene given;
     ehd_contact contact;
     reduced_model model;
@@ -61,10 +60,6 @@ int main(int argc, char **argv) {
     }
     openblas_set_num_threads(1);
     size_t repeats = argc > 3 ? strtoul(argv[3], NULL, 10) : 101;
-    if (repeats == 0) {
-        settings.max_iterations = 6;
-        settings.tolerance = 0;
-    }
     size_t num_overrides = argc > 4 ? (size_t)argc - 4 : 0;
     must(scene_read(&given, argv[2], (const char *const *)argv + 4, num_overrides, &error), &error);
     must(contact_init(&contact, &given, &error), &error);
@@ -78,10 +73,11 @@ int main(int argc, char **argv) {
         reduced_neighbour(&state, &model, contact.moes_M, contact.alpha_p_H);
         double start = grid_x(&model.grid, state.exit);
         must(reduced_solve(&infos[0], &state, solver, &contact, &error), &error);
-        printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %zu iterations, exit %.4f to "
-               "%.4f\n",
+        printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %s, %zu iterations, exit %.4f "
+               "to %.4f, H_c %.8f\n",
                model.grid.num_inner, model.num_unknowns, model.num_rows, model.num_needed,
-               infos[0].iterations, start, infos[0].exit_position);
+               infos[0].status ? "NOT CONVERGED" : "converged", infos[0].iterations, start,
+               infos[0].exit_position, infos[0].central_film_thickness);
     } else {
         for (size_t i = 0; i < repeats; i++) {
             reduced_guess(&state, &model, contact.moes_M, contact.alpha_p_H);
