@@ -59,7 +59,7 @@ for step in 0.005 0.00125; do
     cat >"$work/$name.yml" <<YML
 contact: line
 regime: stationary
-moes: {M: 20.5, L: 9.2}
+moes: {M: 18.5, L: 8.2}
 lubricant: {viscosity: {law: wlf, preset: no1}, density: {law: dowson-higginson}}
 grid: {step: $step}
 YML
