@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Comparison of doubles in tests; include this instead of cmocka.h. cmocka's own assert_float_equal
+/* Comparison of doubles in tests; include this instead of cmocka.h. cmocka's own float comparison
  * casts to float and lets NaN pass. */
 #ifndef EHD_CHECK_H
 #define EHD_CHECK_H
