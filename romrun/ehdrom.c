@@ -24,7 +24,6 @@ struct ehdrom_solver {
 
 ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_sizes *sizes,
                        ehd_error *error) {
-    model_sizes wanted = {0};
     ehdrom_model *self = calloc(1, sizeof *self);
 
     *model = NULL;
@@ -33,12 +32,7 @@ ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_size
         free(self);
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
-    if (sizes) {
-        wanted.pressure_modes = sizes->pressure_modes;
-        wanted.deformation_modes = sizes->deformation_modes;
-        wanted.rows = sizes->rows;
-    }
-    ehd_status status = model_read(&self->reduced, path, &wanted, error);
+    ehd_status status = model_read(&self->reduced, path, sizes, error);
     if (status)
         ehdrom_close(self);
     else

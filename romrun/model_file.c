@@ -331,7 +331,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
 }
 
 static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artefact *file,
-                               const model_sizes *wanted, ehd_error *error) {
+                               const ehdrom_sizes *wanted, ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
 
     stored->pressure = artefact_length(file, "pressure_mode");
@@ -354,17 +354,18 @@ static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artef
     return EHD_OK;
 }
 
-ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
+ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes *sizes,
                       ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};
     artefact *file = NULL;
+    const ehdrom_sizes whole = {0};
     stored_sizes stored;
     ehd_status status = artefact_open(&file, path, kinds, error);
 
     memset(model, 0, sizeof *model);
     if (!status) status = grid_read(&model->grid, &model->kind, file, error);
     if (!status) status = deformation_read(&model->deformation, file, error);
-    if (!status) status = choose_sizes(model, &stored, file, sizes, error);
+    if (!status) status = choose_sizes(model, &stored, file, sizes ? sizes : &whole, error);
     if (!status) status = read_places(model, file, error);
     if (!status) status = read_rows(model, file, &stored, error);
     if (!status) status = read_tables(model, file, &stored, error);

@@ -4,6 +4,7 @@
 #define EHD_MODEL_FILE_H
 
 #include "common/program/program.h"
+#include "romrun/ehdrom.h"
 #include "romrun/reduced_model.h"
 
 /* What a model file says about its rows. */
@@ -20,18 +21,13 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
-/* How much of a stored model is wanted; 0: all of it. */
-typedef struct model_sizes {
-    size_t pressure_modes, deformation_modes, rows;
-} model_sizes;
-
-/* Reads the first modes and rows of a model, without its full bases. EHD_DATA also for sizes larger
+/* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. EHD_DATA also for sizes larger
  * than what is stored and fewer rows than unknowns. */
 ehd_status model_read(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
-    const char *path, const model_sizes *sizes, ehd_error *error);
+    const char *path, const ehdrom_sizes *sizes, ehd_error *error);
 
 /* The pressure modes on the whole grid, for full fields: [num_nodes, num_pressure]. */
 ehd_status model_read_pressure_basis(

@@ -446,72 +446,87 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
     return distance <= (size_t)(SETTLED / model->grid.step) + 1;
 }
 
+/* The least-squares problem at the state; returns the number of its rows. */
+static size_t build_system(reduced_info *info, reduced_solver *self, const reduced_state *state,
+                           const ehd_contact *contact) {
+    double start = program_seconds();
+    move_cut(self, state->exit);
+    list_system_rows(self, state->exit);
+    double moved = program_seconds();
+    evaluate_rows(self, contact, state->coordinates);
+    size_t num_rows = fill_system(self, state->coordinates);
+
+    info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
+    info->seconds_exit += moved - start;
+    info->seconds_rows += program_seconds() - moved;
+    return num_rows;
+}
+
+/* Where an iteration has got to. */
+typedef struct iterate {
+    double film;   // H at X = 0 after the step
+    double change; // largest change of P at the needed nodes, undamped
+    double factor; // damping
+} iterate;
+
+/* Least squares and damped step. Returns why it failed, or NULL. */
+static const char *take_step(iterate *now, reduced_info *info, reduced_state *state,
+                             reduced_solver *self, size_t num_rows) {
+    const reduced_model *model = self->model;
+    double start = program_seconds();
+
+    if (least_squares_solve(self->step, self->least_squares, self->matrix, self->right, num_rows))
+        return "least squares not finite";
+    now->factor = damping(self, &now->change);
+    cblas_daxpy((int)model->num_unknowns, now->factor, self->step, 1, state->coordinates, 1);
+    now->film = at_centre(model, self->film) + now->factor * at_centre(model, self->step_film);
+    info->iterations++;
+    info->seconds_linear += program_seconds() - start;
+    return NULL;
+}
+
+/* Linear convergence at the observed rate says what another iteration would change. */
+static bool converged(const iterate *before, const iterate *now, double tolerance) {
+    const double pressure_tolerance = 1e-4;
+    double rate = fmin(now->change / before->change, 1);
+
+    return now->factor == 1 && fabs(now->film - before->film) * rate < tolerance * now->film &&
+           now->change * rate < pressure_tolerance;
+}
+
+/* Returns an error only where the observer or memory fails; the outcome is info->status. */
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, ehd_error *error) {
-    const reduced_model *model = self->model;
     exit_watch watch = {0, 0};
-    double film_before = NAN, change_before = NAN;
+    iterate before = {NAN, NAN, 0}, now;
 
     self->cut_exit = 0;
-    for (size_t iteration = 0;; iteration++) {
-        double start = program_seconds();
-        move_cut(self, state->exit);
-        list_system_rows(self, state->exit);
-        double moved = program_seconds();
-        evaluate_rows(self, contact, state->coordinates);
-        size_t num_rows = fill_system(self, state->coordinates);
-        double filled = program_seconds();
-        info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
-        info->seconds_exit += moved - start;
-        info->seconds_rows += filled - moved;
-        if (!isfinite(info->residual)) {
-            info->reason = "residual not finite";
-            return EHD_OK;
-        }
-        if (iteration >= self->settings.max_iterations) {
-            info->reason = "iteration limit reached";
-            return EHD_OK;
-        }
-
-        ehd_status status = least_squares_solve(self->step, self->least_squares, self->matrix,
-                                                self->right, num_rows);
-        if (status) {
-            info->reason = "least squares not finite";
-            return EHD_OK;
-        }
-        double change, factor = damping(self, &change);
-        cblas_daxpy((int)model->num_unknowns, factor, self->step, 1, state->coordinates, 1);
-        info->iterations++;
-        info->seconds_linear += program_seconds() - filled;
-        status = observe(self, error);
+    for (size_t iteration = 0;; iteration++, before = now) {
+        size_t num_rows = build_system(info, self, state, contact);
+        info->reason = !isfinite(info->residual)                    ? "residual not finite"
+                       : iteration >= self->settings.max_iterations ? "iteration limit reached"
+                                                                    : NULL;
+        if (!info->reason) info->reason = take_step(&now, info, state, self, num_rows);
+        if (info->reason) return EHD_OK;
+        ehd_status status = observe(self, error);
         if (status) return status;
-        if (!(factor > 0)) {
+        if (!(now.factor > 0)) {
             info->reason = "film would become negative";
             return EHD_OK;
         }
 
-        start = program_seconds();
+        double start = program_seconds();
         size_t wanted = adapt_exit(self, state, contact);
         size_t exit = watch_exit(&watch, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
-        double film = at_centre(model, self->film) + factor * at_centre(model, self->step_film);
-        bool moved_exit = exit != state->exit;
-        state->exit = exit;
-
-        // linear convergence at the observed rate says what another iteration would change
-        double film_change = fabs(film - film_before);
-        double rate = fmin(change / change_before, 1);
-        if (!moved_exit && factor == 1 && film_change * rate < self->settings.tolerance * film &&
-            change * rate < 1e-4) {
-            bool settled = exit_settled(model, exit, wanted);
+        if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
+            bool settled = exit_settled(self->model, exit, wanted);
             info->status = settled ? EHD_OK : EHD_UNTRUSTED;
             info->reason = settled ? "" : "an exit boundary that does not settle";
-            break;
+            return EHD_OK;
         }
-        film_before = film;
-        change_before = change;
+        state->exit = exit;
     }
-    return EHD_OK;
 }
 
 static void fill_scalars(reduced_info *info, reduced_solver *self, const reduced_state *state) {

@@ -46,7 +46,6 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
 }
 
 int main(int argc, char **argv) {
-    const model_sizes whole = {0};
     const reduced_settings settings = reduced_default_settings();
     scene given;
     ehd_contact contact;
@@ -63,7 +62,7 @@ int main(int argc, char **argv) {
     size_t num_overrides = argc > 4 ? (size_t)argc - 4 : 0;
     must(scene_read(&given, argv[2], (const char *const *)argv + 4, num_overrides, &error), &error);
     must(contact_init(&contact, &given, &error), &error);
-    must(model_read(&model, argv[1], &whole, &error), &error);
+    must(model_read(&model, argv[1], NULL, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
     reduced_state state = {malloc(model.num_unknowns * sizeof(double)), 0};
     reduced_info *infos = calloc(repeats + 1, sizeof *infos);

@@ -22,7 +22,7 @@ static size_t rows[NUM_ROWS]; // from before the contact to behind the exits
 static char folder[64], path[128];
 static ehd_error error;
 static char *words[] = {"podbuild", NULL};
-static const model_sizes everything = {0};
+static const ehdrom_sizes everything = {0};
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
@@ -137,7 +137,7 @@ static void basis_is_refused(const char *words_of_it) {
     check_refused(basis_read(&found, identity, path, &error), words_of_it);
 }
 
-static void model_is_refused(const model_sizes *sizes, const char *words_of_it) {
+static void model_is_refused(const ehdrom_sizes *sizes, const char *words_of_it) {
     reduced_model found;
 
     check_refused(model_read(&found, path, sizes, &error), words_of_it);
@@ -250,7 +250,7 @@ static void a_model_comes_back(void **state) {
 static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        const model_sizes sizes = {.rows = 30};
+        const ehdrom_sizes sizes = {.rows = 30};
         reduced_model whole, part, found;
         build_model(&whole, &bases[kind], NUM_ROWS);
         build_model(&part, &bases[kind], 30);
@@ -269,7 +269,7 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        const model_sizes sizes = {7, kind ? 0 : 6, 0};
+        const ehdrom_sizes sizes = {7, kind ? 0 : 6, 0};
         reduced_basis small;
         reduced_model whole, part, found;
         trained_basis(&small, &training, bases[kind].deformation, 7, kind ? 0 : 6);
@@ -362,7 +362,7 @@ static void bad_models_are_refused(void **state) {
 static void sizes_beyond_the_model_are_refused(void **state) {
     (void)state;
     const struct {
-        model_sizes sizes;
+        ehdrom_sizes sizes;
         const char *words;
     } cases[] = {{{10, 0, 0}, "--pressure-modes: found 10, expected at most the 9"},
                  {{0, 8, 0}, "--deformation-modes: found 8, expected at most the 7"},
@@ -373,7 +373,7 @@ static void sizes_beyond_the_model_are_refused(void **state) {
     write_model(&model, &bases[0]);
     for (size_t i = 0; i < 3; i++)
         model_is_refused(&cases[i].sizes, cases[i].words);
-    const model_sizes few = {0, 0, 8};
+    const ehdrom_sizes few = {0, 0, 8};
     reduced_model found;
     assert_int_equal(model_read(&found, path, &few, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "--rows: found 8, expected at least the 9 modes"));
