@@ -27,6 +27,9 @@ high=$here/scenes/stationary-line-high
 section "POD: pod_build against LAPACK dgesdd, 3001 x 1500 to 160 modes (goal: at most 1.3)"
 "$BENCH/bench_pod" || failed=1
 
+section "compression: 10000 snapshots of 1201 nodes while they come (goal: 20 s)"
+"$BENCH/bench_compress" || failed=1
+
 section "joint selection: 160 of 3001 rows, two bases of 160 (goal: at most 0.05 s)"
 "$BENCH/bench_selection" || failed=1
 
