@@ -24,6 +24,7 @@ void artefact_delete(artefact *file) {
     if (!file) return;
     if (file->id >= 0) H5Fclose(file->id);
     if (file->lock >= 0) close(file->lock);
+    free(file->held);
     free(file->lengths);
     free(file->history_line);
     free(file->partial);
@@ -92,6 +93,10 @@ size_t field_rank(const artefact_field *field) {
     return rank;
 }
 
+bool field_grows(const artefact *file, const artefact_field *field) {
+    return file->growing && strcmp(field->axes[0], file->growing) == 0;
+}
+
 bool artefact_has(const artefact *file, const char *field_or_attribute) {
     return hdf5_has_dataset(file->id, field_or_attribute) ||
            hdf5_has_attribute(file->id, field_or_attribute);
@@ -100,6 +105,58 @@ bool artefact_has(const artefact *file, const char *field_or_attribute) {
 size_t artefact_length(const artefact *file, const char *axis) {
     const size_t *length = find_length(file, axis);
     return length ? *length : 0;
+}
+
+/* Where a dataset is kept open, NULL when it is not to be. */
+static hid_t *held_dataset(const artefact *file, const char *name) {
+    if (!file->growing || !file->streaming) return NULL;
+    const artefact_field *field = find_field(file, name);
+    if (field) return field_grows(file, field) ? &file->held[field - file->schema->fields] : NULL;
+    if (strcmp(name, file->growing) != 0) return NULL;
+    size_t num_fields = 0;
+    while (file->schema->fields[num_fields].name)
+        num_fields++;
+    return &file->held[num_fields];
+}
+
+bool field_exists(const artefact *file, const artefact_field *field) {
+    const hid_t *held = held_dataset(file, field->name);
+    return (held && *held > 0) || hdf5_has_dataset(file->id, field->name);
+}
+
+hid_t open_dataset(artefact *file, const char *name) {
+    hid_t *held = held_dataset(file, name);
+    if (!held) return H5Dopen2(file->id, name, H5P_DEFAULT);
+    if (*held <= 0) *held = H5Dopen2(file->id, name, H5P_DEFAULT);
+    if (*held > 0) H5Iinc_ref(*held);
+    return *held;
+}
+
+size_t dataset_length(hid_t dataset) {
+    hsize_t dims[H5S_MAX_RANK] = {0};
+    hid_t space = H5Dget_space(dataset);
+    H5Sget_simple_extent_dims(space, dims, NULL);
+    hdf5_release(space);
+    return (size_t)dims[0];
+}
+
+bool set_dataset_length(hid_t dataset, size_t length) {
+    hsize_t dims[H5S_MAX_RANK] = {0};
+    hid_t space = H5Dget_space(dataset);
+    H5Sget_simple_extent_dims(space, dims, NULL);
+    hdf5_release(space);
+    dims[0] = length;
+    return H5Dset_extent(dataset, dims) >= 0;
+}
+
+bool extend_dataset(hid_t dataset, size_t length) {
+    return dataset_length(dataset) >= length || set_dataset_length(dataset, length);
+}
+
+/* Whether what has this name is on the growing axis, or the axis itself. */
+static bool grows(const artefact *file, const char *name) {
+    const artefact_field *field = find_field(file, name);
+    return field ? field_grows(file, field) : file->growing && strcmp(name, file->growing) == 0;
 }
 
 /* Selects the entries in the dataset's space and makes the space of the same shape in memory. */
@@ -123,9 +180,14 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
     herr_t outcome;
     ehd_status status = EHD_OK;
 
-    hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+    hid_t dataset = open_dataset(file, name);
     if (dataset < 0) {
         status = hdf5_read_failed(file, name, error);
+        goto done;
+    }
+    if (write_from && count != WHOLE_FIELD && grows(file, name) &&
+        !extend_dataset(dataset, first + count)) {
+        status = hdf5_write_failed(file, name, error);
         goto done;
     }
     file_space = H5Dget_space(dataset);

@@ -78,16 +78,37 @@ ehd_status artefact_create(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
+/* The same, with an axis that grows, of no entry yet. Fields may have it as their first axis only; what
+ * is never written of them reads as NaN or -1, and entries of more than one number then take no space
+ * on disk. */
+ehd_status artefact_create_growing(
+    // output:
+    artefact **file,
+    // input:
+    const char *path, const artefact_schema *schema, const char *axis, const program *program,
+    const char *settings_text, const char *const *inputs, ehd_error *error);
+
 /* Declares an axis of this file, of at least one entry, and writes its scale; `values` NULL: 0, 1, 2,
  * … as integers. */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
+/* Writes `count` values of the growing axis from `first` on. Beyond its length everything on the axis
+ * grows, the fields first and the axis itself last: a reader that asks the axis for its length finds as
+ * much of every field. Hence it is put after the fields of these entries. */
+ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
+                                  const double *values, ehd_error *error);
+
 /* Creates the dataset (chunked along its first axis, Fletcher-32, fill NaN or -1), units, long_name
  * and scales attached; all of its axes must exist. artefact_put does it when needed. */
 ehd_status artefact_declare(artefact *file, const char *field, ehd_error *error);
 
-/* Writes a whole field, or `count` entries along its first axis from `first` on. */
+/* The same, with entries along the first axis that share no checksum: a kill while one of them is
+ * overwritten leaves the others whole. */
+ehd_status artefact_declare_apart(artefact *file, const char *field, ehd_error *error);
+
+/* Writes a whole field, or `count` entries along its first axis from `first` on. A field on the growing
+ * axis grows as needed. */
 ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error);
 ehd_status artefact_put_integers(artefact *file, const char *field, const int64_t *data,
                                  ehd_error *error);
@@ -104,9 +125,9 @@ ehd_status artefact_put_text(artefact *file, const char *attribute, const char *
 /* From here on the file stays readable at any moment, even after a kill, and others may read it
  * (HDF5 single writer, multiple readers). All fields that the schema calls NEED_ALWAYS or NEED_OWN must
  * have been declared, and its NEED_ALWAYS attributes written (else EHD_INTERNAL). Only
- * artefact_put*_part on declared fields may follow, then artefact_flush, artefact_end_streaming,
- * artefact_finish or artefact_close. Entries reach the file in the order of the calls, so a `status`
- * put last is never there before what it speaks of. */
+ * artefact_put*_part on declared fields and the growing axis may follow, then artefact_flush,
+ * artefact_end_streaming, artefact_finish or artefact_close. Entries reach the file in the order of the
+ * calls, so a `status` put last is never there before what it speaks of. */
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
 
@@ -117,7 +138,9 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 /* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which can
  * also be read. EHD_NOINPUT when there is none; EHD_DATA when it is damaged or was interrupted before
  * it began to stream, or its schema or `settings_text` differ; EHD_CANTCREATE when PATH exists and
- * program->force is not set, or another process is writing. */
+ * program->force is not set, or another process is writing.
+ * A file with a growing axis is not streaming yet, and what is on the axis may differ in length by the
+ * entries that a killed run was writing: artefact_cut_axis has to come next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -125,9 +148,14 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
+/* Drops the entries of the growing axis from `length` on, checks those before, and streams again. Only
+ * after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged. */
+ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
+
 /* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the final
  * name. Frees the file in any case; on failure the .partial file stays. All fields that the schema
- * calls NEED_ALWAYS or NEED_OWN must have been written (else EHD_INTERNAL). */
+ * calls NEED_ALWAYS or NEED_OWN must have been written, and a growing axis have an entry (else
+ * EHD_INTERNAL). */
 ehd_status artefact_finish(artefact **file, ehd_error *error);
 
 // ---- reading
@@ -153,6 +181,8 @@ ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error
 bool artefact_has(const artefact *file, const char *field_or_attribute);
 /* Length of an axis; 0 when the file does not have it. */
 size_t artefact_length(const artefact *file, const char *axis);
+/* Whether artefact_get_axis has values to give. */
+bool artefact_has_scale(const artefact *file, const char *axis);
 
 /* Reads into the caller's memory; lengths are those of the axes. A checksum that fails, and an optional
  * field, attribute or scale that the file does not have, are EHD_DATA. A foreign file need not have

@@ -86,16 +86,26 @@ static void write_through(hid_t access) {
     H5Pset_cache(access, 0, 0, 0, 0.75);
 }
 
+/* Properties without a function of their own. */
+static void switch_on(hid_t access, const char *name) {
+    const hbool_t yes = true;
+    if (H5Pexist(access, name) > 0) H5Pset(access, name, &yes);
+}
+
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
-    static const char clear_name[] = "clear_status_flags"; // what h5clear uses
     hid_t access = access_properties();
     if (flags & H5F_ACC_RDWR) write_through(access);
-    if (clear_flags && H5Pexist(access, clear_name) > 0) {
-        hbool_t yes = true;
-        H5Pset(access, clear_name, &yes);
+    if (clear_flags) { // what h5clear uses
+        switch_on(access, "clear_status_flags");
+        switch_on(access, "skip_eof_check");
     }
     hid_t file = H5Fopen(path, flags, access);
     hdf5_release(access);
+    // what a killed writer added lies behind the end that the superblock knows, and must not be reused
+    if (file >= 0 && clear_flags && H5Fincrement_filesize(file, 0) < 0) {
+        hdf5_release(file);
+        return -1;
+    }
     return file;
 }
 
@@ -105,12 +115,20 @@ static void keep_in_header(hid_t properties) {
     H5Pset_attr_phase_change(properties, 65535, 0);
 }
 
-hid_t hdf5_create(const char *path) {
+/* Nothing smaller than a page of the system lies across two of them, and a kill comes between two pages
+ * of a write, if at all: no metadata is then half written. */
+static void keep_in_pages(hid_t creation) {
+    H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1);
+    H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES);
+}
+
+hid_t hdf5_create(const char *path, bool growing) {
     hid_t access = access_properties();
     hid_t creation = H5Pcreate(H5P_FILE_CREATE);
     write_through(access);
     keep_in_header(creation);
     H5Pset_link_phase_change(creation, 65535, 0);
+    if (growing) keep_in_pages(creation);
     hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
     hdf5_release(creation);
     hdf5_release(access);

@@ -10,12 +10,15 @@
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
-    char *path;         // the final name
-    char *partial;      // the name while it is written; NULL when reading
-    char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
-    size_t *lengths;    // [number of the schema's axes], 0: not known (yet)
-    int lock;           // descriptor that holds the writer's lock; -1 when reading
-    bool force;         // an existing final file may be replaced
+    char *path;          // the final name
+    char *partial;       // the name while it is written; NULL when reading
+    char *history_line;  // of the run that resumed the file, added at the end; NULL otherwise
+    size_t *lengths;     // [number of the schema's axes], 0: not known (yet)
+    const char *growing; // name of the axis that grows while writing; NULL: none
+    hid_t *held;         // [number of the schema's fields + 1], the last for the growing axis:
+                         // what is on it, kept open while streaming; 0: not open
+    int lock;            // descriptor that holds the writer's lock; -1 when reading
+    bool force;          // an existing final file may be replaced
     bool streaming;
     bool keep;   // the partial file is of use to --resume
     bool failed; // a write failed, so the file must not get its final name
@@ -44,9 +47,12 @@ ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *erro
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
 /* Opens an existing file. `flags` as for H5Fopen; `clear_flags` also clears what a killed writer left
- * in the superblock, as h5clear does. Negative on failure. */
+ * in the superblock, and takes in all that it wrote behind the end that it noted there, as h5clear
+ * does. Negative on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
-hid_t hdf5_create(const char *path);
+enum { HDF5_PAGE_BYTES = 4096 };
+/* `growing`: laid out for metadata that change while streaming. */
+hid_t hdf5_create(const char *path, bool growing);
 
 /* Scalar attributes of an object, replacing an attribute of the same name. True when written. */
 bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *value);
@@ -102,9 +108,24 @@ const artefact_attribute *find_attribute(const artefact *file, const char *name)
 size_t *find_length(const artefact *file, const char *axis); // NULL: no such axis in the schema
 const char *shown_name(const artefact *file);                // of the file on disk, for messages
 size_t field_rank(const artefact_field *field);
+bool field_grows(const artefact *file, const artefact_field *field);
+
+/* Whether a field is in the file. */
+bool field_exists(const artefact *file, const artefact_field *field);
+
+/* Opens a dataset, to be released. What is on the growing axis is kept open behind that while streaming,
+ * because every entry goes into all of it. Negative on failure. */
+hid_t open_dataset(artefact *file, const char *name);
+
+/* Length of a dataset along its first axis. */
+size_t dataset_length(hid_t dataset);
+/* Makes a dataset on the growing axis longer or shorter. */
+bool set_dataset_length(hid_t dataset, size_t length);
+/* Makes it longer where it is too short. */
+bool extend_dataset(hid_t dataset, size_t length);
 
 /* Reads or writes `count` entries along the first axis; one of the two buffers is NULL. `count`
- * WHOLE_FIELD: all of them. */
+ * WHOLE_FIELD: all of them. What is on the growing axis grows to take what is written. */
 #define WHOLE_FIELD ((size_t)-1)
 ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t first,
                     size_t count, void *read_into, const void *write_from, ehd_error *error);
@@ -114,7 +135,9 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
 /* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
  * the axis lengths. */
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
-/* Reads every dataset that the schema knows, so that every checksum is verified. */
+/* Reads every dataset that the schema knows, so that every checksum is verified. Of a file being
+ * written with a growing axis only the axes and what is on that one, because the rest is overwritten
+ * in place. */
 ehd_status read_everything(artefact *file, ehd_error *error);
 /* -1 where the attribute is not there. */
 int64_t completeness(const artefact *file);

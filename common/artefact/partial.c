@@ -58,7 +58,11 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     while (schema->axes[num_axes].name)
         num_axes++;
     file->lengths = calloc(num_axes + 1, sizeof *file->lengths);
-    if (!file->lengths) goto no_memory;
+    size_t num_fields = 0;
+    while (schema->fields[num_fields].name)
+        num_fields++;
+    file->held = calloc(num_fields + 1, sizeof *file->held);
+    if (!file->lengths || !file->held) goto no_memory;
     file->schema = schema;
     file->force = caller->force;
 

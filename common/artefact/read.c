@@ -144,10 +144,15 @@ static bool type_fits(hid_t dataset, artefact_type type) {
     return found == H5T_INTEGER || (found == H5T_FLOAT && type == ARTEFACT_REAL);
 }
 
-/* Every axis has one length in the whole file; the first dataset that has the axis decides. */
+/* Every axis has one length in the whole file; the first dataset that has the axis decides, which is
+ * its scale. What is on a growing axis may be longer until the axis is cut. */
 static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
                                ehd_error *error) {
     size_t *length = find_length(file, axis);
+    if (file->growing && strcmp(axis, file->growing) == 0) {
+        if (strcmp(object, axis) == 0) *length = found;
+        return EHD_OK;
+    }
     if (found == 0) {
         return ehd_fail(error, EHD_DATA, "%s: %s: found length 0 along %s, expected at least 1",
                         shown_name(file), object, axis);
@@ -184,8 +189,9 @@ typedef struct scale_use {
     int axis;
 } scale_use;
 
-/* The uses of a scale, NULL when it tells none; free(). They are read from the scale's side, because the
- * datasets' own lists lie in a heap without checksums, over which HDF5 1.10 hangs when it is damaged. */
+/* The uses of a scale, NULL when it tells none or there is no memory for *num_uses; free(). They are
+ * read from the scale's side, because the datasets' own lists lie in a heap without checksums, over
+ * which HDF5 1.10 hangs when it is damaged. */
 static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     static const char list[] = "REFERENCE_LIST";
     if (!hdf5_has_attribute(scale, list)) return NULL;
@@ -200,6 +206,7 @@ static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     if (uses && H5Aread(attribute, type, uses) < 0) {
         free(uses);
         uses = NULL;
+        *num_uses = 0;
     }
     hdf5_release(type);
     hdf5_release(space);
@@ -228,6 +235,10 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     scale_use *uses = read_scale_uses(scale, &num_uses);
     ehd_status status = EHD_OK;
     const artefact_field *field = NULL;
+    if (!uses && num_uses > 0) {
+        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
+                          shown_name(file), axis);
+    }
     for (size_t i = 0; uses && i < num_uses && status == EHD_OK; i++) {
         if (use_fits(file, scale, &uses[i], axis, &field)) continue;
         status =
@@ -358,7 +369,7 @@ ehd_status artefact_get_integers_part(artefact *file, const char *field, size_t 
 }
 
 /* A bare netCDF dimension is a scale without values, and says so in its name. */
-static bool has_scale_values(const artefact *file, const char *axis) {
+bool artefact_has_scale(const artefact *file, const char *axis) {
     static const char bare[] = "This is a netCDF dimension but not a netCDF variable";
     if (!hdf5_has_dataset(file->id, axis)) return false;
     hid_t dataset = H5Dopen2(file->id, axis, H5P_DEFAULT);
@@ -370,7 +381,7 @@ static bool has_scale_values(const artefact *file, const char *axis) {
 }
 
 ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error) {
-    if (!has_scale_values(file, axis)) {
+    if (!artefact_has_scale(file, axis)) {
         return ehd_fail(error, EHD_DATA, "%s: found no values of axis %s, expected its scale",
                         shown_name(file), axis);
     }
@@ -438,6 +449,7 @@ ehd_status read_everything(artefact *file, ehd_error *error) {
     }
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
+        if (file->growing && !field_grows(file, field)) continue;
         if (hdf5_has_dataset(file->id, field->name)) {
             status = read_slices(file, field->name, field->axes, field_rank(field), error);
         }

@@ -62,7 +62,11 @@
 // ---- result
 
 static const artefact_axis result_axes[] = {
-    {"time", "1", "dimensionless time T of the entries; 0 when stationary"}, X_AXIS, {0}};
+    {"time", "1", "dimensionless time T of the entries; 0 when stationary"},
+    X_AXIS,
+    {"restart_slot", "1", "index of the restart slot"},
+    {"restart_entry", "1", "index of the number in a restart slot"},
+    {0}};
 
 static const artefact_field result_fields[] = {
     REAL("pressure", "1", NEED_OPTIONAL, "pressure P, in Hertz pressures of the current frame",
@@ -82,6 +86,14 @@ static const artefact_field result_fields[] = {
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
+    REAL("time_step", "1", NEED_OPTIONAL,
+         "step in T that led to the entry, 0 at the start; only when transient", "time"),
+    REAL("restart", "1", NEED_OPTIONAL,
+         "what the program that wrote the file needs to resume it, only when transient",
+         "restart_slot", "restart_entry"),
+    INTEGER("restart_entries", NEED_OPTIONAL,
+            "number of entries of time after which the slot resumes, -1 while it is not valid",
+            "restart_slot"),
     {0}};
 
 static const artefact_attribute result_attributes[] = {
@@ -101,10 +113,16 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("solve_seconds_exit", ARTEFACT_REAL, "s", NEED_OPTIONAL,
               "part of it for finding the exit"),
     ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
+    ATTRIBUTE("steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "accepted time steps, only when transient"),
+    ATTRIBUTE("rejected_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "time steps that were taken again with a shorter one"),
+    ATTRIBUTE("total_newton_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "Newton iterations of all time steps, rejected ones too"),
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 0, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 1, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots

@@ -46,7 +46,7 @@ ehd_status artefact_flush(artefact *file, ehd_error *error) {
 
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {
     if (!file->streaming) return EHD_OK;
-    herr_t outcome = H5Fclose(file->id);
+    herr_t outcome = H5Fclose(file->id); // with all that was kept open
     file->id = -1;
     file->streaming = false;
     if (outcome < 0) return hdf5_write_failed(file, "file", error);
@@ -74,14 +74,31 @@ static ehd_status check_same_settings(const artefact *file, const char *settings
     return same ? EHD_OK : not_resumable(file, "other settings", error);
 }
 
+/* The name in the schema of the axis whose scale has no bound; NULL: none. */
+static const char *find_growing(const artefact *file) {
+    const char *growing = NULL;
+    for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
+        if (!hdf5_has_dataset(file->id, axis->name)) continue;
+        hsize_t most[H5S_MAX_RANK] = {0};
+        hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
+        hid_t space = H5Dget_space(dataset);
+        H5Sget_simple_extent_dims(space, NULL, most);
+        if (most[0] == H5S_UNLIMITED) growing = axis->name;
+        hdf5_release(space);
+        hdf5_release(dataset);
+    }
+    return growing;
+}
+
 static ehd_status resume_streaming(artefact *file, const program *caller, const char *settings_text,
                                    ehd_error *error) {
     const artefact_schema *const schemas[] = {file->schema, NULL};
     file->id = hdf5_open(file->partial, H5F_ACC_RDWR, true);
     if (file->id < 0) return not_resumable(file, "no whole HDF5 file", error);
+    file->growing = find_growing(file);
     ehd_status status = examine(file, schemas, error);
     if (status == EHD_OK) status = check_same_settings(file, settings_text, error);
-    if (status == EHD_OK) status = read_everything(file, error);
+    if (status == EHD_OK && !file->growing) status = read_everything(file, error);
     if (status != EHD_OK) return status;
 
     // a run whose last rename failed left 1
@@ -93,7 +110,7 @@ static ehd_status resume_streaming(artefact *file, const program *caller, const 
         return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
                         file->path);
     }
-    return artefact_begin_streaming(file, error);
+    return file->growing ? EHD_OK : artefact_begin_streaming(file, error);
 }
 
 ehd_status artefact_resume(artefact **result, const char *path, const artefact_schema *schema,
@@ -107,6 +124,39 @@ ehd_status artefact_resume(artefact **result, const char *path, const artefact_s
     if (status != EHD_OK) artefact_close(&file);
     *result = file;
     return status;
+}
+
+static ehd_status cut_dataset(artefact *file, const char *name, size_t length, ehd_error *error) {
+    hid_t dataset = open_dataset(file, name);
+    if (dataset < 0) return hdf5_read_failed(file, name, error);
+
+    ehd_status status = EHD_OK;
+    size_t found = dataset_length(dataset);
+    if (found < length) {
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found %zu entries, expected at least %zu",
+                          file->partial, name, found, length);
+    } else if (found > length && !set_dataset_length(dataset, length)) {
+        status = hdf5_write_failed(file, name, error);
+    }
+    hdf5_release(dataset);
+    return status;
+}
+
+ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error) {
+    if (file->streaming || !file->growing || strcmp(name, file->growing) != 0) {
+        return ehd_fail(error, EHD_INTERNAL,
+                        "%s: found axis %s, expected the one that grows, before streaming",
+                        file->path, name);
+    }
+    ehd_status status = cut_dataset(file, name, length, error);
+    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
+         field++) {
+        if (!field_grows(file, field) || !field_exists(file, field)) continue;
+        status = cut_dataset(file, field->name, length, error);
+    }
+    *find_length(file, name) = length;
+    if (status == EHD_OK) status = read_everything(file, error);
+    return status == EHD_OK ? artefact_begin_streaming(file, error) : status;
 }
 
 // ---- finish
@@ -124,6 +174,10 @@ static ehd_status write_last(artefact *file, ehd_error *error) {
     if (file->failed) {
         return ehd_fail(error, EHD_IO, "%s: found an earlier write failure, expected a whole file",
                         file->partial);
+    }
+    if (file->growing && artefact_length(file, file->growing) == 0) {
+        return ehd_fail(error, EHD_INTERNAL, "%s: %s: found no entry, expected at least one",
+                        file->partial, file->growing);
     }
     ehd_status status = artefact_end_streaming(file, error);
     if (status == EHD_OK) status = check_fields_written(file, error);

@@ -12,6 +12,17 @@
 // Scalars share a chunk, and a large field has several chunks an entry.
 enum { CHUNK_LEAST_BYTES = 8192, CHUNK_MOST_BYTES = 1 << 20 };
 
+// Of scalars on a growing axis two chunks with their checksums fill a page. They are small because
+// every entry rewrites one.
+enum { CHUNK_GROWING_SCALARS = (HDF5_PAGE_BYTES / 2 - 4) / 8 };
+
+typedef enum layout {
+    LAYOUT_PLAIN,
+    LAYOUT_EARLY,  // the space is taken and filled at once, so that later writes change no metadata
+    LAYOUT_APART,  // the same, and each entry of the first axis is one chunk
+    LAYOUT_GROWING // the first axis has no bound, and space is taken for what is written
+} layout;
+
 // ---- the file
 
 /* --force replaces an earlier output, never what the program reads. */
@@ -27,16 +38,16 @@ static ehd_status check_inputs(const char *path, const char *const *inputs, ehd_
     return EHD_OK;
 }
 
-ehd_status artefact_create(artefact **result, const char *path, const artefact_schema *schema,
-                           const program *caller, const char *settings_text,
-                           const char *const *inputs, ehd_error *error) {
+static ehd_status create_file(artefact **result, const char *path, const artefact_schema *schema,
+                              bool growing, const program *caller, const char *settings_text,
+                              const char *const *inputs, ehd_error *error) {
     *result = NULL;
     artefact *file = NULL;
     ehd_status status = check_inputs(path, inputs, error);
     if (status == EHD_OK) status = writer_new(&file, path, schema, caller, O_CREAT, error);
     if (status != EHD_OK) return status;
 
-    file->id = hdf5_create(file->partial);
+    file->id = hdf5_create(file->partial, growing);
     if (file->id < 0) {
         hdf5_reason reason = hdf5_last_reason();
         status =
@@ -50,17 +61,31 @@ ehd_status artefact_create(artefact **result, const char *path, const artefact_s
     return status;
 }
 
+ehd_status artefact_create(artefact **file, const char *path, const artefact_schema *schema,
+                           const program *caller, const char *settings_text,
+                           const char *const *inputs, ehd_error *error) {
+    return create_file(file, path, schema, false, caller, settings_text, inputs, error);
+}
+
 // ---- axes and fields
 
+/* Entries of the first axis to a chunk. */
+static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, layout kind) {
+    if (kind == LAYOUT_APART) return 1;
+    if (kind == LAYOUT_GROWING) return rank == 1 ? CHUNK_GROWING_SCALARS : 1;
+    hsize_t entries = entry_bytes < CHUNK_LEAST_BYTES ? CHUNK_LEAST_BYTES / entry_bytes : 1;
+    return entries < length ? entries : length;
+}
+
 /* Entries of the first axis to a chunk, and parts of an entry where one alone is too large. */
-static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank) {
+static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout kind) {
     hsize_t entry = 8;
     for (int i = 1; i < rank; i++)
         entry *= dims[i];
-    hsize_t entries = entry < CHUNK_LEAST_BYTES ? CHUNK_LEAST_BYTES / entry : 1;
-    chunk[0] = entries < dims[0] ? entries : dims[0];
+    chunk[0] = entries_of_chunk(dims[0], entry, rank, kind);
     for (int i = 1; i < rank; i++)
         chunk[i] = dims[i];
+    if (kind == LAYOUT_APART) return; // whole chunks are overwritten without being read
     for (int i = 1; i < rank && entry > CHUNK_MOST_BYTES; i++) {
         hsize_t row = entry / chunk[i];
         hsize_t fit = CHUNK_MOST_BYTES / row;
@@ -70,15 +95,18 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank) {
     }
 }
 
-/* `early`: the space is taken and filled at once, so that later writes change no metadata. */
 static hid_t create_dataset(hid_t root, const char *name, bool integer, const hsize_t *dims,
-                            int rank, bool early) {
+                            int rank, layout kind) {
     const double no_real = NAN;
     const int64_t no_integer = -1;
     hid_t type = integer ? H5T_STD_I64LE : H5T_IEEE_F64LE;
     hid_t native = integer ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE;
+    const bool early = kind == LAYOUT_EARLY || kind == LAYOUT_APART;
     hsize_t chunk[ARTEFACT_MAX_RANK];
-    choose_chunks(chunk, dims, rank);
+    hsize_t most[ARTEFACT_MAX_RANK];
+    choose_chunks(chunk, dims, rank, kind);
+    memcpy(most, dims, (size_t)rank * sizeof *most);
+    if (kind == LAYOUT_GROWING) most[0] = H5S_UNLIMITED;
 
     hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_chunk(properties, rank, chunk);
@@ -87,7 +115,7 @@ static hid_t create_dataset(hid_t root, const char *name, bool integer, const hs
     H5Pset_alloc_time(properties, early ? H5D_ALLOC_TIME_EARLY : H5D_ALLOC_TIME_INCR);
     H5Pset_fill_value(properties, native,
                       integer ? (const void *)&no_integer : (const void *)&no_real);
-    hid_t space = H5Screate_simple(rank, dims, NULL);
+    hid_t space = H5Screate_simple(rank, dims, most);
     hid_t dataset = H5Dcreate2(root, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
     hdf5_release(space);
     hdf5_release(properties);
@@ -99,12 +127,19 @@ static bool describe(hid_t dataset, const char *units, const char *long_name) {
            hdf5_put_string(dataset, "long_name", long_name);
 }
 
+/* A scale without values yet. */
+static bool create_scale(hid_t *dataset, hid_t root, const artefact_axis *axis, bool integer,
+                         size_t length, layout kind) {
+    hsize_t dims[1] = {length};
+    *dataset = create_dataset(root, axis->name, integer, dims, 1, kind);
+    return *dataset >= 0 && describe(*dataset, axis->units, axis->long_name) &&
+           H5DSset_scale(*dataset, axis->name) >= 0;
+}
+
 static bool write_scale(hid_t root, const artefact_axis *axis, size_t length,
                         const double *values) {
-    hsize_t dims[1] = {length};
-    hid_t dataset = create_dataset(root, axis->name, !values, dims, 1, false);
-    bool written = dataset >= 0 && describe(dataset, axis->units, axis->long_name) &&
-                   H5DSset_scale(dataset, axis->name) >= 0;
+    hid_t dataset = -1;
+    bool written = create_scale(&dataset, root, axis, !values, length, LAYOUT_PLAIN);
     if (written && values) {
         written = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
     } else if (written) {
@@ -119,12 +154,19 @@ static bool write_scale(hid_t root, const artefact_axis *axis, size_t length,
     return written;
 }
 
-ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
-                             ehd_error *error) {
+/* The schema's axis of this name, NULL when it has none or the file has it already. */
+static const artefact_axis *new_axis(const artefact *file, const char *name) {
     const artefact_axis *axis = file->schema->axes;
     while (axis->name && strcmp(axis->name, name) != 0)
         axis++;
-    if (!axis->name || length == 0 || file->streaming || *find_length(file, name) > 0) {
+    bool usable = axis->name && !file->streaming && !hdf5_has_dataset(file->id, name);
+    return usable ? axis : NULL;
+}
+
+ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
+                             ehd_error *error) {
+    const artefact_axis *axis = new_axis(file, name);
+    if (!axis || length == 0) {
         return ehd_fail(
             error, EHD_INTERNAL,
             "%s: found axis %s of length %zu, expected a new one of %s that is not empty",
@@ -133,6 +175,30 @@ ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, co
     if (!write_scale(file->id, axis, length, values)) return hdf5_write_failed(file, name, error);
     *find_length(file, name) = length;
     return EHD_OK;
+}
+
+static ehd_status put_growing_axis(artefact *file, const char *name, ehd_error *error) {
+    const artefact_axis *axis = new_axis(file, name);
+    if (!axis) {
+        return ehd_fail(error, EHD_INTERNAL, "%s: found axis %s, expected one of %s", file->path,
+                        name, file->schema->name);
+    }
+    hid_t dataset = -1;
+    bool written = create_scale(&dataset, file->id, axis, false, 0, LAYOUT_GROWING);
+    ehd_status status = written ? EHD_OK : hdf5_write_failed(file, name, error);
+    hdf5_release(dataset);
+    file->growing = axis->name;
+    return status;
+}
+
+ehd_status artefact_create_growing(artefact **file, const char *path, const artefact_schema *schema,
+                                   const char *axis, const program *caller,
+                                   const char *settings_text, const char *const *inputs,
+                                   ehd_error *error) {
+    ehd_status status = create_file(file, path, schema, true, caller, settings_text, inputs, error);
+    if (status == EHD_OK) status = put_growing_axis(*file, axis, error);
+    if (status != EHD_OK) artefact_close(file);
+    return status;
 }
 
 static bool attach_scales(hid_t root, hid_t dataset, const artefact_field *field) {
@@ -145,19 +211,21 @@ static bool attach_scales(hid_t root, hid_t dataset, const artefact_field *field
     return attached;
 }
 
-static ehd_status declare(artefact *file, const artefact_field *field, bool early,
+static ehd_status declare(artefact *file, const artefact_field *field, layout kind,
                           ehd_error *error) {
     hsize_t dims[ARTEFACT_MAX_RANK];
     int rank = (int)field_rank(field);
+    const bool growing = field_grows(file, field);
     for (int i = 0; i < rank; i++) {
         dims[i] = artefact_length(file, field->axes[i]);
-        if (dims[i] == 0) {
+        if (dims[i] == 0 && !(growing && i == 0)) {
             return ehd_fail(error, EHD_INTERNAL, "%s: %s: found no axis %s, expected it before",
                             file->path, field->name, field->axes[i]);
         }
     }
     bool integer = field->type == ARTEFACT_INTEGER;
-    hid_t dataset = create_dataset(file->id, field->name, integer, dims, rank, early);
+    if (growing) kind = LAYOUT_GROWING;
+    hid_t dataset = create_dataset(file->id, field->name, integer, dims, rank, kind);
     bool written = dataset >= 0 && describe(dataset, field->units, field->long_name) &&
                    attach_scales(file->id, dataset, field);
     ehd_status status = written ? EHD_OK : hdf5_write_failed(file, field->name, error);
@@ -165,13 +233,21 @@ static ehd_status declare(artefact *file, const artefact_field *field, bool earl
     return status;
 }
 
-ehd_status artefact_declare(artefact *file, const char *name, ehd_error *error) {
+static ehd_status declare_new(artefact *file, const char *name, layout kind, ehd_error *error) {
     const artefact_field *field = find_field(file, name);
     if (!field || file->streaming || hdf5_has_dataset(file->id, name)) {
         return ehd_fail(error, EHD_INTERNAL, "%s: found field %s, expected a new one of %s",
                         file->path, name, file->schema->name);
     }
-    return declare(file, field, true, error);
+    return declare(file, field, kind, error);
+}
+
+ehd_status artefact_declare(artefact *file, const char *name, ehd_error *error) {
+    return declare_new(file, name, LAYOUT_EARLY, error);
+}
+
+ehd_status artefact_declare_apart(artefact *file, const char *name, ehd_error *error) {
+    return declare_new(file, name, LAYOUT_APART, error);
 }
 
 static ehd_status put(artefact *file, const char *name, artefact_type type, size_t first,
@@ -183,12 +259,12 @@ static ehd_status put(artefact *file, const char *name, artefact_type type, size
                         file->schema->name);
     }
     ehd_status status = EHD_OK;
-    if (!hdf5_has_dataset(file->id, name)) {
+    if (!field_exists(file, field)) {
         if (file->streaming) {
             return ehd_fail(error, EHD_INTERNAL, "%s: found field %s, expected a declared one",
                             file->path, name);
         }
-        status = declare(file, field, false, error);
+        status = declare(file, field, LAYOUT_PLAIN, error);
     }
     if (status != EHD_OK) return status;
     return transfer(file, name, type, first, count, NULL, data, error);
@@ -211,6 +287,42 @@ ehd_status artefact_put_part(artefact *file, const char *field, size_t first, si
 ehd_status artefact_put_integers_part(artefact *file, const char *field, size_t first, size_t count,
                                       const int64_t *data, ehd_error *error) {
     return put(file, field, ARTEFACT_INTEGER, first, count, data, error);
+}
+
+// ---- the growing axis
+
+/* Lets all fields on the growing axis have at least `length` entries. */
+static ehd_status extend_fields(artefact *file, size_t length, ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
+         field++) {
+        if (!field_grows(file, field) || !field_exists(file, field)) continue;
+        hid_t dataset = open_dataset(file, field->name);
+        if (dataset < 0 || !extend_dataset(dataset, length))
+            status = hdf5_write_failed(file, field->name, error);
+        hdf5_release(dataset);
+    }
+    return status;
+}
+
+ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
+                                  const double *values, ehd_error *error) {
+    if (!file->growing || strcmp(name, file->growing) != 0) {
+        return ehd_fail(error, EHD_INTERNAL, "%s: found axis %s, expected the one that grows",
+                        file->path, name);
+    }
+    size_t *length = find_length(file, name);
+    ehd_status status = EHD_OK;
+    if (first + count > *length) {
+        status = extend_fields(file, first + count, error);
+        // only a flush makes sure that what the fields became is seen before what the axis becomes
+        if (status == EHD_OK) status = artefact_flush(file, error);
+    }
+    if (status == EHD_OK) {
+        status = transfer(file, name, ARTEFACT_REAL, first, count, NULL, values, error);
+    }
+    if (status == EHD_OK && first + count > *length) *length = first + count;
+    return status;
 }
 
 // ---- attributes

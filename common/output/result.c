@@ -10,7 +10,7 @@
 
 // ---- writing
 
-static ehd_status put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
+ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
     ehd_status status = grid_write_attributes(file, contact->kind, &contact->grid, error);
     if (!status) status = artefact_put_real(file, "hertz_pressure", contact->hertz_pressure, error);
     if (!status) status = artefact_put_real(file, "moes_M", contact->moes_M, error);
@@ -25,16 +25,16 @@ ehd_status result_create(artefact **file, const program *caller, const ehd_conta
     ehd_status status =
         artefact_create(file, caller->output, &schema_result, caller, settings_text, inputs, error);
     if (!status) status = artefact_put_axis(*file, "time", 1, &stationary, error);
-    if (!status) status = put_contact(*file, contact, error);
+    if (!status) status = result_put_contact(*file, contact, error);
     if (status) artefact_close(file);
     return status;
 }
 
-static int64_t stored_status(ehd_status status) {
+int64_t result_stored_status(ehd_status status) {
     return status == EHD_NOT_CONVERGED ? 1 : (int64_t)status;
 }
 
-static ehd_status put_seconds(artefact *file, const run_result *result, ehd_error *error) {
+ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error) {
     const struct {
         const char *name;
         double seconds;
@@ -79,7 +79,7 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
                  {"exit_position", result->exit_position},
                  {"residual_norm", result->residual}};
     const int64_t iterations = (int64_t)result->newton_iterations;
-    const int64_t outcome = stored_status(result->status);
+    const int64_t outcome = result_stored_status(result->status);
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
@@ -94,7 +94,7 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
     ehd_status status = put_fields(*file, result, &contact->grid, error);
 
     if (!status) status = put_scalars(*file, result, error);
-    if (!status) status = put_seconds(*file, result, error);
+    if (!status) status = result_put_seconds(*file, result, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
     return status;
@@ -130,8 +130,8 @@ void result_print(const run_result *result, const ehd_contact *contact) {
 
 // ---- reading
 
-static ehd_status get_attributes(stored_result *stored, artefact *file, const contact_kind *kind,
-                                 ehd_error *error) {
+ehd_status result_get_contact(stored_result *stored, artefact *file, const contact_kind *kind,
+                              ehd_error *error) {
     char *contact = NULL;
     ehd_status status = artefact_get_text(file, "contact", &contact, error);
 
@@ -139,6 +139,8 @@ static ehd_status get_attributes(stored_result *stored, artefact *file, const co
         status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s",
                           artefact_path(file), contact, kind->name);
     free(contact);
+    stored->num_inner = artefact_length(file, "x");
+    stored->moes_L = NAN;
     if (!status) status = artefact_get_real(file, "x_min", &stored->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &stored->step, error);
     if (!status) status = artefact_get_real(file, "hertz_pressure", &stored->hertz_pressure, error);
@@ -200,8 +202,7 @@ static ehd_status get_result(stored_result *stored, artefact *file, const contac
         return ehd_fail(error, EHD_DATA,
                         "%s: time: found %zu entries, expected 1, of a stationary result", path,
                         num_times);
-    stored->num_inner = artefact_length(file, "x");
-    ehd_status status = get_attributes(stored, file, kind, error);
+    ehd_status status = result_get_contact(stored, file, kind, error);
     if (!status) status = get_scalars(stored, file, error);
     if (!status && want_fields)
         status = get_field(&stored->pressure, stored->num_inner, file, "pressure", error);
@@ -216,7 +217,7 @@ ehd_status result_read(stored_result *stored, const char *path, const contact_ki
     artefact *file = NULL;
 
     memset(stored, 0, sizeof *stored);
-    stored->moes_L = stored->central_pressure = stored->exit_position = NAN;
+    stored->central_pressure = stored->exit_position = NAN;
     ehd_status status = artefact_open(&file, path, schemas, error);
     if (!status) status = get_result(stored, file, kind, want_fields, error);
     artefact_close(&file);

@@ -43,6 +43,15 @@ ehd_status result_create(
 ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
                         ehd_error *error);
 
+/* What result files of one and of many times share. */
+
+/* Attributes that tell the reference contact. */
+ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error);
+/* Attributes solve_seconds and its parts; of the result, only the times are used. */
+ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error);
+/* As written to the field `status`. */
+int64_t result_stored_status(ehd_status status);
+
 /* The short result a person wants, on stdout; with um, GPa and N/m when the contact is physical. */
 void result_print(const run_result *result, const ehd_contact *contact);
 
@@ -62,6 +71,14 @@ typedef struct stored_result {
     double *pressure; // [num_inner], NULL: not in the file or not wanted
     double *film;     // [num_inner], NULL: not in the file or not wanted
 } stored_result;
+
+/* Grid and reference contact of an open file; moes_L is NaN where the file has none. EHD_DATA for
+ * another kind of contact. */
+ehd_status result_get_contact(
+    // output:
+    stored_result *stored, // only these members of it
+    // input:
+    artefact *file, const contact_kind *kind, ehd_error *error);
 
 /* Errors as artefact_open; EHD_DATA also for several times and numbers that are not finite in a
  * converged result. */

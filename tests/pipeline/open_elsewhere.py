@@ -71,7 +71,9 @@ def ncdump(path):
     with h5py.File(path, "r") as file:
         for name, dataset in file.items():
             if h5py.h5ds.is_scale(dataset.id):
-                assert f"\t{name} = {len(dataset)} ;" in header, f"no dimension {name}"
+                fixed = f"\t{name} = {len(dataset)} ;"
+                growing = f"\t{name} = UNLIMITED ; // ({len(dataset)} currently)"
+                assert fixed in header or growing in header, f"no dimension {name}"
     subprocess.run(["ncdump", path], check=True, stdout=subprocess.DEVNULL)
 
 

@@ -60,13 +60,17 @@ static double pressure_at(size_t state, size_t node) {
     return (double)state + 0.1 * (double)node + 1.0 / 3.0;
 }
 
-static void put_grid(artefact *file) {
+static void put_x(artefact *file) {
     const double x[NUM_NODES] = {-1.0, -0.5, 0.0, 0.5};
-    check_ok(artefact_put_axis(file, "state", NUM_STATES, NULL, &error));
     check_ok(artefact_put_axis(file, "x", NUM_NODES, x, &error));
     check_ok(artefact_put_text(file, "contact", "line", &error));
     check_ok(artefact_put_real(file, "x_min", -1.0, &error));
     check_ok(artefact_put_real(file, "step", 0.5, &error));
+}
+
+static void put_grid(artefact *file) {
+    check_ok(artefact_put_axis(file, "state", NUM_STATES, NULL, &error));
+    put_x(file);
 }
 
 static bool is_rank_one_real(const artefact_field *field) {
@@ -82,6 +86,7 @@ static void put_fields(artefact *file) {
             field[i][k] = pressure_at(i, k);
     }
     for (const artefact_field *entry = schema_snapshots.fields; entry->name; entry++) {
+        if (entry->need == NEED_OPTIONAL) continue;
         if (entry->type == ARTEFACT_INTEGER) {
             check_ok(artefact_put_integers(file, entry->name, integer, &error));
         } else if (is_rank_one_real(entry)) {
@@ -626,12 +631,8 @@ static int cut_file(size_t size) {
     return artefact_check(path, NULL) == EHD_OK;
 }
 
-static void fuzz(void **state) {
-    (void)state;
-    // every byte takes a minute; a part of them is enough from day to day
-    const char *stride = getenv("EHD_FUZZ_STRIDE");
-    size_t step = stride ? strtoul(stride, NULL, 10) : 5;
-    write_snapshots("moes.M: 12\n");
+/* The file at `path`, with every `step`-th byte flipped, and cut at many places. */
+static void fuzz_file(size_t step) {
     whole = slurp(path, &whole_size);
     whole_content = content_of(path);
     assert_non_null(whole_content);
@@ -641,6 +642,18 @@ static void fuzz(void **state) {
     probe_all("truncated file", cut_file, whole_size - 40, whole_size, 1);
     free(whole);
     free(whole_content);
+}
+
+/* Every byte takes a minute; a part of them is enough from day to day. */
+static size_t fuzz_stride(void) {
+    const char *stride = getenv("EHD_FUZZ_STRIDE");
+    return stride ? strtoul(stride, NULL, 10) : 5;
+}
+
+static void fuzz(void **state) {
+    (void)state;
+    write_snapshots("moes.M: 12\n");
+    fuzz_file(fuzz_stride());
 }
 
 // ---- failing writes
@@ -662,10 +675,11 @@ static ehd_status attempt(bool streaming, ehd_error *text) {
         status = setup[i];
     const artefact_field *fields = schema_snapshots.fields;
     for (size_t i = 0; fields[i].name && status == EHD_OK && streaming; i++) {
-        status = artefact_declare(file, fields[i].name, text);
+        if (fields[i].need != NEED_OPTIONAL) status = artefact_declare(file, fields[i].name, text);
     }
     if (streaming && status == EHD_OK) status = artefact_begin_streaming(file, text);
     for (size_t i = 0; fields[i].name && status == EHD_OK; i++) {
+        if (fields[i].need == NEED_OPTIONAL) continue;
         status = fields[i].type == ARTEFACT_INTEGER
                      ? artefact_put_integers(file, fields[i].name, integer, text)
                      : artefact_put(file, fields[i].name, field[0], text);
@@ -751,14 +765,18 @@ static void failure_is_remembered(void **state) {
 
 // ---- streaming
 
+static void declare_all_and_stream(artefact *file) {
+    for (const artefact_field *field = schema_snapshots.fields; field->name; field++) {
+        if (field->need != NEED_OPTIONAL) check_ok(artefact_declare(file, field->name, &error));
+    }
+    check_ok(artefact_begin_streaming(file, &error));
+}
+
 static artefact *start_stream(const char *settings) {
     artefact *file = NULL;
     check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, settings, NULL, &error));
     put_grid(file);
-    for (const artefact_field *field = schema_snapshots.fields; field->name; field++) {
-        check_ok(artefact_declare(file, field->name, &error));
-    }
-    check_ok(artefact_begin_streaming(file, &error));
+    declare_all_and_stream(file);
     return file;
 }
 
@@ -909,6 +927,103 @@ static void readable_while_it_grows(void **state) {
     check_ok(artefact_finish(&file, &error));
 }
 
+// ---- a growing axis
+
+static artefact *start_growing(void) {
+    artefact *file = NULL;
+    check_ok(artefact_create_growing(&file, path, &schema_snapshots, "state", &forcing, "same",
+                                     NULL, &error));
+    put_x(file);
+    declare_all_and_stream(file);
+    return file;
+}
+
+/* The axis, and pressure and status of every second state. */
+static void put_states(artefact *file, size_t first, size_t end) {
+    for (size_t i = first; i < end; i++) {
+        const double number = (double)i;
+        if (i % 2 == 0) stream_state(file, i);
+        check_ok(artefact_put_axis_part(file, "state", i, 1, &number, &error));
+        assert_int_equal(artefact_length(file, "state"), i + 1);
+    }
+}
+
+static void grows_evenly(void **state) {
+    (void)state;
+    double pressure[NUM_STATES][NUM_NODES];
+    double moes_M[NUM_STATES];
+    int64_t status[NUM_STATES];
+    const double second = 1.0;
+    artefact *file = start_growing();
+    put_states(file, 0, NUM_STATES);
+    check_ok(artefact_put_axis_part(file, "state", 1, 1, &second, &error)); // again
+    assert_int_equal(artefact_length(file, "state"), NUM_STATES);
+    check_ok(artefact_finish(&file, &error));
+    check_ok(artefact_check(path, &error));
+    file = reopen();
+    assert_int_equal(artefact_length(file, "state"), NUM_STATES);
+    check_ok(artefact_get(file, "pressure", pressure[0], &error));
+    check_ok(artefact_get_integers(file, "status", status, &error));
+    check_ok(artefact_get(file, "moes_M", moes_M, &error));
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        check_close(pressure[0][k], pressure_at(0, k), 0.0, 0.0);
+        assert_true(isnan(pressure[1][k]));
+        check_close(pressure[2][k], pressure_at(2, k), 0.0, 0.0);
+    }
+    assert_true(status[0] == 0 && status[1] == -1 && status[2] == 0);
+    assert_true(isnan(moes_M[0]) && isnan(moes_M[2])); // never written
+    artefact_close(&file);
+}
+
+static void growing_axis_is_cut(void **state) {
+    (void)state;
+    artefact *file = start_growing();
+    put_states(file, 0, NUM_STATES);
+    check_refused(artefact_cut_axis(file, "state", 1, &error), EHD_INTERNAL, "before streaming");
+    artefact_close(&file);
+    check_ok(artefact_resume(&file, path, &schema_snapshots, &forcing, "same", &error));
+    check_refused(artefact_cut_axis(file, "x", 1, &error), EHD_INTERNAL, "axis x");
+    check_refused(artefact_cut_axis(file, "state", NUM_STATES + 1, &error), EHD_DATA,
+                  "found 3 entries, expected at least 4");
+    artefact_close(&file);
+    check_ok(artefact_resume(&file, path, &schema_snapshots, &forcing, "same", &error));
+    check_ok(artefact_cut_axis(file, "state", 1, &error));
+    check_ok(artefact_finish(&file, &error));
+    file = reopen();
+    assert_int_equal(artefact_length(file, "state"), 1);
+    artefact_close(&file);
+}
+
+static void fuzz_grown(void **state) {
+    (void)state;
+    artefact *file = start_growing();
+    put_states(file, 0, NUM_STATES);
+    check_ok(artefact_finish(&file, &error));
+    fuzz_file(5 * fuzz_stride()); // most of its pages are empty
+}
+
+static void misuse_of_growth_is_internal(void **state) {
+    (void)state;
+    const double number = 0.0;
+    artefact *file = NULL;
+    check_refused(
+        artefact_create_growing(&file, path, &schema_snapshots, "row", &caller, "", NULL, &error),
+        EHD_INTERNAL, "axis row");
+    assert_null(file);
+    assert_false(exists(partial));
+    // only as the first axis
+    check_ok(
+        artefact_create_growing(&file, path, &schema_snapshots, "x", &caller, "", NULL, &error));
+    check_ok(artefact_put_axis(file, "state", NUM_STATES, NULL, &error));
+    check_refused(artefact_declare(file, "pressure", &error), EHD_INTERNAL, "no axis x");
+    artefact_close(&file);
+    file = start_growing();
+    check_refused(artefact_put_axis_part(file, "x", NUM_NODES, 1, &number, &error), EHD_INTERNAL,
+                  "axis x");
+    check_refused(artefact_finish(&file, &error), EHD_INTERNAL, "state: found no entry");
+    assert_true(exists(partial));
+}
+
 // ---- other people's files and tools
 
 /* The least that a foreign program may write, in other types and layouts. */
@@ -1009,10 +1124,7 @@ static void transposed_square_field(void **state) {
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
 }
 
-static void opens_elsewhere(void **state) {
-    (void)state;
-    need_python();
-    write_snapshots("moes.M: 12\n");
+static void check_opens_elsewhere(void) {
     char command[256];
     snprintf(command, sizeof command, "%s tests/pipeline/open_elsewhere.py %s > %s/out", python(),
              path, folder);
@@ -1023,6 +1135,23 @@ static void opens_elsewhere(void **state) {
         unsigned char *out = slurp(command, &size);
         fail_msg("%.*s", (int)size, (char *)out);
     }
+}
+
+static void opens_elsewhere(void **state) {
+    (void)state;
+    need_python();
+    write_snapshots("moes.M: 12\n");
+    check_opens_elsewhere();
+}
+
+static void growing_opens_elsewhere(void **state) {
+    (void)state;
+    need_python();
+    artefact *file = start_growing();
+    put_states(file, 0, 2);
+    put_states(file, 2, NUM_STATES);
+    check_ok(artefact_finish(&file, &error));
+    check_opens_elsewhere();
 }
 
 int main(void) {
@@ -1045,10 +1174,15 @@ int main(void) {
         TEST(kill_before_stream),
         TEST(attributes_after_streaming),
         TEST(readable_while_it_grows),
+        TEST(grows_evenly),
+        TEST(growing_axis_is_cut),
+        TEST(fuzz_grown),
+        TEST(misuse_of_growth_is_internal),
         TEST(foreign_file),
         TEST(foreign_netcdf),
         TEST(transposed_square_field),
         TEST(opens_elsewhere),
+        TEST(growing_opens_elsewhere),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/output/time_result.h"
+
+#include "common/output/grid_file.h"
+#include "common/output/result.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUM_SLOTS = 2, SLOT_INVALID = -1 };
+
+/* The real scalars of a time: their field, and where writer and reader keep them. */
+static const struct {
+    const char *name;
+    size_t entry;  // offset of a double in time_entry
+    size_t series; // offset of a double * in time_series
+} reals[] = {
+#define SCALAR(field, member)                                                                      \
+    { #field, offsetof(time_entry, member), offsetof(time_series, field) }
+    SCALAR(central_film_thickness, central_film_thickness),
+    SCALAR(minimum_film_thickness, minimum_film_thickness),
+    SCALAR(central_pressure, central_pressure),
+    SCALAR(rigid_approach, rigid_approach),
+    SCALAR(load, load),
+    SCALAR(contact_half_width, contact_half_width),
+    SCALAR(exit_position, exit_position),
+    SCALAR(residual_norm, residual),
+    SCALAR(time_step, step)};
+
+enum { NUM_REALS = sizeof reals / sizeof *reals };
+
+// ---- creating
+
+static ehd_status declare_scalars(artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < NUM_REALS && !status; i++)
+        status = artefact_declare(file, reals[i].name, error);
+    if (!status) status = artefact_declare(file, "newton_iterations", error);
+    if (!status) status = artefact_declare(file, "status", error);
+    return status;
+}
+
+static ehd_status declare_fields(artefact *file, const ehd_grid *grid, ehd_error *error) {
+    ehd_status status = grid_write_axis(file, grid, error);
+
+    if (!status) status = artefact_declare(file, "pressure", error);
+    if (!status) status = artefact_declare(file, "film_thickness", error);
+    return status;
+}
+
+static ehd_status declare_restart(artefact *file, size_t restart_size, ehd_error *error) {
+    ehd_status status = artefact_put_axis(file, "restart_slot", NUM_SLOTS, NULL, error);
+
+    if (!status) status = artefact_put_axis(file, "restart_entry", restart_size, NULL, error);
+    if (!status) status = artefact_declare_apart(file, "restart", error);
+    if (!status) status = artefact_declare_apart(file, "restart_entries", error);
+    return status;
+}
+
+ehd_status time_result_create(artefact **file, const program *caller, const ehd_contact *reference,
+                              const char *settings_text, const char *const *inputs,
+                              bool with_fields, size_t restart_size, ehd_error *error) {
+    ehd_status status = artefact_create_growing(file, caller->output, &schema_result, "time",
+                                                caller, settings_text, inputs, error);
+
+    if (!status) status = result_put_contact(*file, reference, error);
+    if (!status) status = declare_scalars(*file, error);
+    if (!status && with_fields) status = declare_fields(*file, &reference->grid, error);
+    if (!status && restart_size > 0) status = declare_restart(*file, restart_size, error);
+    if (!status) status = artefact_begin_streaming(*file, error);
+    if (status) artefact_close(file);
+    return status;
+}
+
+// ---- entries
+
+static ehd_status put_scalars(artefact *file, const time_entry *entry, size_t index,
+                              ehd_error *error) {
+    const int64_t iterations = (int64_t)entry->newton_iterations;
+    const int64_t outcome = result_stored_status(entry->status);
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < NUM_REALS && !status; i++) {
+        const double *value = (const double *)((const char *)entry + reals[i].entry);
+        status = artefact_put_part(file, reals[i].name, index, 1, value, error);
+    }
+    if (!status)
+        status =
+            artefact_put_integers_part(file, "newton_iterations", index, 1, &iterations, error);
+    if (!status) status = artefact_put_integers_part(file, "status", index, 1, &outcome, error);
+    return status;
+}
+
+/* The boundary nodes lie outside of the axis. */
+static ehd_status put_fields(artefact *file, const time_entry *entry, size_t index,
+                             ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (entry->pressure)
+        status = artefact_put_part(file, "pressure", index, 1, entry->pressure + 1, error);
+    if (!status && entry->film)
+        status = artefact_put_part(file, "film_thickness", index, 1, entry->film + 1, error);
+    return status;
+}
+
+ehd_status time_result_append(artefact *file, const time_entry *entry, size_t index,
+                              ehd_error *error) {
+    ehd_status status = put_fields(file, entry, index, error);
+
+    if (!status) status = put_scalars(file, entry, index, error);
+    if (!status) status = artefact_put_axis_part(file, "time", index, 1, &entry->time, error);
+    return status ? status : artefact_flush(file, error);
+}
+
+// ---- restart slots
+
+/* Entries after which each slot resumes. A slot whose number was being written has none. */
+static ehd_status get_slots(int64_t num_entries[NUM_SLOTS], artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t slot = 0; slot < NUM_SLOTS && !status; slot++) {
+        status =
+            artefact_get_integers_part(file, "restart_entries", slot, 1, &num_entries[slot], error);
+        if (status != EHD_DATA) continue;
+        num_entries[slot] = SLOT_INVALID;
+        status = EHD_OK;
+    }
+    return status;
+}
+
+ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t num_entries,
+                                  ehd_error *error) {
+    const int64_t valid = (int64_t)num_entries;
+    const int64_t invalid = SLOT_INVALID;
+    int64_t found[NUM_SLOTS];
+    ehd_status status = get_slots(found, file, error);
+    if (status) return status;
+
+    size_t slot = found[1] < found[0] ? 1 : 0; // the older one
+    status = artefact_put_integers_part(file, "restart_entries", slot, 1, &invalid, error);
+    if (!status) status = artefact_put_part(file, "restart", slot, 1, restart, error);
+    if (!status)
+        status = artefact_put_integers_part(file, "restart_entries", slot, 1, &valid, error);
+    return status;
+}
+
+static ehd_status check_same_run(const artefact *file, const ehd_contact *reference,
+                                 size_t restart_size, ehd_error *error) {
+    const size_t num_inner = artefact_length(file, "x");
+    const size_t found = artefact_length(file, "restart_entry");
+
+    if (found != restart_size)
+        return ehd_fail(error, EHD_DATA,
+                        "%s.partial: restart_entry: found length %zu, expected %zu",
+                        artefact_path(file), found, restart_size);
+    // equal settings give an equal axis, unless somebody else wrote the file
+    if (num_inner > 0 && num_inner != reference->grid.num_inner)
+        return ehd_fail(error, EHD_DATA, "%s.partial: x: found %zu nodes, expected %zu",
+                        artefact_path(file), num_inner, reference->grid.num_inner);
+    return EHD_OK;
+}
+
+/* Reads the valid slot with most entries; zeros when there is none. */
+static ehd_status get_restart(double *restart, size_t *num_entries, artefact *file,
+                              size_t restart_size, ehd_error *error) {
+    int64_t found[NUM_SLOTS];
+    ehd_status status = get_slots(found, file, error);
+    if (status) return status;
+
+    size_t slot = found[1] > found[0] ? 1 : 0;
+    memset(restart, 0, restart_size * sizeof *restart);
+    if (found[slot] <= 0) return EHD_OK;
+    *num_entries = (size_t)found[slot];
+    return artefact_get_part(file, "restart", slot, 1, restart, error);
+}
+
+ehd_status time_result_resume(artefact **file, double *restart, size_t *num_entries,
+                              const program *caller, const ehd_contact *reference,
+                              const char *settings_text, size_t restart_size, ehd_error *error) {
+    *num_entries = 0;
+    ehd_status status =
+        artefact_resume(file, caller->output, &schema_result, caller, settings_text, error);
+
+    if (!status) status = check_same_run(*file, reference, restart_size, error);
+    if (!status && restart_size > 0)
+        status = get_restart(restart, num_entries, *file, restart_size, error);
+    if (!status) status = artefact_cut_axis(*file, "time", *num_entries, error);
+    // the other slot may be half written, and the finished file has to be whole
+    if (!status && restart_size > 0)
+        status = time_result_checkpoint(*file, restart, *num_entries, error);
+    if (status) artefact_close(file);
+    return status;
+}
+
+// ---- finishing
+
+static ehd_status put_counts(artefact *file, const time_summary *summary, ehd_error *error) {
+    const struct {
+        const char *name;
+        size_t count;
+    } counts[] = {{"steps", summary->num_steps},
+                  {"rejected_steps", summary->num_rejected},
+                  {"total_newton_iterations", summary->newton_iterations}};
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
+        status = artefact_put_integer(file, counts[i].name, (int64_t)counts[i].count, error);
+    return status;
+}
+
+ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error) {
+    const run_result times = {.seconds = summary->seconds,
+                              .seconds_rows = summary->seconds_rows,
+                              .seconds_linear = summary->seconds_linear,
+                              .seconds_exit = summary->seconds_exit};
+    ehd_status status = artefact_end_streaming(*file, error);
+
+    if (!status) status = result_put_seconds(*file, &times, error);
+    if (!status) status = put_counts(*file, summary, error);
+    if (!status) return artefact_finish(file, error);
+    artefact_close(file);
+    return status;
+}
+
+// ---- reading
+
+static double **series_array(time_series *series, size_t scalar) {
+    return (double **)((char *)series + reals[scalar].series);
+}
+
+static ehd_status allocate(time_series *series, const char *path, ehd_error *error) {
+    size_t count = series->num_times;
+    bool allocated = (series->time = calloc(count, sizeof(double))) != NULL;
+
+    for (size_t i = 0; i < NUM_REALS && allocated; i++)
+        allocated = (*series_array(series, i) = calloc(count, sizeof(double))) != NULL;
+    series->newton_iterations = calloc(count, sizeof(int64_t));
+    series->status = calloc(count, sizeof(int64_t));
+    if (allocated && series->newton_iterations && series->status) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu times", path, count);
+}
+
+static ehd_status get_time(time_series *series, artefact *file, ehd_error *error) {
+    // a stationary file need not have a scale
+    if (series->num_times == 1 && !artefact_has_scale(file, "time")) return EHD_OK;
+    ehd_status status = artefact_get_axis(file, "time", series->time, error);
+
+    for (size_t i = 0; i < series->num_times && !status; i++) {
+        double before = i > 0 ? series->time[i - 1] : -INFINITY;
+        if (!(series->time[i] > before && isfinite(series->time[i])))
+            status = ehd_fail(error, EHD_DATA, "%s: time: found %g as entry %zu, expected above %g",
+                              artefact_path(file), series->time[i], i, before);
+    }
+    return status;
+}
+
+static ehd_status get_reals(time_series *series, artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < NUM_REALS && !status; i++) {
+        double *values = *series_array(series, i);
+        for (size_t t = 0; t < series->num_times; t++)
+            values[t] = NAN;
+        if (artefact_has(file, reals[i].name))
+            status = artefact_get(file, reals[i].name, values, error);
+    }
+    return status;
+}
+
+static ehd_status get_integers(int64_t *values, size_t num_times, artefact *file, const char *name,
+                               ehd_error *error) {
+    for (size_t t = 0; t < num_times; t++)
+        values[t] = -1;
+    return artefact_has(file, name) ? artefact_get_integers(file, name, values, error) : EHD_OK;
+}
+
+static ehd_status get_series(time_series *series, artefact *file, const contact_kind *kind,
+                             ehd_error *error) {
+    stored_result contact = {0};
+    ehd_status status = result_get_contact(&contact, file, kind, error);
+    if (status) return status;
+
+    series->x_min = contact.x_min;
+    series->step = contact.step;
+    series->num_inner = contact.num_inner;
+    series->moes_M = contact.moes_M;
+    series->moes_L = contact.moes_L;
+    series->alpha_p_H = contact.alpha_p_H;
+    series->hertz_pressure = contact.hertz_pressure;
+    series->num_times = artefact_length(file, "time");
+    status = allocate(series, artefact_path(file), error);
+    if (!status) status = get_time(series, file, error);
+    if (!status) status = get_reals(series, file, error);
+    if (!status)
+        status = get_integers(series->newton_iterations, series->num_times, file,
+                              "newton_iterations", error);
+    if (!status) status = get_integers(series->status, series->num_times, file, "status", error);
+    return status;
+}
+
+ehd_status time_series_read(time_series *series, const char *path, const contact_kind *kind,
+                            ehd_error *error) {
+    static const artefact_schema *const schemas[] = {&schema_result, NULL};
+    artefact *file = NULL;
+
+    memset(series, 0, sizeof *series);
+    ehd_status status = artefact_open(&file, path, schemas, error);
+    if (!status) status = get_series(series, file, kind, error);
+    artefact_close(&file);
+    return status;
+}
+
+void time_series_free(time_series *series) {
+    for (size_t i = 0; i < NUM_REALS; i++)
+        free(*series_array(series, i));
+    free(series->time);
+    free(series->newton_iterations);
+    free(series->status);
+    memset(series, 0, sizeof *series);
+}

@@ -1,0 +1,687 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Results that grow in time: written, followed, killed, resumed and read. */
+#include "common/output/time_result.h"
+
+#include "common/output/result.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <fcntl.h>
+#include <hdf5.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { NUM_NODES = 123, NUM_INNER = 121, RESTART_SIZE = 700, FIELDS_EVERY = 3 };
+
+static size_t restart_size;
+
+static ehd_contact contact; // 121 inner nodes
+static char folder[64], path[128], partial[160];
+static ehd_error error;
+static char *words[] = {"fullrun", NULL};
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+static program writer(void) {
+    program self = {.name = "fullrun", .argc = 1, .argv = words, .output = path};
+    return self;
+}
+
+static int set_up(void **state) {
+    (void)state;
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-time-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/result.h5", folder);
+    snprintf(partial, sizeof partial, "%s.partial", path);
+    restart_size = RESTART_SIZE;
+    contact = sample_contact("barus", "incompressible", 20, 5, 0.05);
+    return contact.grid.num_nodes == NUM_NODES ? 0 : -1;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[128];
+
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+// ---- killing between writes
+
+/* HDF5 writes through these functions too. With a limit, the process is killed in the write that comes
+ * after so many others, of which only the part on its first page gets into the file, as when the kernel
+ * ends a write between two pages. */
+static long writes_left = -1; // negative: no limit
+
+int ftruncate(int descriptor, off_t size) {
+    if (writes_left == 0) kill(getpid(), SIGKILL);
+    if (writes_left > 0) writes_left--;
+    return (int)syscall(SYS_ftruncate, descriptor, size);
+}
+
+ssize_t pwrite(int descriptor, const void *bytes, size_t size, off_t offset) {
+    const size_t page = 4096;
+
+    if (writes_left == 0) {
+        size_t first = page - (size_t)offset % page;
+        if (first < size) syscall(SYS_pwrite64, descriptor, bytes, first, offset);
+        kill(getpid(), SIGKILL);
+    }
+    if (writes_left > 0) writes_left--;
+    return syscall(SYS_pwrite64, descriptor, bytes, size, offset);
+}
+
+// ---- a run whose every number is known
+
+static double field_at(size_t index, size_t node) {
+    return (double)index + 1e-3 * (double)node;
+}
+
+static double restart_at(size_t num_entries, size_t index) {
+    return 1e3 * (double)num_entries + (double)index + 0.25;
+}
+
+static bool has_fields(size_t index) {
+    return index % FIELDS_EVERY == 0;
+}
+
+static double time_at(size_t index) {
+    return 0.25 * (double)index;
+}
+
+static time_entry entry_at(size_t index) {
+    const double i = (double)index;
+    time_entry entry = {.time = time_at(index),
+                        .central_film_thickness = i + 0.1,
+                        .minimum_film_thickness = i + 0.2,
+                        .central_pressure = i + 0.3,
+                        .rigid_approach = -i,
+                        .load = i + 0.4,
+                        .contact_half_width = i + 0.5,
+                        .exit_position = i + 0.6,
+                        .newton_iterations = index % 7,
+                        .residual = i + 0.7,
+                        .status = index % 5 == 4 ? EHD_NOT_CONVERGED : EHD_OK,
+                        .step = index > 0 ? 0.25 : 0};
+    return entry;
+}
+
+static ehd_status append(artefact *file, size_t index, bool with_fields) {
+    double pressure[NUM_NODES], film[NUM_NODES];
+    time_entry entry = entry_at(index);
+
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        pressure[k] = field_at(index, k);
+        film[k] = -field_at(index, k);
+    }
+    if (with_fields && has_fields(index)) {
+        entry.pressure = pressure;
+        entry.film = film;
+    }
+    return time_result_append(file, &entry, index, &error);
+}
+
+static ehd_status checkpoint(artefact *file, size_t num_entries) {
+    double restart[RESTART_SIZE];
+
+    for (size_t i = 0; i < RESTART_SIZE; i++)
+        restart[i] = restart_at(num_entries, i);
+    return time_result_checkpoint(file, restart, num_entries, &error);
+}
+
+static artefact *start(bool with_fields) {
+    const program self = writer();
+    artefact *file = NULL;
+
+    check_ok(time_result_create(&file, &self, &contact, "scene", NULL, with_fields, restart_size,
+                                &error));
+    return file;
+}
+
+static ehd_status try_resume(artefact **file, size_t *num_entries, const char *settings) {
+    const program self = writer();
+    double restart[RESTART_SIZE] = {0};
+    ehd_status status = time_result_resume(file, restart, num_entries, &self, &contact, settings,
+                                           restart_size, &error);
+
+    for (size_t i = 0; i < restart_size && !status; i++)
+        check_close(restart[i], *num_entries > 0 ? restart_at(*num_entries, i) : 0, 0, 0);
+    return status;
+}
+
+static void finish(artefact **file, size_t num_entries) {
+    const time_summary summary = {.seconds = 8,
+                                  .seconds_rows = 4,
+                                  .seconds_linear = 3,
+                                  .seconds_exit = NAN,
+                                  .num_steps = num_entries - 1,
+                                  .num_rejected = 2,
+                                  .newton_iterations = 99};
+    check_ok(time_result_finish(file, &summary, &error));
+    assert_null(*file);
+}
+
+static void check_series(const time_series *series, size_t num_times) {
+    assert_int_equal(series->num_times, num_times);
+    for (size_t i = 0; i < num_times; i++) {
+        const time_entry entry = entry_at(i);
+        check_close(series->time[i], entry.time, 0, 0);
+        check_close(series->central_film_thickness[i], entry.central_film_thickness, 0, 0);
+        check_close(series->minimum_film_thickness[i], entry.minimum_film_thickness, 0, 0);
+        check_close(series->central_pressure[i], entry.central_pressure, 0, 0);
+        check_close(series->rigid_approach[i], entry.rigid_approach, 0, 0);
+        check_close(series->load[i], entry.load, 0, 0);
+        check_close(series->contact_half_width[i], entry.contact_half_width, 0, 0);
+        check_close(series->exit_position[i], entry.exit_position, 0, 0);
+        check_close(series->residual_norm[i], entry.residual, 0, 0);
+        check_close(series->time_step[i], entry.step, 0, 0);
+        assert_int_equal(series->newton_iterations[i], entry.newton_iterations);
+        assert_int_equal(series->status[i], entry.status == EHD_NOT_CONVERGED);
+    }
+}
+
+static void check_field(artefact *file, const char *name, size_t num_times, double sign) {
+    double values[NUM_INNER];
+
+    for (size_t i = 0; i < num_times; i++) {
+        check_ok(artefact_get_part(file, name, i, 1, values, &error));
+        for (size_t k = 0; k < NUM_INNER; k++) {
+            if (has_fields(i))
+                check_close(values[k], sign * field_at(i, k + 1), 0, 0);
+            else
+                assert_true(isnan(values[k]));
+        }
+    }
+}
+
+/* The finished file says all that was appended. */
+static void check_result(size_t num_times, bool with_fields) {
+    static const artefact_schema *const schemas[] = {&schema_result, NULL};
+    time_series series;
+    artefact *file = NULL;
+
+    check_ok(artefact_check(path, &error));
+    check_ok(time_series_read(&series, path, &contact_line, &error));
+    check_series(&series, num_times);
+    assert_int_equal(series.num_inner, with_fields ? NUM_INNER : 0);
+    check_close(series.moes_M, 20, 0, 0);
+    check_close(series.moes_L, 5, 0, 0);
+    check_close(series.x_min, contact.grid.x_min, 0, 0);
+    check_close(series.step, contact.grid.step, 0, 0);
+    check_close(series.alpha_p_H, contact.alpha_p_H, 0, 0);
+    check_close(series.hertz_pressure, contact.hertz_pressure, 0, 0);
+    time_series_free(&series);
+    if (!with_fields) return;
+    check_ok(artefact_open(&file, path, schemas, &error));
+    check_field(file, "pressure", num_times, 1);
+    check_field(file, "film_thickness", num_times, -1);
+    artefact_close(&file);
+}
+
+static void check_refused(ehd_status found, ehd_status expected, const char *words_of_it) {
+    if (found != expected || !strstr(error.text, words_of_it))
+        fail_msg("found %d \"%s\", expected %d with \"%s\"", (int)found, error.text, (int)expected,
+                 words_of_it);
+}
+
+// ---- writing and reading
+
+static void grows_and_reads_back(void **state) {
+    (void)state;
+    const size_t num_times = 1300; // more than two chunks
+    artefact *file = start(true);
+
+    for (size_t i = 0; i < num_times; i++)
+        check_ok(append(file, i, true));
+    finish(&file, num_times);
+    check_result(num_times, true);
+}
+
+static void summary_is_stored(void **state) {
+    (void)state;
+    static const artefact_schema *const schemas[] = {&schema_result, NULL};
+    const struct {
+        const char *name;
+        double expected;
+    } attributes[] = {{"solve_seconds", 8},
+                      {"solve_seconds_rows", 4},
+                      {"solve_seconds_linear", 3},
+                      {"solve_seconds_other", 1},
+                      {"steps", 1},
+                      {"rejected_steps", 2},
+                      {"total_newton_iterations", 99}};
+    artefact *file = start(false);
+
+    check_ok(append(file, 0, false));
+    check_ok(append(file, 1, false));
+    finish(&file, 2);
+    check_ok(artefact_open(&file, path, schemas, &error));
+    for (size_t i = 0; i < sizeof attributes / sizeof *attributes; i++) {
+        double found = NAN;
+        check_ok(artefact_get_real(file, attributes[i].name, &found, &error));
+        check_close(found, attributes[i].expected, 0, 0);
+    }
+    assert_false(artefact_has(file, "solve_seconds_exit"));
+    artefact_close(&file);
+}
+
+static void unwritten_fields_take_no_space(void **state) {
+    (void)state;
+    const size_t num_times = 2000;
+    const size_t field_bytes = NUM_INNER * sizeof(double);
+    struct stat found;
+    artefact *file = start(true);
+
+    for (size_t i = 0; i < num_times; i++)
+        check_ok(append(file, i, i == 0 || i + 1 == num_times - 1));
+    finish(&file, num_times);
+    assert_int_equal(stat(path, &found), 0);
+    size_t scalars = 13 * (num_times + 512) * sizeof(double);
+    assert_true((size_t)found.st_size < scalars + 4 * field_bytes + 65536);
+}
+
+static void stationary_is_one_time(void **state) {
+    (void)state;
+    const program self = writer();
+    const run_result result = {.central_film_thickness = 0.25,
+                               .minimum_film_thickness = 0.125,
+                               .newton_iterations = 5,
+                               .load = 1,
+                               .seconds_rows = NAN,
+                               .seconds_linear = NAN,
+                               .seconds_exit = NAN};
+    time_series series;
+    artefact *file = NULL;
+
+    check_ok(result_create(&file, &self, &contact, "scene", NULL, &error));
+    check_ok(result_write(&file, &result, &contact, &error));
+    check_ok(time_series_read(&series, path, &contact_line, &error));
+    assert_int_equal(series.num_times, 1);
+    check_close(series.time[0], 0, 0, 0);
+    check_close(series.central_film_thickness[0], 0.25, 0, 0);
+    check_close(series.contact_half_width[0], 1, 0, 0);
+    assert_true(isnan(series.time_step[0]));
+    assert_int_equal(series.newton_iterations[0], 5);
+    time_series_free(&series);
+    time_series_free(&series);
+}
+
+/* Changes one value of a finished file past our own code. */
+static void patch_time(size_t index, double value) {
+    const hsize_t first[1] = {index}, count[1] = {1};
+    hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+    hid_t set = H5Dopen2(file, "time", H5P_DEFAULT), space = H5Dget_space(set);
+    hid_t memory = H5Screate_simple(1, count, NULL);
+
+    H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL);
+    assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &value) >= 0);
+    H5Sclose(memory);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+}
+
+static void times_increase(void **state) {
+    (void)state;
+    const double wrong[] = {time_at(1), -1, NAN, INFINITY};
+    time_series series;
+    artefact *file = start(false);
+
+    for (size_t i = 0; i < 4; i++)
+        check_ok(append(file, i, false));
+    finish(&file, 4);
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        patch_time(2, wrong[i]);
+        check_refused(time_series_read(&series, path, &contact_line, &error), EHD_DATA,
+                      "time: found");
+        time_series_free(&series);
+    }
+    patch_time(2, time_at(2));
+    check_result(4, false);
+}
+
+static void misuse_is_internal(void **state) {
+    (void)state;
+    const program self = writer();
+    const double restart[1] = {0};
+    artefact *file = NULL;
+
+    check_ok(time_result_create(&file, &self, &contact, "", NULL, false, 0, &error));
+    check_refused(append(file, 0, true), EHD_INTERNAL, "pressure");
+    check_refused(time_result_checkpoint(file, restart, 1, &error), EHD_INTERNAL, "restart");
+    check_refused(artefact_finish(&file, &error), EHD_INTERNAL, "found no entry");
+    assert_true(access(partial, F_OK) == 0 && access(path, F_OK) != 0);
+}
+
+static void memory_failures(void **state) {
+    (void)state;
+    const program self = writer();
+    time_series series;
+    artefact *file = NULL;
+    ehd_status status = EHD_OK;
+    size_t call = 0;
+
+    for (allocation_fail_at(call);; allocation_fail_at(++call)) {
+        status =
+            time_result_create(&file, &self, &contact, "scene", NULL, true, RESTART_SIZE, &error);
+        if (!allocation_failed()) break;
+        assert_int_not_equal(status, EHD_OK);
+        assert_null(file);
+    }
+    check_ok(status);
+    check_ok(append(file, 0, true));
+    check_ok(append(file, 1, true));
+    check_ok(checkpoint(file, 2));
+    artefact_close(&file);
+
+    size_t num_entries = 0;
+    for (allocation_fail_at(call = 0);; allocation_fail_at(++call)) {
+        status = try_resume(&file, &num_entries, "scene");
+        if (!allocation_failed()) break;
+        assert_int_not_equal(status, EHD_OK);
+        assert_null(file);
+    }
+    check_ok(status);
+    assert_true(call > 5);
+    finish(&file, 2);
+    for (allocation_fail_at(call = 0);; allocation_fail_at(++call)) {
+        status = time_series_read(&series, path, &contact_line, &error);
+        if (!allocation_failed()) break;
+        // a scale whose name cannot be read is taken for one with values
+        if (!status) check_series(&series, 2);
+        time_series_free(&series);
+    }
+    check_ok(status);
+    assert_true(call > 10);
+    check_series(&series, 2);
+    time_series_free(&series);
+}
+
+// ---- following
+
+/* What a follower does: asks the axis for its length, and then finds as much of every field. Returns
+ * that length. */
+static size_t follow(hid_t file) {
+    static const char *const names[] = {"central_film_thickness", "status", "time_step",
+                                        "pressure"};
+    hid_t time = H5Dopen2(file, "time", H5P_DEFAULT), space;
+    hsize_t dims[2], length[1];
+
+    assert_true(H5Drefresh(time) >= 0);
+    space = H5Dget_space(time);
+    H5Sget_simple_extent_dims(space, length, NULL);
+    H5Sclose(space);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        hid_t set = H5Dopen2(file, names[i], H5P_DEFAULT);
+        assert_true(H5Drefresh(set) >= 0);
+        space = H5Dget_space(set);
+        H5Sget_simple_extent_dims(space, dims, NULL);
+        assert_true(dims[0] >= length[0]);
+        H5Sclose(space);
+        H5Dclose(set);
+    }
+    double *values = calloc(length[0] + 1, sizeof *values);
+    hid_t film = H5Dopen2(file, "central_film_thickness", H5P_DEFAULT);
+    H5Drefresh(film);
+    hid_t memory = H5Screate_simple(1, length, NULL), all = H5Dget_space(film);
+    const hsize_t first[1] = {0};
+    H5Sselect_hyperslab(all, H5S_SELECT_SET, first, NULL, length, NULL);
+    int attempts = 0;
+    // the chunk may be rewritten while it is read
+    while (H5Dread(film, H5T_NATIVE_DOUBLE, memory, all, H5P_DEFAULT, values) < 0)
+        assert_true(attempts++ < 1000);
+    for (size_t i = 0; i < length[0]; i++)
+        check_close(values[i], entry_at(i).central_film_thickness, 0, 0);
+    H5Sclose(memory);
+    H5Sclose(all);
+    H5Dclose(film);
+    H5Dclose(time);
+    free(values);
+    return (size_t)length[0];
+}
+
+static hid_t open_to_follow(void) {
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS), file;
+
+    H5Pset_libver_bounds(access, H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
+    H5Pset_file_locking(access, false, true);
+    file = H5Fopen(partial, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access);
+    H5Pclose(access);
+    assert_true(file >= 0);
+    return file;
+}
+
+static void followed_while_it_grows(void **state) {
+    (void)state;
+    const size_t num_times = 3000;
+    size_t seen = 0, prefixes = 0;
+    char byte = 0;
+    int ends[2];
+
+    assert_int_equal(pipe(ends), 0);
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) {
+        alarm(60);
+        artefact *file = start(true);
+        for (size_t i = 0; i < num_times; i++) {
+            if (append(file, i, true)) _exit(1);
+            if (i == 0 && write(ends[1], &byte, 1) != 1) _exit(1);
+        }
+        pause();
+    }
+    assert_int_equal(read(ends[0], &byte, 1), 1);
+    alarm(60); // in case the child does not get there
+    hid_t file = open_to_follow();
+    while (seen < num_times) {
+        size_t length = follow(file);
+        assert_true(length >= seen && length >= 1);
+        if (length > seen) prefixes++;
+        seen = length;
+    }
+    alarm(0);
+    H5Fclose(file);
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+    close(ends[0]);
+    close(ends[1]);
+    assert_int_equal(seen, num_times);
+    assert_true(prefixes > 1);
+}
+
+// ---- killing and resuming
+
+/* Entries from `first` on, a checkpoint after each second one, and once again, so that both slots may
+ * have the same number of entries. */
+static void run(artefact *file, size_t first, size_t num_times) {
+    for (size_t i = first; i < num_times; i++) {
+        check_ok(append(file, i, true));
+        for (int again = 0; again < 2 && i % 2 == 1; again++)
+            check_ok(checkpoint(file, i + 1));
+    }
+}
+
+/* Killed in the write `kill_at` of those after entry `first`. False when it came through. */
+static bool killed_run(size_t first, size_t num_times, long kill_at) {
+    int outcome = 0;
+
+    fflush(NULL);
+    pid_t child = fork();
+    if (child == 0) {
+        artefact *file = start(true);
+        run(file, 0, first);
+        writes_left = kill_at;
+        run(file, first, num_times);
+        _exit(0);
+    }
+    waitpid(child, &outcome, 0);
+    if (WIFSIGNALED(outcome)) return true;
+    assert_int_equal(outcome, 0);
+    return false;
+}
+
+/* Wherever the run is killed, all up to a checkpoint is there, at most one checkpoint is lost, and the
+ * rest can be added. Returns the number of kills. */
+static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
+    size_t num_entries = 0, least = first, kills = 0;
+    artefact *file = NULL;
+
+    for (; killed_run(first, num_times, (long)kills * stride); kills++) {
+        check_ok(try_resume(&file, &num_entries, "scene"));
+        assert_true(num_entries % 2 == 0 && num_entries >= least && num_entries <= num_times);
+        assert_int_equal(artefact_length(file, "time"), num_entries);
+        least = num_entries;
+        run(file, num_entries, num_times);
+        finish(&file, num_times);
+        check_result(num_times, true);
+        unlink(path);
+    }
+    assert_true(least + 2 >= num_times);
+    return kills;
+}
+
+static void kill_at_every_write(void **state) {
+    (void)state;
+    const size_t sizes[] = {RESTART_SIZE, 400}; // more and less than a page
+    for (size_t i = 0; i < 2; i++) {
+        restart_size = sizes[i];
+        assert_true(kill_and_resume(0, 6, 1) > 100);
+    }
+}
+
+static void kill_at_a_new_chunk(void **state) {
+    (void)state;
+    assert_true(kill_and_resume(252, 258, 7) > 15); // a chunk holds 255 scalars
+}
+
+/* Three entries, two of them before the checkpoint; the file is closed politely. */
+static void interrupted_run(void) {
+    artefact *file = start(true);
+
+    run(file, 0, 3);
+    artefact_close(&file);
+    assert_true(access(partial, F_OK) == 0 && access(path, F_OK) != 0);
+}
+
+static void resume_drops_what_came_after(void **state) {
+    (void)state;
+    artefact *file = start(true);
+    size_t num_entries = 0;
+
+    run(file, 0, 9);
+    artefact_close(&file);
+    for (int again = 0; again < 2; again++) {
+        check_ok(try_resume(&file, &num_entries, "scene"));
+        assert_int_equal(num_entries, 8);
+        if (again == 0) artefact_close(&file);
+    }
+    finish(&file, 8);
+    check_result(8, true);
+}
+
+static void resume_before_the_first_checkpoint(void **state) {
+    (void)state;
+    artefact *file = start(true);
+    size_t num_entries = 9;
+
+    check_ok(append(file, 0, true));
+    artefact_close(&file);
+    check_ok(try_resume(&file, &num_entries, "scene"));
+    assert_int_equal(num_entries, 0);
+    run(file, 0, 2);
+    finish(&file, 2);
+    check_result(2, true);
+}
+
+static void resume_refuses_another_run(void **state) {
+    (void)state;
+    size_t num_entries = 0;
+    artefact *file = NULL;
+
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_NOINPUT, "partial");
+    interrupted_run();
+    check_refused(try_resume(&file, &num_entries, "other"), EHD_DATA, "other settings");
+    restart_size = 699;
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
+                  "restart_entry: found length 700, expected 699");
+    restart_size = 0;
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "restart_entry");
+    restart_size = RESTART_SIZE;
+    contact.grid.num_inner--;
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
+                  "x: found 121 nodes, expected 120");
+    contact.grid.num_inner++;
+    assert_null(file);
+    check_ok(try_resume(&file, &num_entries, "scene"));
+    artefact_close(&file);
+}
+
+/* Flips a bit of the first number in NAME.partial that has this value. */
+static void damage(double value) {
+    int descriptor = open(partial, O_RDWR);
+    off_t size = lseek(descriptor, 0, SEEK_END);
+    char *bytes = malloc((size_t)size);
+
+    assert_true(bytes && pread(descriptor, bytes, (size_t)size, 0) == size);
+    char *found = memmem(bytes, (size_t)size, &value, sizeof value);
+    assert_non_null(found);
+    found[1] ^= 4;
+    assert_int_equal(pwrite(descriptor, found, sizeof value, found - bytes), sizeof value);
+    free(bytes);
+    close(descriptor);
+}
+
+static void resume_and_damage(void **state) {
+    (void)state;
+    size_t num_entries = 0;
+    artefact *file = NULL;
+
+    // a field after the checkpoint is written again
+    file = start(true);
+    run(file, 0, 7);
+    artefact_close(&file);
+    damage(field_at(6, 77));
+    check_ok(try_resume(&file, &num_entries, "scene"));
+    assert_int_equal(num_entries, 6);
+    run(file, 6, 8);
+    finish(&file, 8);
+    check_result(8, true);
+    unlink(path);
+
+    interrupted_run();
+    damage(field_at(0, 77));
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "pressure: found damaged");
+    unlink(partial);
+    interrupted_run();
+    damage(restart_at(2, RESTART_SIZE - 1));
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "restart: found damaged");
+}
+
+int main(void) {
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+    const struct CMUnitTest tests[] = {
+        TEST(grows_and_reads_back),
+        TEST(summary_is_stored),
+        TEST(unwritten_fields_take_no_space),
+        TEST(stationary_is_one_time),
+        TEST(times_increase),
+        TEST(misuse_is_internal),
+        TEST(memory_failures),
+        TEST(followed_while_it_grows),
+        TEST(kill_at_every_write),
+        TEST(kill_at_a_new_chunk),
+        TEST(resume_drops_what_came_after),
+        TEST(resume_before_the_first_checkpoint),
+        TEST(resume_refuses_another_run),
+        TEST(resume_and_damage),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
