@@ -3,6 +3,8 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 ehd_status place_fail(ehd_error *error, place where, const char *format, ...) {
     ehd_error text;
@@ -18,4 +20,14 @@ ehd_status place_fail(ehd_error *error, place where, const char *format, ...) {
 ehd_status place_no_memory(ehd_error *error, const char *file) {
     return ehd_fail(error, EHD_MEMORY, "%s: found no memory left, expected enough to hold it",
                     file);
+}
+
+char *path_beside(const char *path, const char *name) {
+    const char *slash = strrchr(path, '/');
+    const size_t folder = *name == '/' || !slash ? 0 : (size_t)(slash - path) + 1;
+    char *joined = malloc(folder + strlen(name) + 1);
+    if (!joined) return NULL;
+    memcpy(joined, path, folder);
+    strcpy(joined + folder, name);
+    return joined;
 }

@@ -21,4 +21,7 @@ ehd_status place_fail(
 /* EHD_MEMORY while reading `file`. */
 ehd_status place_no_memory(ehd_error *error, const char *file);
 
+/* `name` seen from the folder of `path`; free with free(). NULL: no memory. */
+char *path_beside(const char *path, const char *name);
+
 #endif

@@ -57,13 +57,13 @@ static ehd_status read_base(const plan_reader *self, scene_source *base, char **
                             const tree_node *node) {
     char shown[SHOWN_TEXT];
     ehd_status status;
-    source_init(base, self->path);
+    source_init(base, self->path, self->path);
     if (node->kind == TREE_MAP) {
         status = source_apply_map(base, node, self->error);
     } else if (node->kind == TREE_SCALAR && *node->value) {
         *scene_path = path_beside(self->path, node->value);
         if (!*scene_path) return place_no_memory(self->error, self->path);
-        base->file = *scene_path;
+        base->file = base->beside = *scene_path;
         status = read_scene_file(self, base, *scene_path);
     } else {
         status = place_fail(self->error, place_in(self, node),
@@ -173,7 +173,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
 static ehd_status read_single(const plan_reader *self, const tree_node *root) {
     const variation unvaried = {.num_points = 1};
     scene_source base;
-    source_init(&base, self->path);
+    source_init(&base, self->path, self->path);
     ehd_status status = source_apply_map(&base, root, self->error);
     if (!status)
         status = source_apply_overrides(&base, self->overrides, self->num_overrides, self->error);

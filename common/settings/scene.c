@@ -12,7 +12,7 @@ static const char override_name[] = "--set";
 
 static void fill_default(scene *of, const setting *row) {
     // the table's own values are valid (its test checks that)
-    if (row->fallback && !setting_is_given(row, of))
+    if (row->fallback && !setting_is_given(row, of) && !setting_unmet(row, of))
         setting_assign(of, row, row->fallback, (place){0}, NULL);
 }
 
@@ -20,13 +20,13 @@ void scene_defaults(scene *of) {
     memset(of, 0, sizeof *of);
     for (const setting *row = scene_settings; row->key; row++) {
         setting_clear(row, of);
-        if (!row->laws) fill_default(of, row);
+        if (!row->when[0].key) fill_default(of, row);
     }
 }
 
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings; row->key; row++)
-        if (setting_has_choice(row->laws, of->lubricant.viscosity_law)) fill_default(of, row);
+        fill_default(of, row);
 }
 
 // ---- setting values
@@ -38,10 +38,24 @@ ehd_status scene_set(scene *of, const char *key, const char *value, const char *
     return row ? setting_assign(of, row, value, here, error) : setting_unknown(error, here, key);
 }
 
-void source_init(scene_source *source, const char *file) {
+void source_init(scene_source *source, const char *file, const char *beside) {
     memset(source, 0, sizeof *source);
     scene_defaults(&source->values);
     source->file = file;
+    source->beside = beside;
+}
+
+ehd_status source_assign(scene_source *source, const setting *row, const char *text,
+                         const char *beside, place where, ehd_error *error) {
+    char *path = NULL;
+    if (row->type == SETTING_FILE && *text && beside) {
+        path = path_beside(beside, text);
+        if (!path) return place_no_memory(error, source->file);
+    }
+    const ehd_status status =
+        setting_assign(&source->values, row, path ? path : text, where, error);
+    free(path);
+    return status;
 }
 
 static ehd_status apply_value(scene_source *source, const setting *row, const tree_node *node,
@@ -56,7 +70,7 @@ static ehd_status apply_value(scene_source *source, const setting *row, const tr
         return place_fail(error, where, "%s: found again, expected only once (first in line %zu)",
                           row->key, known->line);
     *known = where;
-    return setting_assign(&source->values, row, node->value, where, error);
+    return source_assign(source, row, node->value, source->beside, where, error);
 }
 
 static ehd_status apply_below(scene_source *source, const tree_node *map, const char *prefix,
@@ -118,11 +132,12 @@ ehd_status source_finish(scene_source *source, ehd_error *error) {
 
 // ---- reading and writing
 
-ehd_status scene_parse(scene *of, const char *text, size_t length, const char *name,
-                       const char *const *overrides, size_t num_overrides, ehd_error *error) {
+static ehd_status parse(scene *of, const char *text, size_t length, const char *name,
+                        const char *beside, const char *const *overrides, size_t num_overrides,
+                        ehd_error *error) {
     scene_source source;
     tree_node *root;
-    source_init(&source, name);
+    source_init(&source, name, beside);
     ehd_status status = tree_parse(&root, text, length, name, error);
     if (!status) status = source_apply_map(&source, root, error);
     if (!status) status = source_apply_overrides(&source, overrides, num_overrides, error);
@@ -132,13 +147,18 @@ ehd_status scene_parse(scene *of, const char *text, size_t length, const char *n
     return status;
 }
 
+ehd_status scene_parse(scene *of, const char *text, size_t length, const char *name,
+                       const char *const *overrides, size_t num_overrides, ehd_error *error) {
+    return parse(of, text, length, name, NULL, overrides, num_overrides, error);
+}
+
 ehd_status scene_read(scene *of, const char *path, const char *const *overrides,
                       size_t num_overrides, ehd_error *error) {
     char *text;
     size_t length;
     ehd_status status = tree_read_text(&text, &length, path, error);
     if (status) return status;
-    status = scene_parse(of, text, length, path, overrides, num_overrides, error);
+    status = parse(of, text, length, path, path, overrides, num_overrides, error);
     free(text);
     return status;
 }

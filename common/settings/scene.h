@@ -9,11 +9,32 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Every double is NaN and every string "" until it is given or a default fills it. */
+/* What may vary in time. */
+enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
+enum { MOST_FACTOR = 1000 }; // on a reference value, of either sign
+
+/* How one of them varies: a factor on its reference value over the time T = u_ref t / a_ref. */
+typedef struct history_settings {
+    char law[16];          // constant, sine, ramp, step, table
+    double amplitude;      // 1
+    double period;         // of T
+    double phase;          // rad
+    double from;           // factor
+    double to;             // factor
+    double start;          // T
+    double duration;       // of T
+    double at;             // T
+    char file[256];        // seen from the working folder
+    char column[64];       // of the file
+    char interpolation[8]; // spline, linear
+} history_settings;
+
+/* Every double is NaN, every string "" and every int -1 until it is given or a default fills it. */
 typedef struct scene {
     char contact[16];      // line
-    char regime[16];       // stationary
-    char closure[16];      // load
+    char regime[16];       // stationary, transient
+    char closure[16];      // load, approach
+    double approach;       // H0 in the reference frame; NaN: that of the stationary solution
     double moes_M;         // 1, given with moes_L, or not at all
     double moes_L;         // 1
     double load;           // N/m for a line contact; the five of `physical`, or none
@@ -27,46 +48,68 @@ typedef struct scene {
     double x_max;
     double step;
     int output_fields; // 1, 0, or -1: the program's own default
+    int fields_every;  // fields at every N-th step; this and all below only when transient
+    double end_time;   // T
+    double tolerance;  // 1, on the local error
+    double fixed_step; // of T; NaN: steps by the local error
+    double start_film; // H of the start from rest; NaN: not given
+    history_settings vary[NUM_VARY];
 } scene;
 
-typedef enum setting_type { SETTING_CHOICE, SETTING_REAL, SETTING_FLAG } setting_type;
+typedef enum setting_type {
+    SETTING_CHOICE,
+    SETTING_TEXT,
+    SETTING_FILE, // text; a relative name is resolved when it is read
+    SETTING_REAL,
+    SETTING_WHOLE, // number
+    SETTING_FLAG
+} setting_type;
+
+/* Another key, and the values of it that a key belongs to. */
+typedef struct setting_condition {
+    const char *key;    // "lubricant.viscosity.law"
+    const char *values; // "barus|roelands"
+} setting_condition;
+
+enum { MAX_CONDITIONS = 2 };
 
 /* One row a key; it feeds parsing, validation, --help, the schema page and provenance. */
 typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
     size_t offset;        // in scene
-    size_t size;          // of the string, for SETTING_CHOICE
+    size_t size;          // of the string, for SETTING_CHOICE, SETTING_TEXT and SETTING_FILE
     const char *fallback; // default as it would stand in the file; NULL: none
     const char *choices;  // "line" or "barus|roelands|wlf", for SETTING_CHOICE
-    double least, most;   // allowed range, both included, for SETTING_REAL
+    double least, most;   // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
     const char *unit;     // "1", "Pa", ...
     const char *help;     // one sentence
-    const char *laws;     // viscosity laws that use it, "barus|roelands"; NULL: whatever the law
-    bool required;
+    setting_condition when[MAX_CONDITIONS]; // all must hold, or the key is refused; key NULL: none.
+                                            // Rows that conditions name stand before.
+    bool required;                          // where its conditions hold
 } setting;
 
 extern const setting scene_settings[]; // ends with a row whose key is NULL
 
-/* Everything not given, then defaults filled in where the table has them and no viscosity law has a
- * say. */
+/* Everything not given, then defaults filled in where the table has them and no other key has a say. */
 void scene_defaults(scene *scene);
 
-/* Fills in the defaults that belong to the scene's viscosity law, where not given. scene_read,
- * scene_parse and plan_read have done so. */
+/* Fills in the defaults that belong to the scene's regime, closure and laws, where not given.
+ * scene_read, scene_parse and plan_read have done so. */
 void scene_complete(scene *scene);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
- * and before validation. Returns EHD_OK, EHD_NOINPUT, or EHD_DATA with file, line, key, found and
- * expected in *error. */
+ * and before validation. Relative names of files start from the folder of the file that has them, or in
+ * `overrides` from the working folder. Returns EHD_OK, EHD_NOINPUT, or EHD_DATA with file, line, key,
+ * found and expected in *error. */
 ehd_status scene_read(
     // output:
     scene *scene,
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
-/* The same from memory, as a multibody code may want; `name` stands for the file
- * in errors. */
+/* The same from memory, as a multibody code may want; `name` stands for the file in errors, and
+ * relative names start from the working folder. */
 ehd_status scene_parse(
     // output:
     scene *scene,
@@ -78,8 +121,8 @@ ehd_status scene_parse(
 ehd_status scene_set(scene *scene, const char *key, const char *value, const char *where,
                      ehd_error *error);
 
-/* The checks that involve several keys: moes or physical; what the law needs and nothing else; the
- * grid's extent a whole number of steps; the contact inside the grid. */
+/* The checks that involve several keys: moes or physical; what regime, closure and laws need and
+ * nothing else; the grid's extent a whole number of steps; the contact inside the grid. */
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
 /* All settings that have a value, "key: value" a line, in table order. Numbers round-trip.

@@ -11,12 +11,20 @@
 
 typedef struct scene_source {
     scene values;
-    const char *file;           // leads errors that are about no single key
+    const char *file;   // leads errors that are about no single key
+    const char *beside; // relative names in the map start from its folder; NULL: working folder
     place places[MAX_SETTINGS]; // by row of scene_settings; file NULL: not given
 } scene_source;
 
-/* Defaults, nothing given. `file` is kept, not copied. */
-void source_init(scene_source *source, const char *file);
+/* Defaults, nothing given. `file` and `beside` are kept, not copied. */
+void source_init(scene_source *source, const char *file, const char *beside);
+
+/* setting_assign, with relative names of files seen from the folder of `beside`. */
+ehd_status source_assign(
+    // output:
+    scene_source *source,
+    // input:
+    const setting *row, const char *text, const char *beside, place where, ehd_error *error);
 
 /* Sets what a map (keys nested or dotted) gives. EHD_DATA: no map, unknown, double or bad keys. */
 ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error);

@@ -42,15 +42,6 @@ static place place_of_file(const scene_source *source) {
     return (place){source->file, 0};
 }
 
-static ehd_status check_required(const scene_source *source, ehd_error *error) {
-    key_count count = {0};
-    for (const setting *row = scene_settings; row->key; row++)
-        if (row->required) count_key(&count, row, &source->values);
-    if (count.given == count.all) return EHD_OK;
-    return place_fail(error, place_of_file(source), "%s: found nothing, expected a value",
-                      count.missing);
-}
-
 static ehd_status check_whole(const scene_source *source, const char *name, const key_count *count,
                               ehd_error *error) {
     if (count->given == 0 || count->given == count->all) return EHD_OK;
@@ -71,6 +62,52 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
     return status ? status : check_whole(source, "physical", &physical, error);
 }
 
+// ---- conditions
+
+/* Whether two keys are needed for the same reason. */
+static bool same_reason(const setting *left, const setting *right) {
+    const char *a = left->when[0].key, *b = right->when[0].key;
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
+static bool is_missing(const setting *row, const scene *of) {
+    return row->required && !setting_is_given(row, of) && !setting_unmet(row, of);
+}
+
+/* Everything that is required always, or by regime, closure and laws as they are. */
+static ehd_status check_needed(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const setting *first = scene_settings;
+    char shown[SHOWN_TEXT];
+    key_count count = {0};
+    while (first->key && !is_missing(first, of))
+        first++;
+    if (!first->key) return EHD_OK;
+    for (const setting *row = first; row->key; row++)
+        if (is_missing(row, of) && same_reason(row, first)) count_key(&count, row, of);
+    if (!first->when[0].key)
+        return place_fail(error, place_of_file(source), "%s: found nothing, expected a value",
+                          count.missing);
+    setting_show_condition(shown, &first->when[0], of);
+    return place_fail(error, place_of_key(source, first->when[0].key),
+                      "%s: found nothing, expected a value with the %s", count.missing, shown);
+}
+
+/* No setting that would be ignored. Where nothing decides whether it is, check_needed says so. */
+static ehd_status check_used(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    char shown[SHOWN_TEXT];
+    for (const setting *row = scene_settings; row->key; row++) {
+        if (!setting_is_given(row, of)) continue;
+        const setting_condition *unmet = setting_unmet(row, of);
+        if (!unmet || !setting_is_given(setting_find(unmet->key), of)) continue;
+        setting_show_condition(shown, unmet, of);
+        return place_fail(error, place_of_key(source, row->key),
+                          "%s: found a value, expected none with the %s", row->key, shown);
+    }
+    return EHD_OK;
+}
+
 // ---- lubricant
 
 static bool is_wlf_constant(const setting *row) {
@@ -78,22 +115,12 @@ static bool is_wlf_constant(const setting *row) {
            row->offset < offsetof(scene, lubricant.wlf) + sizeof(((scene *)0)->lubricant.wlf);
 }
 
-/* No setting that the law would ignore. */
-static ehd_status check_used(const scene_source *source, ehd_error *error) {
-    const char *law = source->values.lubricant.viscosity_law;
-    for (const setting *row = scene_settings; row->key; row++) {
-        if (!row->laws || setting_has_choice(row->laws, law)) continue;
-        if (setting_is_given(row, &source->values))
-            return place_fail(error, place_of_key(source, row->key),
-                              "%s: found a value, expected none with the law %s", row->key, law);
-    }
-    return EHD_OK;
-}
-
+/* The law wlf needs a preset or all constants. */
 static ehd_status check_wlf(const scene_source *source, ehd_error *error) {
     const bool preset = *source->values.lubricant.viscosity_preset != '\0';
     const place where = place_of_key(source, "lubricant.viscosity.law");
     key_count count = {0};
+    if (strcmp(source->values.lubricant.viscosity_law, "wlf") != 0) return EHD_OK;
     for (const setting *row = scene_settings; row->key; row++)
         if (is_wlf_constant(row)) count_key(&count, row, &source->values);
     if (preset && count.given > 0)
@@ -104,19 +131,6 @@ static ehd_status check_wlf(const scene_source *source, ehd_error *error) {
                           "lubricant.viscosity: found neither preset nor constants, expected "
                           "preset or A1, A2, B1, B2, C1, C2, Tg0, mu_g with the law wlf");
     return preset ? EHD_OK : check_whole(source, "lubricant.viscosity", &count, error);
-}
-
-/* Everything that the law needs: it has no default, and wlf's choice is checked apart. */
-static ehd_status check_needed(const scene_source *source, ehd_error *error) {
-    const char *law = source->values.lubricant.viscosity_law;
-    key_count count = {0};
-    if (strcmp(law, "wlf") == 0) return check_wlf(source, error);
-    for (const setting *row = scene_settings; row->key; row++)
-        if (row->laws && setting_has_choice(row->laws, law))
-            count_key(&count, row, &source->values);
-    if (count.given == count.all) return EHD_OK;
-    return place_fail(error, place_of_key(source, "lubricant.viscosity.law"),
-                      "%s: found nothing, expected a value with the law %s", count.missing, law);
 }
 
 // ---- grid
@@ -159,10 +173,10 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
 // ---- all
 
 ehd_status source_validate(const scene_source *source, ehd_error *error) {
-    ehd_status status = check_required(source, error);
-    if (!status) status = check_operating_point(source, error);
-    if (!status) status = check_used(source, error);
+    ehd_status status = check_used(source, error);
     if (!status) status = check_needed(source, error);
+    if (!status) status = check_operating_point(source, error);
+    if (!status) status = check_wlf(source, error);
     if (!status) status = check_grid(source, error);
     return status;
 }

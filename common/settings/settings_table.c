@@ -1,79 +1,139 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/settings_table.h"
 
-#include "common/program/text.h"
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
 
 // ---- the table
 
-#define CHOICE(member) SETTING_CHOICE, offsetof(scene, member), sizeof(((scene *)0)->member)
-#define REAL(member)   SETTING_REAL, offsetof(scene, member), sizeof(double)
-#define FLAG(member)   SETTING_FLAG, offsetof(scene, member), sizeof(int)
+#define AT(member)     offsetof(scene, member), sizeof(((scene *)0)->member)
+#define CHOICE(member) SETTING_CHOICE, AT(member)
+#define TEXT(member)   SETTING_TEXT, AT(member)
+#define NAMED(member)  SETTING_FILE, AT(member)
+#define REAL(member)   SETTING_REAL, AT(member)
+#define WHOLE(member)  SETTING_WHOLE, AT(member)
+#define FLAG(member)   SETTING_FLAG, AT(member)
 
-// columns: key, type, offset, size, default, choices, least, most, unit, help, laws, required
 // clang-format off
+#define ALWAYS                {{NULL, NULL}}
+#define IN_TIME               {{"regime", "transient"}}
+#define IN_TIME_WITH(closure) {{"regime", "transient"}, {"closure", closure}}
+#define WITH_VISCOSITY(laws)  {{"lubricant.viscosity.law", laws}}
+#define WITH_LAW(name, laws)  {{"transient." name ".law", laws}}
+
+/* The rows of one quantity that varies in time; the last argument is when it may. */
+#define HISTORY(name, number, ...)                                                                 \
+    {"transient." name ".law", CHOICE(vary[number].law), "constant",                               \
+     "constant|sine|ramp|step|table", 0, 0, "1", "How " name " varies: a factor over time",        \
+     __VA_ARGS__, false},                                                                          \
+    {"transient." name ".amplitude", REAL(vary[number].amplitude), NULL, NULL, -MOST_FACTOR,       \
+     MOST_FACTOR, "1", "Of the factor 1 + amplitude sin(2 pi T/period + phase)",                   \
+     WITH_LAW(name, "sine"), true},                                                                \
+    {"transient." name ".period", REAL(vary[number].period), NULL, NULL, 1e-6, 1e12, "1",          \
+     "Time T of one oscillation", WITH_LAW(name, "sine"), true},                                   \
+    {"transient." name ".phase", REAL(vary[number].phase), "0", NULL, -1e3, 1e3, "rad",            \
+     "Phase at T = 0", WITH_LAW(name, "sine"), false},                                             \
+    {"transient." name ".from", REAL(vary[number].from), "1", NULL, -MOST_FACTOR, MOST_FACTOR,     \
+     "1", "Factor before a ramp, or up to and at a step",                                          \
+     WITH_LAW(name, "ramp|step"), false},                                                          \
+    {"transient." name ".to", REAL(vary[number].to), NULL, NULL, -MOST_FACTOR, MOST_FACTOR,        \
+     "1", "Factor after a ramp or step", WITH_LAW(name, "ramp|step"), true},                       \
+    {"transient." name ".start", REAL(vary[number].start), "0", NULL, -1e12, 1e12, "1",            \
+     "Time T at which a ramp starts", WITH_LAW(name, "ramp"), false},                              \
+    {"transient." name ".duration", REAL(vary[number].duration), NULL, NULL, 1e-9, 1e12, "1",      \
+     "Time that a ramp takes, of T", WITH_LAW(name, "ramp"), true},                                \
+    {"transient." name ".at", REAL(vary[number].at), NULL, NULL, 0, 1e12, "1",                     \
+     "Time T of a step", WITH_LAW(name, "step"), true},                                            \
+    {"transient." name ".file", NAMED(vary[number].file), NULL, NULL, 0, 0, "1",                   \
+     "CSV or HDF5 file (.h5, .hdf5) with a table of factors over T", WITH_LAW(name, "table"),      \
+     true},                                                                                        \
+    {"transient." name ".column", TEXT(vary[number].column), NULL, NULL, 0, 0, "1",                \
+     "Column or dataset of the factors in the file", WITH_LAW(name, "table"), true},               \
+    {"transient." name ".interpolation", CHOICE(vary[number].interpolation), "spline",             \
+     "spline|linear", 0, 0, "1", "How the table is read between its times",                        \
+     WITH_LAW(name, "table"), false}
+
+// columns: key, type, offset, size, default, choices, least, most, unit, help, when, required
 const setting scene_settings[] = {
     {"contact", CHOICE(contact), NULL, "line", 0, 0, "1",
-     "Kind of contact", NULL, true},
-    {"regime", CHOICE(regime), NULL, "stationary", 0, 0, "1",
-     "Whether the contact varies with time", NULL, true},
-    {"closure", CHOICE(closure), "load", "load", 0, 0, "1",
-     "What closes the system of equations: the load is given", NULL, false},
+     "Kind of contact", ALWAYS, true},
+    {"regime", CHOICE(regime), NULL, "stationary|transient", 0, 0, "1",
+     "Whether the contact varies with time", ALWAYS, true},
+    {"closure", CHOICE(closure), "load", "load|approach", 0, 0, "1",
+     "What is given: the load, or the rigid approach, and the load is an outcome", ALWAYS, false},
+    {"approach", REAL(approach), NULL, NULL, -1e3, 1e3, "1",
+     "Rigid approach H0 for the reference, where a line contact's unit of length is the reference "
+     "half width a_ref; if not given, that of the stationary solution under the scene's load",
+     {{"closure", "approach"}}, false},
     {"moes.M", REAL(moes_M), NULL, NULL, 0.1, 1e5, "1",
-     "Moes load number, of the sum velocity", NULL, false},
+     "Moes load number, of the sum velocity", ALWAYS, false},
     {"moes.L", REAL(moes_L), NULL, NULL, 0, 100, "1",
-     "Moes lubricant number, of the sum velocity", NULL, false},
+     "Moes lubricant number, of the sum velocity", ALWAYS, false},
     {"physical.load", REAL(load), NULL, NULL, 1, 1e9, "N/m",
-     "Load per length", NULL, false},
+     "Load per length", ALWAYS, false},
     {"physical.radius", REAL(radius), NULL, NULL, 1e-6, 1e3, "m",
-     "Reduced radius of curvature", NULL, false},
+     "Reduced radius of curvature", ALWAYS, false},
     {"physical.speed", REAL(speed), NULL, NULL, 1e-9, 1e4, "m/s",
-     "Mean velocity (u1 + u2)/2 of the surfaces", NULL, false},
+     "Mean velocity (u1 + u2)/2 of the surfaces", ALWAYS, false},
     {"physical.modulus", REAL(modulus), NULL, NULL, 1e3, 1e13, "Pa",
-     "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", NULL, false},
+     "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", ALWAYS, false},
     {"physical.viscosity", REAL(viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
-     "Viscosity at zero pressure", NULL, false},
+     "Viscosity at zero pressure", ALWAYS, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
-     "Hertz pressure, where it shall not follow from the other settings", NULL, false},
+     "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
     {"lubricant.viscosity.law", CHOICE(lubricant.viscosity_law), NULL, "barus|roelands|wlf", 0, 0,
-     "1", "How viscosity depends on pressure", NULL, true},
+     "1", "How viscosity depends on pressure", ALWAYS, true},
     {"lubricant.viscosity.preset", CHOICE(lubricant.viscosity_preset), NULL, "no1|no2|no3", 0, 0,
-     "1", "Lubricant of Table 1, in place of the eight constants", "wlf", false},
+     "1", "Lubricant of Table 1, in place of the eight constants", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.temperature", REAL(lubricant.temperature), "25", NULL, -100, 400, "degC",
-     "Temperature of the lubricant", "wlf", false},
+     "Temperature of the lubricant", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.alpha", REAL(lubricant.alpha), NULL, NULL, 1e-10, 1e-6, "1/Pa",
-     "Pressure-viscosity coefficient at zero pressure", "barus|roelands", false},
+     "Pressure-viscosity coefficient at zero pressure", WITH_VISCOSITY("barus|roelands"), true},
     {"lubricant.viscosity.eta0", REAL(lubricant.eta0), NULL, NULL, 1e-4, 1e6, "Pa s",
-     "Viscosity at zero pressure", "roelands", false},
+     "Viscosity at zero pressure", WITH_VISCOSITY("roelands"), true},
     {"lubricant.viscosity.A1", REAL(lubricant.wlf[WLF_A1]), NULL, NULL, 0, 1e3, "degC",
-     "Constant A1 of the modified WLF law", "wlf", false},
+     "Constant A1 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.A2", REAL(lubricant.wlf[WLF_A2]), NULL, NULL, 0, 1e3, "1/GPa",
-     "Constant A2 of the modified WLF law", "wlf", false},
+     "Constant A2 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.B1", REAL(lubricant.wlf[WLF_B1]), NULL, NULL, 0, 10, "1",
-     "Constant B1 of the modified WLF law", "wlf", false},
+     "Constant B1 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.B2", REAL(lubricant.wlf[WLF_B2]), NULL, NULL, 0, 10, "1/MPa",
-     "Constant B2 of the modified WLF law", "wlf", false},
+     "Constant B2 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.C1", REAL(lubricant.wlf[WLF_C1]), NULL, NULL, 0.1, 1e3, "1",
-     "Constant C1 of the modified WLF law", "wlf", false},
+     "Constant C1 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.C2", REAL(lubricant.wlf[WLF_C2]), NULL, NULL, 0.1, 1e3, "degC",
-     "Constant C2 of the modified WLF law", "wlf", false},
+     "Constant C2 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.Tg0", REAL(lubricant.wlf[WLF_TG0]), NULL, NULL, -273.15, 400, "degC",
-     "Glass transition temperature at zero pressure", "wlf", false},
+     "Glass transition temperature at zero pressure", WITH_VISCOSITY("wlf"), false},
     {"lubricant.viscosity.mu_g", REAL(lubricant.wlf[WLF_MU_G]), NULL, NULL, 1, 1e20, "Pa s",
-     "Viscosity at the glass transition", "wlf", false},
+     "Viscosity at the glass transition", WITH_VISCOSITY("wlf"), false},
     {"lubricant.density.law", CHOICE(lubricant.density_law), "incompressible",
-     "incompressible|dowson-higginson", 0, 0, "1", "How density depends on pressure", NULL, false},
+     "incompressible|dowson-higginson", 0, 0, "1", "How density depends on pressure", ALWAYS, false},
     {"grid.x_min", REAL(x_min), "-4", NULL, -1e3, -1, "1",
-     "First inner node, in contact half widths; below -1", NULL, false},
+     "First inner node, in contact half widths; below -1", ALWAYS, false},
     {"grid.x_max", REAL(x_max), "2", NULL, 1, 1e3, "1",
-     "Last inner node, in contact half widths; above 1", NULL, false},
+     "Last inner node, in contact half widths; above 1", ALWAYS, false},
     {"grid.step", REAL(step), "0.005", NULL, 1e-6, 0.125, "1",
-     "Distance of the nodes, in contact half widths; a whole number of steps fits", NULL, false},
+     "Distance of the nodes, in contact half widths; a whole number of steps fits", ALWAYS, false},
     {"output.fields", FLAG(output_fields), NULL, NULL, 0, 0, "1",
-     "Write pressure and film fields; default true in fullrun, false in romrun", NULL, false},
-    {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, NULL, false}};
+     "Write pressure and film fields; default true in fullrun, false in romrun", ALWAYS, false},
+    {"output.fields_every", WHOLE(fields_every), "1", NULL, 1, 1e9, "1",
+     "Write fields at every N-th time step", IN_TIME, false},
+    {"transient.end_time", REAL(end_time), NULL, NULL, 1e-9, 1e12, "1",
+     "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
+    {"transient.tolerance", REAL(tolerance), "1e-4", NULL, 1e-12, 0.1, "1",
+     "Local error of a time step, relative to the central film", IN_TIME, false},
+    {"transient.fixed_step", REAL(fixed_step), NULL, NULL, 1e-9, 1e12, "1",
+     "Length of all time steps, of T; switches error control off", IN_TIME, false},
+    {"transient.start_film", REAL(start_film), NULL, NULL, 1e-9, 1, "1",
+     "Film H of the start when the speed starts at zero", IN_TIME, false},
+    HISTORY("load", VARY_LOAD, IN_TIME_WITH("load")),
+    HISTORY("speed", VARY_SPEED, IN_TIME),
+    HISTORY("radius", VARY_RADIUS, IN_TIME),
+    HISTORY("modulus", VARY_MODULUS, IN_TIME),
+    HISTORY("approach", VARY_APPROACH, IN_TIME_WITH("approach")),
+    {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}};
 // clang-format on
 
 _Static_assert(sizeof scene_settings / sizeof *scene_settings <= MAX_SETTINGS + 1,
@@ -160,12 +220,20 @@ static const setting *nearest(const char *key) {
     return found;
 }
 
-/* "moes.M, moes.L" */
+/* "moes.M, moes.L": the keys and groups right below a group. */
 static void list_group(char *list, size_t size, const char *group) {
-    size_t used = 0;
-    for (const setting *row = scene_settings; row->key; row++)
-        if (stands_below(row->key, group) && used < size)
-            used += (size_t)snprintf(list + used, size - used, "%s%s", used ? ", " : "", row->key);
+    const size_t depth = strlen(group) + 1;
+    const char *before = "";
+    size_t used = 0, before_length = 0;
+    for (const setting *row = scene_settings; row->key; row++) {
+        if (!stands_below(row->key, group) || used >= size) continue;
+        const size_t length = depth + strcspn(row->key + depth, ".");
+        if (length == before_length && strncmp(row->key, before, length) == 0) continue;
+        used += (size_t)snprintf(list + used, size - used, "%s%.*s", used ? ", " : "", (int)length,
+                                 row->key);
+        before = row->key;
+        before_length = length;
+    }
 }
 
 ehd_status setting_unknown(ehd_error *error, place where, const char *key) {
@@ -195,7 +263,7 @@ bool setting_has_choice(const char *choices, const char *word) {
     return false;
 }
 
-// ---- values
+// ---- conditions
 
 static char *text_at(const setting *row, scene *of) {
     return (char *)of + row->offset;
@@ -205,13 +273,32 @@ static const char *const_text_at(const setting *row, const scene *of) {
     return (const char *)of + row->offset;
 }
 
+const setting_condition *setting_unmet(const setting *row, const scene *of) {
+    for (size_t i = 0; i < MAX_CONDITIONS && row->when[i].key; i++) {
+        const setting *other = setting_find(row->when[i].key);
+        const setting_condition *unmet = setting_unmet(other, of);
+        if (unmet) return unmet;
+        if (!setting_has_choice(row->when[i].values, const_text_at(other, of)))
+            return &row->when[i];
+    }
+    return NULL;
+}
+
+void setting_show_condition(char shown[SHOWN_TEXT], const setting_condition *condition,
+                            const scene *of) {
+    snprintf(shown, SHOWN_TEXT, "%s %s", last_part(condition->key),
+             const_text_at(setting_find(condition->key), of));
+}
+
+// ---- values
+
 static double real_at(const setting *row, const scene *of) {
     double value;
     memcpy(&value, const_text_at(row, of), sizeof value);
     return value;
 }
 
-static int flag_at(const setting *row, const scene *of) {
+static int whole_at(const setting *row, const scene *of) {
     int value;
     memcpy(&value, const_text_at(row, of), sizeof value);
     return value;
@@ -221,8 +308,9 @@ bool setting_is_given(const setting *row, const scene *of) {
     switch (row->type) {
     case SETTING_REAL:
         return !isnan(real_at(row, of));
+    case SETTING_WHOLE:
     case SETTING_FLAG:
-        return flag_at(row, of) >= 0;
+        return whole_at(row, of) >= 0;
     default:
         return *const_text_at(row, of) != '\0';
     }
@@ -230,59 +318,107 @@ bool setting_is_given(const setting *row, const scene *of) {
 
 void setting_clear(const setting *row, scene *of) {
     const double not_given = NAN;
-    const int own_default = -1;
+    const int not_whole = -1;
     switch (row->type) {
     case SETTING_REAL:
         memcpy(text_at(row, of), &not_given, sizeof not_given);
         break;
+    case SETTING_WHOLE:
     case SETTING_FLAG:
-        memcpy(text_at(row, of), &own_default, sizeof own_default);
+        memcpy(text_at(row, of), &not_whole, sizeof not_whole);
         break;
     default:
         memset(text_at(row, of), 0, row->size);
     }
 }
 
+static int compare_reals(double left, double right) {
+    return (left > right) - (left < right);
+}
+
 int setting_compare(const setting *row, const scene *left, const scene *right) {
     const bool left_given = setting_is_given(row, left);
     if (left_given != setting_is_given(row, right)) return left_given ? 1 : -1;
     if (!left_given) return 0;
-    if (row->type == SETTING_CHOICE)
+    switch (row->type) {
+    case SETTING_REAL:
+        return compare_reals(real_at(row, left), real_at(row, right));
+    case SETTING_WHOLE:
+    case SETTING_FLAG:
+        return whole_at(row, left) - whole_at(row, right);
+    default:
         return strcmp(const_text_at(row, left), const_text_at(row, right));
-    if (row->type == SETTING_FLAG) return flag_at(row, left) - flag_at(row, right);
-    const double a = real_at(row, left), b = real_at(row, right);
-    return (a > b) - (a < b);
+    }
+}
+
+/* Text as YAML: in quotes where it could be something else. */
+static void print_text(FILE *stream, const char *text) {
+    static const char plain[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/.-";
+    const bool quoted = *text == '-' || text[strspn(text, plain)];
+    if (quoted) fputc('\'', stream);
+    for (; *text; text++)
+        fputs(*text == '\'' ? "''" : (char[]){*text, '\0'}, stream);
+    if (quoted) fputc('\'', stream);
 }
 
 void setting_print(FILE *stream, const setting *row, const scene *of) {
     char number[NUMBER_TEXT];
+    fprintf(stream, "%s: ", row->key);
     switch (row->type) {
     case SETTING_REAL:
         number_show(number, real_at(row, of));
-        fprintf(stream, "%s: %s\n", row->key, number);
+        fputs(number, stream);
+        break;
+    case SETTING_WHOLE:
+        fprintf(stream, "%d", whole_at(row, of));
         break;
     case SETTING_FLAG:
-        fprintf(stream, "%s: %s\n", row->key, flag_at(row, of) ? "true" : "false");
+        fputs(whole_at(row, of) ? "true" : "false", stream);
         break;
     default:
-        fprintf(stream, "%s: %s\n", row->key, const_text_at(row, of));
+        print_text(stream, const_text_at(row, of));
     }
+    fputc('\n', stream);
 }
 
+enum { ALLOWED_TEXT = 128 };
+
 /* "line", "barus|roelands|wlf", "true|false", "a number from 1 to 1000 Pa". */
-static void show_allowed(char *shown, size_t size, const setting *row) {
+static void show_allowed(char shown[ALLOWED_TEXT], const setting *row) {
     const bool plain = strcmp(row->unit, "1") == 0;
-    if (row->type == SETTING_REAL)
-        snprintf(shown, size, "a number from %g to %g%s%s", row->least, row->most, plain ? "" : " ",
-                 plain ? "" : row->unit);
-    else
-        snprintf(shown, size, "%s", row->type == SETTING_FLAG ? "true|false" : row->choices);
+    switch (row->type) {
+    case SETTING_REAL:
+    case SETTING_WHOLE:
+        snprintf(shown, ALLOWED_TEXT, "a %snumber from %g to %g%s%s",
+                 row->type == SETTING_WHOLE ? "whole " : "", row->least, row->most,
+                 plain ? "" : " ", plain ? "" : row->unit);
+        break;
+    case SETTING_TEXT:
+    case SETTING_FILE:
+        snprintf(shown, ALLOWED_TEXT, "%s of at most %zu bytes",
+                 row->type == SETTING_FILE ? "the name of a file," : "printable text",
+                 row->size - 1);
+        break;
+    default:
+        snprintf(shown, ALLOWED_TEXT, "%s",
+                 row->type == SETTING_FLAG ? "true|false" : row->choices);
+    }
 }
 
 static bool assign_real(scene *of, const setting *row, const char *text) {
     double value;
-    if (!number_read(&value, text) || !(value >= row->least && value <= row->most)) return false;
+    if (parse_real(&value, text, row->least, row->most, row->key, EHD_DATA, NULL)) return false;
     value += 0.0; // -0 becomes 0, so that equal scenes have equal text
+    memcpy(text_at(row, of), &value, sizeof value);
+    return true;
+}
+
+static bool assign_whole(scene *of, const setting *row, const char *text) {
+    size_t count;
+    if (parse_count(&count, text, (size_t)row->least, (size_t)row->most, row->key, EHD_DATA, NULL))
+        return false;
+    const int value = (int)count;
     memcpy(text_at(row, of), &value, sizeof value);
     return true;
 }
@@ -294,8 +430,17 @@ static bool assign_flag(scene *of, const setting *row, const char *text) {
     return true;
 }
 
-static bool assign_choice(scene *of, const setting *row, const char *text) {
-    if (!setting_has_choice(row->choices, text) || strlen(text) >= row->size) return false;
+/* Bytes that no line of a file or message could show are refused; UTF-8 is not. */
+static bool is_printable(const char *text) {
+    for (; *text; text++)
+        if ((unsigned char)*text < ' ' || *text == 0x7f) return false;
+    return true;
+}
+
+static bool assign_text(scene *of, const setting *row, const char *text) {
+    const bool valid = row->type == SETTING_CHOICE ? setting_has_choice(row->choices, text)
+                                                   : *text && is_printable(text);
+    if (!valid || strlen(text) >= row->size) return false;
     setting_clear(row, of);
     memcpy(text_at(row, of), text, strlen(text));
     return true;
@@ -303,55 +448,77 @@ static bool assign_choice(scene *of, const setting *row, const char *text) {
 
 ehd_status setting_assign(scene *of, const setting *row, const char *text, place where,
                           ehd_error *error) {
-    char found[SHOWN_TEXT], allowed[128];
+    char found[SHOWN_TEXT], allowed[ALLOWED_TEXT];
     bool valid;
     switch (row->type) {
     case SETTING_REAL:
         valid = assign_real(of, row, text);
         break;
+    case SETTING_WHOLE:
+        valid = assign_whole(of, row, text);
+        break;
     case SETTING_FLAG:
         valid = assign_flag(of, row, text);
         break;
     default:
-        valid = assign_choice(of, row, text);
+        valid = assign_text(of, row, text);
     }
     if (valid) return EHD_OK;
     text_show(found, text);
-    show_allowed(allowed, sizeof allowed, row);
+    show_allowed(allowed, row);
     return place_fail(error, where, "%s: found %s, expected %s", row->key, found, allowed);
 }
 
 // ---- the table for people
 
+/* "barus, wlf" from "barus|wlf", because a bar would end the cell of a Markdown table. */
+static void print_words(FILE *stream, const char *choices, const char *between) {
+    for (; *choices; choices++)
+        fputs(*choices == '|' ? between : (char[]){*choices, '\0'}, stream);
+}
+
+/* "regime transient, closure load" */
+static void print_conditions(FILE *stream, const setting *row, const char *before) {
+    for (size_t i = 0; i < MAX_CONDITIONS && row->when[i].key; i++) {
+        fprintf(stream, "%s%s ", i ? ", " : before, last_part(row->when[i].key));
+        print_words(stream, row->when[i].values, " or ");
+    }
+}
+
 void scene_print_help(FILE *stream) {
-    char allowed[128];
+    char allowed[ALLOWED_TEXT];
     fprintf(stream, "Settings of a scene, in its file or as --set KEY=VALUE:\n");
     for (const setting *row = scene_settings; row->key; row++) {
-        show_allowed(allowed, sizeof allowed, row);
+        show_allowed(allowed, row);
         fprintf(stream, "\n  %s: %s", row->key, allowed);
         if (row->required) fprintf(stream, "; required");
         if (row->fallback) fprintf(stream, "; default %s", row->fallback);
-        if (row->laws) fprintf(stream, "; law %s", row->laws);
+        print_conditions(stream, row, row->required ? " with " : "; only with ");
         fprintf(stream, "\n      %s\n", row->help);
     }
     fprintf(stream, "\nEither moes or physical is required, with all of its keys.\n");
 }
 
-/* "barus, wlf" from "barus|wlf", because a bar would end the cell of a Markdown table. */
-static void print_words(FILE *stream, const char *choices) {
-    for (; *choices; choices++)
-        fputs(*choices == '|' ? ", " : (char[]){*choices, '\0'}, stream);
-}
-
 static void print_allowed(FILE *stream, const setting *row) {
-    if (row->type == SETTING_REAL)
-        fprintf(stream, "%g to %g", row->least, row->most);
-    else
-        print_words(stream, row->type == SETTING_FLAG ? "true|false" : row->choices);
+    switch (row->type) {
+    case SETTING_REAL:
+    case SETTING_WHOLE:
+        fprintf(stream, "%g to %g%s", row->least, row->most,
+                row->type == SETTING_WHOLE ? ", whole" : "");
+        break;
+    case SETTING_TEXT:
+        fprintf(stream, "text");
+        break;
+    case SETTING_FILE:
+        fprintf(stream, "file");
+        break;
+    default:
+        print_words(stream, row->type == SETTING_FLAG ? "true|false" : row->choices, ", ");
+    }
 }
 
 void scene_print_markdown(FILE *stream) {
-    fprintf(stream, "| Key | Allowed | Unit | Default | Viscosity law | Meaning |\n"
+    fprintf(stream, "| Key | Allowed | Unit | Default | Only with | Meaning |\n"
                     "|---|---|---|---|---|---|\n");
     for (const setting *row = scene_settings; row->key; row++) {
         fprintf(stream, "| `%s` | ", row->key);
@@ -360,7 +527,7 @@ void scene_print_markdown(FILE *stream) {
                 row->required   ? "*required*"
                 : row->fallback ? row->fallback
                                 : "");
-        print_words(stream, row->laws ? row->laws : "");
+        print_conditions(stream, row, "");
         fprintf(stream, " | %s |\n", row->help);
     }
 }

@@ -3,13 +3,14 @@
 #ifndef EHD_SETTINGS_TABLE_H
 #define EHD_SETTINGS_TABLE_H
 
+#include "common/program/text.h"
 #include "common/settings/place.h"
 #include "common/settings/scene.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 
-enum { MAX_SETTINGS = 48, MAX_KEY = 128 };
+enum { MAX_SETTINGS = 128, MAX_KEY = 128 };
 
 /* The row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);
@@ -27,6 +28,14 @@ ehd_status setting_unknown(ehd_error *error, place where, const char *key);
 
 /* Whether a word is one of "a|b|c". */
 bool setting_has_choice(const char *choices, const char *word);
+
+/* The condition that keeps a key from having a meaning: that of the key which the condition names comes
+ * before. NULL: the key is in use. */
+const setting_condition *setting_unmet(const setting *row, const scene *of);
+
+/* "law wlf": the key that a condition is about, as it is given. */
+void setting_show_condition(char shown[SHOWN_TEXT], const setting_condition *condition,
+                            const scene *of);
 
 bool setting_is_given(const setting *row, const scene *of);
 void setting_clear(const setting *row, scene *of);

@@ -6,16 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-char *path_beside(const char *path, const char *name) {
-    const char *slash = strrchr(path, '/');
-    const size_t folder = *name == '/' || !slash ? 0 : (size_t)(slash - path) + 1;
-    char *joined = malloc(folder + strlen(name) + 1);
-    if (!joined) return NULL;
-    memcpy(joined, path, folder);
-    strcpy(joined + folder, name);
-    return joined;
-}
-
 // ---- columns
 
 static ehd_status add_column(variation *self, const char *name, place where, size_t num_values,
@@ -71,78 +61,37 @@ static ehd_status read_vary(variation *self, const tree_node *vary, const char *
 
 // ---- CSV
 
-/* Cuts the next field off a line and trims spaces; NULL after the last one. */
-static char *next_field(char **rest) {
-    char *field = *rest;
-    if (!field) return NULL;
-    char *end = field + strcspn(field, ",");
-    *rest = *end ? end + 1 : NULL;
-    *end = '\0';
-    field += strspn(field, " \t");
-    for (end = field + strlen(field); end > field && strchr(" \t\r", end[-1]);)
-        *--end = '\0';
-    return field;
-}
-
-/* Cuts the next line off that is not blank; NULL at the end. `line` counts from 1. */
-static char *next_line(char **rest, size_t *line) {
-    while (**rest) {
-        char *start = *rest, *end = start + strcspn(start, "\n");
-        *rest = *end ? end + 1 : end;
-        *end = '\0';
-        ++*line;
-        if (start[strspn(start, " \t\r")]) return start;
-    }
-    return NULL;
-}
-
-static size_t count_lines(const char *text) {
-    size_t lines = 1;
-    for (; *text; text++)
-        lines += *text == '\n';
-    return lines;
-}
-
-static ehd_status read_csv_header(variation *self, char *line, place where, size_t room,
-                                  ehd_error *error) {
+static ehd_status read_csv_header(variation *self, char *line, ehd_error *error) {
+    const size_t room = csv_count_lines(&self->points);
     ehd_status status = EHD_OK;
-    for (char *field = next_field(&line); field && !status; field = next_field(&line))
-        status = add_column(self, field, where, room, error);
+    for (char *field; !status && (field = csv_next_field(&line));)
+        status = add_column(self, field, self->points.where, room, error);
     return status;
 }
 
-static ehd_status read_csv_row(variation *self, char *line, place where, size_t row,
-                               ehd_error *error) {
+static ehd_status read_csv_row(variation *self, char *line, size_t row, ehd_error *error) {
     size_t num_fields = 0;
-    for (char *field = next_field(&line); field; field = next_field(&line), num_fields++) {
+    for (char *field; (field = csv_next_field(&line)); num_fields++) {
         if (num_fields >= self->num_columns) continue;
         self->columns[num_fields].texts[row] = field;
-        self->columns[num_fields].places[row] = where;
+        self->columns[num_fields].places[row] = self->points.where;
     }
-    if (num_fields == self->num_columns) return EHD_OK;
-    return place_fail(error, where, "found %zu column%s, expected %zu as in the header", num_fields,
-                      num_fields == 1 ? "" : "s", self->num_columns);
+    return csv_check_width(&self->points, num_fields, self->num_columns, error);
 }
 
 static ehd_status read_csv_lines(variation *self, ehd_error *error) {
-    static const char byte_order_mark[] = "\xef\xbb\xbf";
-    char *rest = self->csv_text;
-    size_t line_number = 0, num_rows = 0;
-    const size_t room = count_lines(rest);
-    if (strncmp(rest, byte_order_mark, 3) == 0) rest += 3;
-
-    char *line = next_line(&rest, &line_number);
+    size_t num_rows = 0;
+    char *line = csv_next_line(&self->points);
     if (!line)
-        return place_fail(error, (place){self->csv_path, 0},
+        return place_fail(error, (place){self->points.path, 0},
                           "found an empty file, expected a header such as moes.M,moes.L");
-    ehd_status status =
-        read_csv_header(self, line, (place){self->csv_path, line_number}, room, error);
-    while (!status && (line = next_line(&rest, &line_number)))
-        status = read_csv_row(self, line, (place){self->csv_path, line_number}, num_rows++, error);
+    ehd_status status = read_csv_header(self, line, error);
+    while (!status && (line = csv_next_line(&self->points)))
+        status = read_csv_row(self, line, num_rows++, error);
     for (size_t i = 0; i < self->num_columns; i++)
         self->columns[i].num_values = num_rows;
     if (!status && num_rows == 0)
-        return place_fail(error, (place){self->csv_path, 0},
+        return place_fail(error, (place){self->points.path, 0},
                           "found a header only, expected a row for each point");
     return status;
 }
@@ -150,17 +99,14 @@ static ehd_status read_csv_lines(variation *self, ehd_error *error) {
 static ehd_status read_csv(variation *self, const tree_node *points, const char *path,
                            ehd_error *error) {
     char shown[SHOWN_TEXT];
-    size_t length;
     if (points->kind != TREE_SCALAR || !*points->value)
         return place_fail(error, (place){path, points->line},
                           "points: found %s, expected the name of a CSV file",
                           tree_show(shown, points));
-    self->csv_path = path_beside(path, points->value);
-    if (!self->csv_path) return place_no_memory(error, path);
-    ehd_status status = tree_read_text(&self->csv_text, &length, self->csv_path, error);
-    if (!status && strlen(self->csv_text) != length)
-        status = place_fail(error, (place){self->csv_path, count_lines(self->csv_text)},
-                            "found a zero byte, expected text");
+    char *csv_path = path_beside(path, points->value);
+    if (!csv_path) return place_no_memory(error, path);
+    const ehd_status status = csv_open(&self->points, csv_path, error);
+    free(csv_path);
     return status ? status : read_csv_lines(self, error);
 }
 
@@ -247,8 +193,8 @@ ehd_status variation_apply(const variation *self, size_t point, scene_source *so
         const variation_column *column = &self->columns[i];
         const size_t k = value_index(self, i, point);
         source->places[setting_index(column->row)] = column->places[k];
-        status = setting_assign(&source->values, column->row, column->texts[k], column->places[k],
-                                error);
+        status = source_assign(source, column->row, column->texts[k], column->places[k].file,
+                               column->places[k], error);
     }
     return status;
 }
@@ -269,7 +215,6 @@ void variation_free(variation *self) {
         free(self->columns[i].texts);
         free(self->columns[i].places);
     }
-    free(self->csv_path);
-    free(self->csv_text);
+    csv_close(&self->points);
     *self = (variation){0};
 }

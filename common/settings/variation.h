@@ -3,6 +3,7 @@
 #ifndef EHD_VARIATION_H
 #define EHD_VARIATION_H
 
+#include "common/settings/csv.h"
 #include "common/settings/scene_source.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,7 +13,7 @@ enum { MAX_POINTS = 1000000 };
 typedef struct variation_column {
     const setting *row;
     size_t num_values;
-    const char **texts; // [num_values], owned by the YAML tree or by csv_text
+    const char **texts; // [num_values], owned by the YAML tree or by `points`
     place *places;      // [num_values]
 } variation_column;
 
@@ -21,8 +22,7 @@ typedef struct variation {
     size_t num_columns;
     bool grid;         // all combinations, the last column fastest; else one point a row
     size_t num_points; // at most MAX_POINTS
-    char *csv_path;
-    char *csv_text;
+    csv_file points;   // that the texts stand in, where they come from one
 } variation;
 
 /* Reads `vary` and `combine`, or `points`, of a group; a group without them has one point.
@@ -42,8 +42,5 @@ ehd_status variation_apply(const variation *self, size_t point, scene_source *so
 void variation_show(const variation *self, size_t point, char *shown, size_t size);
 
 void variation_free(variation *self);
-
-/* `name` seen from the folder of `path`; free with free(). NULL: no memory. */
-char *path_beside(const char *path, const char *name);
 
 #endif

@@ -199,8 +199,8 @@ bad_value() {
 
 @test "unknown names and settings of another law are refused" {
     bad_value contact sphere "contact: found sphere, expected line"
-    bad_value regime transient "regime"
-    bad_value closure approach "closure"
+    bad_value regime moving "regime"
+    bad_value closure gap "closure"
     bad_value lubricant.viscosity.law honey "barus.roelands.wlf"
     bad_value lubricant.density.law lead "incompressible.dowson-higginson"
     bad_value lubricant.viscosity.preset no1 "preset"

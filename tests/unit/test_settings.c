@@ -223,8 +223,8 @@ static void refuses_bad_choices_and_kinds(void **state) {
     (void)state;
     refuses("contact: point", "s.yml:1: contact: found point, expected line");
     refuses("contact: ''", "contact: found nothing, expected line");
-    refuses("regime: transient", "regime: found transient, expected stationary");
-    refuses("closure: approach", "closure: found approach, expected load");
+    refuses("regime: moving", "regime: found moving, expected stationary|transient");
+    refuses("closure: gap", "closure: found gap, expected load|approach");
     refuses("lubricant: {viscosity: {law: was}}",
             "lubricant.viscosity.law: found was, expected barus|roelands|wlf");
     refuses("lubricant: {viscosity: {law: roelands|wlf}}", "expected barus|roelands|wlf");
@@ -233,6 +233,7 @@ static void refuses_bad_choices_and_kinds(void **state) {
     refuses("contact: [line]", "contact: found a list, expected a single value");
     refuses("contact: {line: 1}", "contact: found a map, expected a single value");
     refuses("moes: 12", "moes: found a value, expected keys below it: moes.M, moes.L");
+    refuses("lubricant: 1", "expected keys below it: lubricant.viscosity, lubricant.density");
     refuses("- contact", "found a list, expected settings");
     refuses("contact", "found contact, expected settings");
 }
@@ -244,7 +245,7 @@ static void refuses_unknown_keys_and_names_the_nearest(void **state) {
     refuses_line("grid: {stp: 0.01}", "grid.stp: found an unknown key, expected grid.step");
     refuses_line("Closure: load", "expected closure");
     refuses_line("lubricant.alpha: 1e-8", "expected lubricant.viscosity.alpha");
-    refuses_line("transient: {}", "transient: found an unknown key");
+    refuses_line("transient: {lod: {law: sine}}", "transient.lod: found an unknown key, expected");
     refuses_line("nothing_like_it_at_all: 1", "expected one of those --help shows");
     refuses_line("'': 1", "found an unknown key");
     refuses_line("\"a\\nb\": 1", "a?b: found an unknown key");
@@ -427,7 +428,310 @@ static void refuses_files_that_cannot_be_read(void **state) {
     assert_int_equal(scene_read(&of, path_of("long.yml"), NULL, 0, &error), EHD_OK);
 }
 
+// ---- transient scenes
+
+static const char moving[] = "contact: line\n"
+                             "regime: transient\n"
+                             "moes: {M: 120, L: 10}\n"
+                             "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\n";
+
+/* The transient scene with text added. */
+static void refuses_moving(const char *added, const char *part) {
+    char text[1024];
+    snprintf(text, sizeof text, "%s%s", moving, added);
+    refuses(text, part);
+}
+
+static void accepts_moving(scene *of, const char *added) {
+    char text[1024];
+    snprintf(text, sizeof text, "%s%s", moving, added);
+    accepts(of, text);
+}
+
+static void reads_a_transient_scene_and_fills_its_defaults(void **state) {
+    scene of;
+    (void)state;
+    accepts_moving(&of, "transient: {end_time: 2.5}\n");
+    assert_string_equal(of.regime, "transient");
+    check_close(of.end_time, 2.5, 0, 0);
+    check_close(of.tolerance, 1e-4, 0, 0);
+    assert_true(isnan(of.fixed_step) && isnan(of.start_film) && isnan(of.approach));
+    assert_int_equal(of.fields_every, 1);
+    for (int i = 0; i < NUM_VARY; i++)
+        assert_string_equal(of.vary[i].law, i == VARY_APPROACH ? "" : "constant");
+    assert_true(isnan(of.vary[VARY_LOAD].phase) && isnan(of.vary[VARY_LOAD].from));
+    accepts_moving(&of, "closure: approach\napproach: -0.25\noutput: {fields_every: 10}\n"
+                        "transient: {end_time: 1, tolerance: 1e-6, fixed_step: 0.01,\n"
+                        "            start_film: 0.02}\n");
+    check_close(of.approach, -0.25, 0, 0);
+    check_close(of.fixed_step, 0.01, 0, 0);
+    check_close(of.tolerance, 1e-6, 0, 0);
+    check_close(of.start_film, 0.02, 0, 0);
+    assert_int_equal(of.fields_every, 10);
+    assert_string_equal(of.vary[VARY_LOAD].law, "");
+    assert_string_equal(of.vary[VARY_APPROACH].law, "constant");
+}
+
+static void reads_every_law_of_every_quantity(void **state) {
+    static const char *const names[] = {"load", "speed", "radius", "modulus", "approach"};
+    static const int numbers[] = {VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH};
+    scene of;
+    (void)state;
+    for (size_t i = 0; i < NUM_VARY; i++) {
+        const char *head = numbers[i] == VARY_APPROACH ? "closure: approach\n" : "";
+        const history_settings *vary = &of.vary[numbers[i]];
+        char text[512];
+        snprintf(text, sizeof text,
+                 "%stransient: {end_time: 1, %s: {law: sine, amplitude: 0.1, period: 0.5}}\n", head,
+                 names[i]);
+        accepts_moving(&of, text);
+        assert_string_equal(vary->law, "sine");
+        check_close_array(((double[]){vary->amplitude, vary->period, vary->phase}),
+                          ((double[]){0.1, 0.5, 0}), 3, 0, 0);
+        assert_true(isnan(vary->from) && isnan(vary->start) && !*vary->interpolation);
+        snprintf(text, sizeof text,
+                 "%stransient: {end_time: 1, %s: {law: ramp, to: 2, duration: 0.25}}\n", head,
+                 names[i]);
+        accepts_moving(&of, text);
+        check_close_array(((double[]){vary->from, vary->to, vary->start, vary->duration}),
+                          ((double[]){1, 2, 0, 0.25}), 4, 0, 0);
+        snprintf(text, sizeof text,
+                 "%stransient: {end_time: 1, %s: {law: step, from: 2, to: 3, at: 0.5}}\n", head,
+                 names[i]);
+        accepts_moving(&of, text);
+        check_close_array(((double[]){vary->from, vary->to, vary->at}), ((double[]){2, 3, 0.5}), 3,
+                          0, 0);
+        snprintf(text, sizeof text,
+                 "%stransient: {end_time: 1, %s: {law: table, file: cam.csv, column: F}}\n", head,
+                 names[i]);
+        accepts_moving(&of, text);
+        assert_string_equal(vary->file, "cam.csv");
+        assert_string_equal(vary->column, "F");
+        assert_string_equal(vary->interpolation, "spline");
+    }
+}
+
+static void refuses_keys_that_regime_and_closure_lack_or_ignore(void **state) {
+    (void)state;
+    refuses_moving("", "s.yml:2: transient.end_time: found nothing, expected a value with the "
+                       "regime transient");
+    refuses_line("transient: {end_time: 1}", "s.yml:7: transient.end_time: found a value, expected "
+                                             "none with the regime stationary");
+    refuses_line("transient: {tolerance: 1e-3}", "transient.tolerance: found a value");
+    refuses_line("output: {fields_every: 2}", "output.fields_every: found a value, expected none");
+    refuses_line("transient: {load: {law: constant}}", "none with the regime stationary");
+    refuses_line("transient: {load: {amplitude: 1}}", "none with the regime stationary");
+    refuses_line("approach: 0.1", "approach: found a value, expected none with the closure load");
+    refuses_moving("transient: {end_time: 1, approach: {law: sine, amplitude: 1, period: 1}}\n",
+                   "s.yml:5: transient.approach.law: found a value, expected none with the "
+                   "closure load");
+    refuses_moving("transient: {end_time: 1, approach: {at: 1}}\n",
+                   "transient.approach.at: found a value, expected none with the closure load");
+    refuses_moving("closure: approach\ntransient: {end_time: 1, load: {law: step, to: 1, at: 1}}\n",
+                   "transient.load.law: found a value, expected none with the closure approach");
+    // closure approach alone is no transient
+    scene of;
+    char text[512];
+    snprintf(text, sizeof text, "%sclosure: approach\napproach: 0.1\n", good);
+    accepts(&of, text);
+    assert_string_equal(of.vary[VARY_APPROACH].law, "");
+}
+
+static void refuses_keys_that_a_history_lacks_or_ignores(void **state) {
+    (void)state;
+    refuses_moving("transient: {end_time: 1, load: {law: sine}}\n",
+                   "s.yml:5: transient.load.amplitude, transient.load.period: found nothing, "
+                   "expected a value with the law sine");
+    // one reason at a time
+    refuses_moving("transient: {load: {law: sine}}\n", "s.yml:2: transient.end_time: found");
+    refuses_moving("transient: {end_time: 1, speed: {law: ramp, to: 2}}\n",
+                   "transient.speed.duration: found nothing, expected a value with the law ramp");
+    refuses_moving("transient: {end_time: 1, radius: {law: step, to: 2}}\n",
+                   "transient.radius.at: found nothing, expected a value with the law step");
+    refuses_moving("transient: {end_time: 1, modulus: {law: table}}\n",
+                   "transient.modulus.file, transient.modulus.column: found nothing");
+    refuses_moving("transient: {end_time: 1, load: {amplitude: 1}}\n",
+                   "transient.load.amplitude: found a value, expected none with the law constant");
+    refuses_moving("transient: {end_time: 1, load: {law: step, to: 1, at: 1, start: 0}}\n",
+                   "transient.load.start: found a value, expected none with the law step");
+    refuses_moving("transient: {end_time: 1, load: {law: ramp, to: 1, duration: 1, at: 1}}\n",
+                   "transient.load.at: found a value, expected none with the law ramp");
+    refuses_moving("transient: {end_time: 1, load: {law: ramp, to: 1, duration: 1, period: 1}}\n",
+                   "transient.load.period: found a value");
+    refuses_moving("transient: {end_time: 1, load: {law: ramp, to: 1, duration: 1, file: f}}\n",
+                   "transient.load.file: found a value");
+    // of another quantity, so that one law cannot speak for all
+    refuses_moving("transient: {end_time: 1, load: {law: sine, amplitude: 0.1, period: 1},\n"
+                   "            speed: {period: 1}}\n",
+                   "s.yml:6: transient.speed.period: found a value");
+}
+
+static void refuses_bad_histories(void **state) {
+    char text[512], name[300];
+    (void)state;
+    refuses_moving("transient: {load: {law: cosine}}\n",
+                   "transient.load.law: found cosine, expected constant|sine|ramp|step|table");
+    refuses_moving("transient: {load: sine}\n",
+                   "transient.load: found a value, expected keys below "
+                   "it: transient.load.law, transient.load.ampl");
+    refuses_moving("transient: 1\n", "expected keys below it: transient.end_time, "
+                                     "transient.tolerance, transient.fixed_step, "
+                                     "transient.start_film, transient.load, transient.speed, "
+                                     "transient.radius, transient.modulus, transient.approach");
+    refuses_moving("transient: {load: {interpolation: cubic}}\n", "found cubic, expected spline|");
+    refuses_moving("transient: {end_time: 0}\n", "transient.end_time: found 0, expected a number");
+    refuses_moving("transient: {start_film: 1.5}\n", "transient.start_film: found 1.5");
+    refuses_moving("transient: {tolerance: 0.2}\n", "transient.tolerance: found 0.2");
+    refuses_moving("transient: {load: {period: 0}}\n", "transient.load.period: found 0");
+    refuses_moving("transient: {load: {file: ''}}\n",
+                   "transient.load.file: found nothing, expected the name of a file");
+    refuses_moving("transient: {load: {column: \"a\\tb\"}}\n",
+                   "transient.load.column: found a?b, expected printable text of at most 63 bytes");
+    memset(name, 'x', 256);
+    name[256] = '\0';
+    snprintf(text, sizeof text, "transient: {load: {file: %s}}\n", name);
+    refuses_moving(text, "x..., expected the name of a file, of at most 255 bytes");
+    static const char *const bad[] = {"0", "-1", "1.5", "1e3", "", "2000000000", "x"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        snprintf(text, sizeof text, "output: {fields_every: %s}\n", bad[i]);
+        refuses_moving(text, "expected a whole number from 1 to 1e+09");
+    }
+}
+
+static void transient_text_round_trips(void **state) {
+    scene of, again;
+    (void)state;
+    accepts_moving(&of, "closure: approach\napproach: -0.1\n"
+                        "transient:\n"
+                        "  end_time: 2.5\n"
+                        "  approach: {law: sine, amplitude: 0.1, period: 0.3333333333333333}\n"
+                        "  speed: {law: table, file: \"a '#1': ü.csv\", column: '- v, m/s'}\n"
+                        "  radius: {law: table, file: out/r.h5, column: R}\n");
+    char *text = scene_text(&of);
+    assert_non_null(strstr(text, "transient.speed.file: 'a ''#1'': ü.csv'\n"));
+    assert_non_null(strstr(text, "transient.radius.file: out/r.h5\n"));
+    assert_non_null(strstr(text, "output.fields_every: 1\n"));
+    assert_non_null(strstr(text, "transient.tolerance: 0.0001\n"));
+    assert_null(strstr(text, "transient.load"));
+    accepts(&again, text);
+    assert_string_equal(again.vary[VARY_SPEED].column, "- v, m/s");
+    check_close(again.vary[VARY_APPROACH].period, 0.3333333333333333, 0, 0);
+    char *second = scene_text(&again);
+    assert_string_equal(text, second);
+    free(text);
+    free(second);
+}
+
+/* What is stored of stationary scenes, and identifies them, has no word about time. */
+static void stationary_text_knows_no_time(void **state) {
+    static const char expected[] = "contact: line\n"
+                                   "regime: stationary\n"
+                                   "closure: load\n"
+                                   "moes.M: 12\n"
+                                   "moes.L: 12\n"
+                                   "lubricant.viscosity.law: wlf\n"
+                                   "lubricant.viscosity.preset: no1\n"
+                                   "lubricant.viscosity.temperature: 25\n"
+                                   "lubricant.density.law: dowson-higginson\n"
+                                   "grid.x_min: -4\n"
+                                   "grid.x_max: 2\n"
+                                   "grid.step: 0.005\n";
+    scene of;
+    (void)state;
+    accepts(&of, good);
+    char *text = scene_text(&of);
+    assert_string_equal(text, expected);
+    free(text);
+}
+
+static void files_are_relative_to_the_file_that_names_them(void **state) {
+    static const char *const override[] = {"transient.load.file=set.csv"};
+    static const char table[] = "{law: table, column: F";
+    char text[1024], expected[256];
+    const char *beside = expected;
+    scene of;
+    plan many;
+    ehd_error error;
+    (void)state;
+    mkdir(path_of("deep"), 0700);
+    snprintf(text, sizeof text, "%stransient: {end_time: 1, load: %s, file: cam.csv}}\n", moving,
+             table);
+    write_file("deep/scene.yml", text);
+    snprintf(expected, sizeof expected, "%s/deep/cam.csv", folder);
+    assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), NULL, 0, &error), EHD_OK);
+    assert_string_equal(of.vary[VARY_LOAD].file, beside);
+    // the working folder for --set and from memory, whatever the name says
+    assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), override, 1, &error), EHD_OK);
+    assert_string_equal(of.vary[VARY_LOAD].file, "set.csv");
+    assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
+    assert_string_equal(of.vary[VARY_LOAD].file, "cam.csv");
+    // the scene's folder in the first group, the plan's in the second, the list's in the third
+    write_file("deep/points.csv", "transient.load.file\n/abs.csv\nlist.csv\n");
+    snprintf(text, sizeof text,
+             "groups:\n- scene: deep/scene.yml\n"
+             "- scene: deep/scene.yml\n  vary: {transient.load.file: [a.csv]}\n"
+             "- scene: deep/scene.yml\n  points: deep/points.csv\n");
+    accepts_plan(&many, text);
+    assert_int_equal(many.num_points, 4);
+    assert_string_equal(many.points[0].scene.vary[VARY_LOAD].file, beside);
+    assert_string_equal(many.points[1].scene.vary[VARY_LOAD].file, path_of("a.csv"));
+    assert_string_equal(many.points[2].scene.vary[VARY_LOAD].file, "/abs.csv");
+    assert_string_equal(many.points[3].scene.vary[VARY_LOAD].file, path_of("deep/list.csv"));
+    plan_free(&many);
+}
+
+static void plan_varies_histories(void **state) {
+    plan of;
+    char text[1024];
+    (void)state;
+    snprintf(text, sizeof text, "%stransient: {end_time: 1, load: {law: sine, amplitude: 0.1}}\n",
+             moving);
+    write_file("scene.yml", text);
+    accepts_plan(&of, "groups:\n- scene: scene.yml\n"
+                      "  vary: {transient.load.period: [0.5, 1, 2], end_time: [3, 4]}\n");
+    assert_int_equal(of.num_points, 6);
+    const double period[] = {0.5, 0.5, 1, 1, 2, 2};
+    for (size_t i = 0; i < 6; i++) {
+        check_close(of.points[i].scene.vary[VARY_LOAD].period, period[i], 0, 0);
+        check_close(of.points[i].scene.end_time, i % 2 ? 4 : 3, 0, 0);
+    }
+    assert_non_null(
+        strstr(of.text, "# point 2\ntransient.end_time: 3\ntransient.load.period: 1\n"));
+    plan_free(&of);
+    // stationary points beside trajectories, and texts that tell points apart
+    accepts_plan(&of, "groups:\n"
+                      "- scene: {contact: line, regime: stationary, moes: {M: 12, L: 12},\n"
+                      "          lubricant: {viscosity: {law: wlf, preset: no1}}}\n"
+                      "- scene: {contact: line, regime: transient, moes: {M: 12, L: 12},\n"
+                      "          transient: {end_time: 1, load: {law: table, file: f.csv}},\n"
+                      "          lubricant: {viscosity: {law: wlf, preset: no1}}}\n"
+                      "  vary: {transient.load.column: [F, G, F], fields_every: [1, 2]}\n");
+    assert_int_equal(of.num_points, 5);
+    assert_string_equal(of.points[3].scene.vary[VARY_LOAD].column, "G");
+    assert_int_equal(of.points[4].scene.fields_every, 2);
+    plan_free(&of);
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {transient.load.law: [sine, constant]}\n",
+                 "point transient.load.law=sine: ");
+}
+
 // ---- the table
+
+/* All conditions name choices of rows that come before, so that defaults are filled in order. */
+static void conditions_of_the_table_are_valid(void **state) {
+    (void)state;
+    for (const setting *row = scene_settings; row->key; row++)
+        for (size_t i = 0; i < MAX_CONDITIONS && row->when[i].key; i++) {
+            const setting *other = setting_find(row->when[i].key);
+            const char *value = row->when[i].values;
+            assert_true(other && other < row && other->type == SETTING_CHOICE);
+            for (size_t length; (length = strcspn(value, "|")) > 0;) {
+                char word[32] = "";
+                memcpy(word, value, length);
+                assert_true(setting_has_choice(other->choices, word));
+                value += length + (value[length] == '|');
+            }
+        }
+}
 
 static void defaults_of_the_table_are_valid(void **state) {
     scene of;
@@ -528,7 +832,7 @@ static void plan_reads_csv_points(void **state) {
     (void)state;
     write_file("scene.yml", good);
     mkdir(path_of("sub"), 0700);
-    write_file("sub/points.csv", "\xef\xbb\xbfM, moes.L\r\n50,1\r\n\r\n58 ,3\r\n");
+    write_file("sub/points.csv", "\xef\xbb\xbfM, moes.L\r\n50,1\r\n\r\n # on,ly\r\n58 ,3\r\n");
     accepts_plan(&of, text);
     assert_int_equal(of.num_points, 2);
     check_close(of.points[1].scene.moes_M, 58, 0, 0);
@@ -721,6 +1025,7 @@ static void plan_text_identifies_the_plan(void **state) {
 // ---- memory
 
 static void survives_failing_allocations(void **state) {
+    char text[512];
     scene read;
     plan of;
     ehd_error error;
@@ -729,8 +1034,12 @@ static void survives_failing_allocations(void **state) {
     (void)state;
     write_file("scene.yml", good);
     write_file("points.csv", "M,L\n50,1\n51,2\n");
+    snprintf(text, sizeof text, "%stransient: {end_time: 1, load: {law: table, column: F}}\n",
+             moving);
+    write_file("moving.yml", text);
     write_file("plan.yml", "groups:\n- {scene: scene.yml, points: points.csv}\n"
-                           "- {scene: scene.yml, vary: {M: [1, 2]}}\n");
+                           "- {scene: scene.yml, vary: {M: [1, 2]}}\n"
+                           "- {scene: moving.yml, vary: {transient.load.file: [a.csv, b.csv]}}\n");
     for (bool failed = true; failed; call++) {
         error.text[0] = '\0';
         allocation_fail_at(call);
@@ -768,6 +1077,16 @@ int main(void) {
         cmocka_unit_test(scene_set_sets_one_key),
         cmocka_unit_test(text_round_trips),
         cmocka_unit_test(refuses_files_that_cannot_be_read),
+        cmocka_unit_test(reads_a_transient_scene_and_fills_its_defaults),
+        cmocka_unit_test(reads_every_law_of_every_quantity),
+        cmocka_unit_test(refuses_keys_that_regime_and_closure_lack_or_ignore),
+        cmocka_unit_test(refuses_keys_that_a_history_lacks_or_ignores),
+        cmocka_unit_test(refuses_bad_histories),
+        cmocka_unit_test(transient_text_round_trips),
+        cmocka_unit_test(stationary_text_knows_no_time),
+        cmocka_unit_test(files_are_relative_to_the_file_that_names_them),
+        cmocka_unit_test(plan_varies_histories),
+        cmocka_unit_test(conditions_of_the_table_are_valid),
         cmocka_unit_test(defaults_of_the_table_are_valid),
         cmocka_unit_test(schema_page_shows_the_table),
         cmocka_unit_test(help_shows_every_key),

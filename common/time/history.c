@@ -1,0 +1,335 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/time/history.h"
+
+#include "common/artefact/table.h"
+#include "common/settings/csv.h"
+
+#include <gsl/gsl_poly.h>
+#include <gsl/gsl_spline.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEAST_LINEAR = 2, LEAST_SPLINE = 3 }; // rows of a table
+
+static const double ROUNDING = 1e-12; // of a factor
+static const double MOST_TIME = 1e12,
+                    LEAST_DISTANCE = 1e-9; // of a table's times, as of other times
+
+static const char *const quantity_names[NUM_VARY] = {"load", "speed", "radius", "modulus",
+                                                     "approach"};
+
+typedef struct history_law history_law;
+
+/* How one quantity varies. */
+typedef struct history {
+    const history_law *law;
+    history_settings given;
+    double *time;   // [count], of a table
+    double *values; // [count]
+    size_t count;
+    gsl_spline *spline; // NULL: linear
+} history;
+
+struct ehd_histories {
+    history of[NUM_VARY];
+};
+
+typedef struct least_value {
+    double value, time;
+} least_value;
+
+/* A law is a row of a table. */
+struct history_law {
+    const char *name;
+    ehd_status (*prepare)(history *self, double end_time, ehd_error *error); // NULL: nothing to do
+    double (*value)(const history *self, double time);
+    least_value (*least)(const history *self, double end_time); // from 0 to end_time
+    /* The first kink or jump after `time`; NULL: it has none. */
+    double (*next_kink)(const history *self, double time, bool *jump);
+    double (*shortest_time)(const history *self); // NULL: it varies at once or not at all
+};
+
+static void take_lower(least_value *least, const history *self, double time) {
+    const double value = self->law->value(self, time);
+    if (value < least->value) *least = (least_value){value, time};
+}
+
+/* Of what never turns back. */
+static least_value least_of_ends(const history *self, double end_time) {
+    least_value least = {self->law->value(self, 0), 0};
+    take_lower(&least, self, end_time);
+    return least;
+}
+
+// ---- constant
+
+static double constant_value(const history *self, double time) {
+    (void)self;
+    (void)time;
+    return 1;
+}
+
+// ---- sine
+
+static double sine_value(const history *self, double time) {
+    const history_settings *given = &self->given;
+    return 1 + given->amplitude * sin(2 * M_PI * time / given->period + given->phase);
+}
+
+static least_value sine_least(const history *self, double end_time) {
+    const history_settings *given = &self->given;
+    const double trough = given->amplitude > 0 ? -M_PI_2 : M_PI_2; // phase of the least value
+    const double turns = (trough - given->phase) / (2 * M_PI);
+    const double first = (turns - floor(turns)) * given->period; // its first time from 0 on
+    if (first > end_time) return least_of_ends(self, end_time);
+    return (least_value){1 - fabs(given->amplitude), first};
+}
+
+static double sine_shortest_time(const history *self) {
+    return self->given.amplitude == 0 ? INFINITY : self->given.period / (2 * M_PI);
+}
+
+// ---- ramp
+
+static double ramp_value(const history *self, double time) {
+    const history_settings *given = &self->given;
+    const double part = fmin(fmax((time - given->start) / given->duration, 0), 1);
+    return given->from * (1 - part) + given->to * part;
+}
+
+static double ramp_next_kink(const history *self, double time, bool *jump) {
+    const double start = self->given.start, end = start + self->given.duration;
+    *jump = false;
+    if (start > time) return start;
+    return end > time ? end : INFINITY;
+}
+
+static double ramp_shortest_time(const history *self) {
+    return self->given.from == self->given.to ? INFINITY : self->given.duration;
+}
+
+// ---- step
+
+static double step_value(const history *self, double time) {
+    return time > self->given.at ? self->given.to : self->given.from;
+}
+
+static double step_next_kink(const history *self, double time, bool *jump) {
+    *jump = self->given.at > time;
+    return *jump ? self->given.at : INFINITY;
+}
+
+// ---- table
+
+static bool has_ending(const char *path, const char *ending) {
+    const size_t length = strlen(path), width = strlen(ending);
+    return length > width && strcmp(path + length - width, ending) == 0;
+}
+
+static ehd_status read_table(history *self, ehd_error *error) {
+    const char *path = self->given.file;
+    const bool hdf5 = has_ending(path, ".h5") || has_ending(path, ".hdf5");
+    return (hdf5 ? artefact_read_table : csv_read_columns)(path, self->given.column, &self->time,
+                                                           &self->values, &self->count, error);
+}
+
+static ehd_status check_row(const history *self, size_t i, ehd_error *error) {
+    const char *path = self->given.file;
+    const double *time = self->time, *values = self->values;
+    if (!(fabs(time[i]) <= MOST_TIME))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found the time %g in row %zu, expected one from %g to %g", path,
+                        time[i], i + 1, -MOST_TIME, MOST_TIME);
+    if (i > 0 && !(time[i] - time[i - 1] >= LEAST_DISTANCE))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found the time %.10g in row %zu, expected at least %g after %.10g in "
+                        "the row before",
+                        path, time[i], i + 1, LEAST_DISTANCE, time[i - 1]);
+    if (!(fabs(values[i]) <= MOST_FACTOR))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: %s: found %g in row %zu, expected a factor on the reference value "
+                        "from %d to %d",
+                        path, self->given.column, values[i], i + 1, -MOST_FACTOR, MOST_FACTOR);
+    return EHD_OK;
+}
+
+static ehd_status check_table(const history *self, double end_time, ehd_error *error) {
+    const char *path = self->given.file, *interpolation = self->given.interpolation;
+    const size_t least = strcmp(interpolation, "linear") == 0 ? LEAST_LINEAR : LEAST_SPLINE;
+    ehd_status status = EHD_OK;
+    if (self->count < least)
+        return ehd_fail(error, EHD_DATA, "%s: found %zu row%s, expected at least %zu (%s)", path,
+                        self->count, self->count == 1 ? "" : "s", least, interpolation);
+    for (size_t i = 0; i < self->count && !status; i++)
+        status = check_row(self, i, error);
+    if (status) return status;
+    const double first = self->time[0], last = self->time[self->count - 1];
+    if (first > 0)
+        return ehd_fail(error, EHD_DATA, "%s: found %.10g as first time, expected 0 or before",
+                        path, first);
+    if (last < end_time)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found %.10g as last time, expected transient.end_time = %.10g or "
+                        "after",
+                        path, last, end_time);
+    return EHD_OK;
+}
+
+static ehd_status prepare_table(history *self, double end_time, ehd_error *error) {
+    ehd_status status = read_table(self, error);
+    if (!status) status = check_table(self, end_time, error);
+    if (status || strcmp(self->given.interpolation, "linear") == 0) return status;
+    self->spline = gsl_spline_alloc(gsl_interp_cspline, self->count);
+    if (!self->spline || gsl_spline_init(self->spline, self->time, self->values, self->count))
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its spline", self->given.file);
+    return EHD_OK;
+}
+
+/* The row that starts the interval around a time inside of the table. */
+static size_t row_before(const history *self, double time) {
+    return gsl_interp_bsearch(self->time, time, 0, self->count - 1);
+}
+
+static double line_value(const history *self, double time) {
+    const size_t i = row_before(self, time);
+    const double part = (time - self->time[i]) / (self->time[i + 1] - self->time[i]);
+    return self->values[i] * (1 - part) + self->values[i + 1] * part;
+}
+
+/* Outside of the table its first or last value. */
+static double table_value(const history *self, double time) {
+    const size_t last = self->count - 1;
+    if (time <= self->time[0]) return self->values[0];
+    if (time >= self->time[last]) return self->values[last];
+    // without an accelerator, which threads could not share
+    return self->spline ? gsl_spline_eval(self->spline, time, NULL) : line_value(self, time);
+}
+
+/* Where the spline turns within an interval: its slope there is a parabola. */
+static void take_turns(least_value *least, const history *self, size_t i, double end_time) {
+    const double left = self->time[i], right = self->time[i + 1];
+    const double slope = gsl_spline_eval_deriv(self->spline, left, NULL);
+    const double bend = gsl_spline_eval_deriv2(self->spline, left, NULL);
+    const double bend_right = gsl_spline_eval_deriv2(self->spline, right, NULL);
+    double turn[2];
+    const int count = gsl_poly_solve_quadratic((bend_right - bend) / (2 * (right - left)), bend,
+                                               slope, &turn[0], &turn[1]);
+    for (int k = 0; k < count; k++) {
+        const double time = left + turn[k];
+        if (time > fmax(left, 0) && time < fmin(right, end_time)) take_lower(least, self, time);
+    }
+}
+
+static least_value table_least(const history *self, double end_time) {
+    least_value least = least_of_ends(self, end_time);
+    for (size_t i = 0; i < self->count; i++)
+        if (self->time[i] > 0 && self->time[i] < end_time) take_lower(&least, self, self->time[i]);
+    for (size_t i = 0; self->spline && i + 1 < self->count; i++)
+        take_turns(&least, self, i, end_time);
+    return least;
+}
+
+/* Only lines have corners. */
+static double table_next_kink(const history *self, double time, bool *jump) {
+    *jump = false;
+    if (self->spline || time >= self->time[self->count - 1]) return INFINITY;
+    return time < self->time[0] ? self->time[0] : self->time[row_before(self, time) + 1];
+}
+
+static double table_shortest_time(const history *self) {
+    double shortest = INFINITY;
+    for (size_t i = 1; i < self->count; i++)
+        shortest = fmin(shortest, self->time[i] - self->time[i - 1]);
+    return shortest;
+}
+
+// ---- the laws
+
+static const history_law laws[] = {
+    {"constant", NULL, constant_value, least_of_ends, NULL, NULL},
+    {"sine", NULL, sine_value, sine_least, NULL, sine_shortest_time},
+    {"ramp", NULL, ramp_value, least_of_ends, ramp_next_kink, ramp_shortest_time},
+    {"step", NULL, step_value, least_of_ends, step_next_kink, NULL},
+    {"table", prepare_table, table_value, table_least, table_next_kink, table_shortest_time}};
+
+/* What is given no law is constant. */
+static const history_law *find_law(const char *name) {
+    for (size_t i = 0; i < sizeof laws / sizeof *laws; i++)
+        if (strcmp(laws[i].name, name) == 0) return &laws[i];
+    return &laws[0];
+}
+
+static ehd_status check_speed(least_value least, ehd_error *error) {
+    if (least.value >= -ROUNDING) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "transient.speed: found %.6g at T = %.6g, expected at least 0: a reversal of "
+                    "the entrainment direction is not supported",
+                    least.value, least.time);
+}
+
+static ehd_status check_history(const history *self, int quantity, double end_time,
+                                ehd_error *error) {
+    const least_value least = self->law->least(self, end_time);
+    if (quantity == VARY_APPROACH) return EHD_OK; // any finite value
+    if (quantity == VARY_SPEED) return check_speed(least, error);
+    if (least.value > 0) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected more than 0",
+                    quantity_names[quantity], least.value, least.time);
+}
+
+ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error *error) {
+    ehd_histories *self = calloc(1, sizeof *self);
+    ehd_status status = EHD_OK;
+    *result = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "transient: found no memory for histories");
+    for (int i = 0; i < NUM_VARY && !status; i++) {
+        history *of = &self->of[i];
+        of->given = given->vary[i];
+        of->law = find_law(of->given.law);
+        if (of->law->prepare) status = of->law->prepare(of, given->end_time, error);
+        if (!status) status = check_history(of, i, given->end_time, error);
+    }
+    if (status) self = histories_free(self);
+    *result = self;
+    return status;
+}
+
+ehd_histories *histories_free(ehd_histories *self) {
+    if (!self) return NULL;
+    for (int i = 0; i < NUM_VARY; i++) {
+        free(self->of[i].time);
+        free(self->of[i].values);
+        gsl_spline_free(self->of[i].spline);
+    }
+    free(self);
+    return NULL;
+}
+
+void histories_at(double value[NUM_VARY], const ehd_histories *self, double time) {
+    for (int i = 0; i < NUM_VARY; i++)
+        value[i] = self->of[i].law->value(&self->of[i], time);
+    value[VARY_SPEED] = fmax(value[VARY_SPEED], 0); // below only by rounding
+}
+
+double histories_next_kink(const ehd_histories *self, double time, bool *jump) {
+    double next = INFINITY;
+    *jump = false;
+    for (int i = 0; i < NUM_VARY; i++) {
+        const history *of = &self->of[i];
+        bool jumps = false;
+        const double kink = of->law->next_kink ? of->law->next_kink(of, time, &jumps) : INFINITY;
+        *jump = kink < next ? jumps : *jump || (jumps && kink == next);
+        next = fmin(next, kink);
+    }
+    return next;
+}
+
+double histories_shortest_time(const ehd_histories *self) {
+    double shortest = INFINITY;
+    for (int i = 0; i < NUM_VARY; i++) {
+        const history *of = &self->of[i];
+        if (of->law->shortest_time) shortest = fmin(shortest, of->law->shortest_time(of));
+    }
+    return shortest;
+}

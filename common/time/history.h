@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Histories: how load, speed, radius, modulus and approach vary in time, as a scene says. */
+#ifndef EHD_HISTORY_H
+#define EHD_HISTORY_H
+
+#include "common/program/status.h"
+#include "common/settings/scene.h"
+#include <stdbool.h>
+
+/* Read-only once it is made, so that threads can share it. */
+typedef struct ehd_histories ehd_histories;
+
+/* Reads tables and checks all histories on 0 <= T <= end_time of a valid scene; those of a stationary
+ * scene are constant. EHD_DATA or EHD_NOINPUT: a table that is missing, unreadable, too short, not
+ * finite, not increasing in time or does not cover the time; load, radius or modulus not above 0
+ * somewhere, or speed below 0. EHD_MEMORY. Reads HDF5, so only one at a time (artefact.h). */
+ehd_status histories_init(
+    // output:
+    ehd_histories **self, // free with histories_free; NULL after a failure
+    // input:
+    const scene *given, ehd_error *error);
+
+/* Accepts and returns NULL. */
+ehd_histories *histories_free(ehd_histories *self);
+
+/* Factors on the reference values at T = `time`. Continuous from the left: at a jump still the value
+ * before it, so that a time step that ends there does not see it. */
+void histories_at(
+    // output:
+    double value[NUM_VARY], // by VARY_LOAD, …
+    // input:
+    const ehd_histories *self, double time);
+
+/* The first time after `time` at which some history has a kink or jumps, INFINITY if none does. */
+double histories_next_kink(
+    // input:
+    const ehd_histories *self, double time,
+    // output:
+    bool *jump); // whether some history jumps there
+
+/* The shortest time scale of all, for a sensible first step: a period / 2 pi, the duration of a ramp or
+ * the least distance of a table's times; INFINITY when nothing varies smoothly. */
+double histories_shortest_time(const ehd_histories *self);
+
+#endif

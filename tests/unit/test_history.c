@@ -1,0 +1,439 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Histories of a transient scene: values, kinks and what is refused before any work. */
+#include "common/time/history.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <hdf5.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/ehdrom-history-XXXXXX";
+
+static int enter_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    char command[128];
+    (void)state;
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return chdir("/") == 0 ? system(command) : -1;
+}
+
+static void write_file(const char *name, const char *text) {
+    FILE *file = fopen(name, "wb");
+    assert_non_null(file);
+    assert_int_equal(fputs(text, file) >= 0, 1);
+    assert_int_equal(fclose(file), 0);
+}
+
+// ---- scenes
+
+/* A transient scene to T = 2 with what stands below `transient`; with `approach` in it, of that closure. */
+static scene scene_of(const char *histories) {
+    char text[1024];
+    scene of;
+    ehd_error error = {""};
+    snprintf(text, sizeof text,
+             "contact: line\nregime: transient\nmoes: {M: 12, L: 12}\nclosure: %s\n"
+             "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\ntransient: {end_time: 2%s%s}\n",
+             strstr(histories, "approach") ? "approach" : "load", *histories ? ", " : "",
+             histories);
+    const ehd_status status = scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error);
+    if (status) fail_msg("status %d: %s", status, error.text);
+    return of;
+}
+
+static ehd_histories *accepts(const char *histories) {
+    const scene of = scene_of(histories);
+    ehd_histories *self;
+    ehd_error error = {""};
+    const ehd_status status = histories_init(&self, &of, &error);
+    if (status) fail_msg("status %d: %s", status, error.text);
+    return self;
+}
+
+static void refuses_with(ehd_status expected, const char *histories, const char *part) {
+    const scene of = scene_of(histories);
+    ehd_histories *self = (ehd_histories *)&self;
+    ehd_error error = {""};
+    const ehd_status status = histories_init(&self, &of, &error);
+    if (status != expected || !strstr(error.text, part) || strchr(error.text, '\n') || self)
+        fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
+}
+
+static void refuses(const char *histories, const char *part) {
+    refuses_with(EHD_DATA, histories, part);
+}
+
+static double value_at(const ehd_histories *self, int quantity, double time) {
+    double value[NUM_VARY];
+    histories_at(value, self, time);
+    return value[quantity];
+}
+
+/* The load's factor at some times. */
+static void check_load(const char *histories, size_t count, const double *times,
+                       const double *expected, double tolerance) {
+    ehd_histories *self = accepts(histories);
+    for (size_t i = 0; i < count; i++)
+        check_close(value_at(self, VARY_LOAD, times[i]), expected[i], 0, tolerance);
+    histories_free(self);
+}
+
+// ---- values
+
+static void nothing_varies_without_a_law(void **state) {
+    bool jump = true;
+    scene of;
+    ehd_histories *self;
+    (void)state;
+    scene_defaults(&of); // a stationary one
+    assert_int_equal(histories_init(&self, &of, NULL), EHD_OK);
+    for (int i = 0; i < NUM_VARY; i++)
+        check_close(value_at(self, i, 7.5), 1, 0, 0);
+    check_close(histories_next_kink(self, 0, &jump), INFINITY, 0, 0);
+    assert_false(jump);
+    check_close(histories_shortest_time(self), INFINITY, 0, 0);
+    assert_null(histories_free(self));
+    assert_null(histories_free(NULL));
+}
+
+static void sine_and_ramp_have_their_values(void **state) {
+    (void)state;
+    check_load("load: {law: sine, amplitude: 0.1, period: 0.5}", 5,
+               (double[]){0, 0.125, 0.25, 0.375, 1.625}, (double[]){1, 1.1, 1, 0.9, 1.1}, 1e-15);
+    check_load("load: {law: sine, amplitude: 0.5, period: 4, phase: 1.5707963267948966}", 3,
+               (double[]){0, 1, 2}, (double[]){1.5, 1, 0.5}, 1e-15);
+    check_load("load: {law: ramp, from: 2, to: 4, start: 0.5, duration: 0.5}", 6,
+               (double[]){0, 0.5, 0.625, 0.75, 1, 2}, (double[]){2, 2, 2.5, 3, 4, 4}, 1e-15);
+    check_load("load: {law: ramp, to: 0.5, duration: 2}", 2, (double[]){1, 2},
+               (double[]){0.75, 0.5}, 0);
+}
+
+/* A time step that ends at the jump sees the old value. */
+static void step_is_continuous_from_the_left(void **state) {
+    (void)state;
+    check_load("load: {law: step, from: 2, to: 3, at: 0.5}", 4,
+               (double[]){0, 0.5, nextafter(0.5, 1), 2}, (double[]){2, 2, 3, 3}, 0);
+    check_load("load: {law: step, to: 3, at: 0}", 2, (double[]){0, nextafter(0, 1)},
+               (double[]){1, 3}, 0);
+}
+
+static void tables_are_read_between_their_times(void **state) {
+    (void)state;
+    write_file("hat.csv", "\xef\xbb\xbf# made by hand\nT , R, F\n\n-1,7,2\r\n 0 ,7, 3\n1,7,2\n"
+                          "# the end\n2.5,7,5");
+    check_load("load: {law: table, file: hat.csv, column: F, interpolation: linear}", 6,
+               (double[]){-2, -0.5, 0, 0.25, 1.75, 3}, (double[]){2, 2.5, 3, 2.75, 3.5, 5}, 1e-15);
+    // the natural spline through 0, 1, 0 is 1.5 s - 0.5 s^3 on the first interval
+    write_file("arc.csv", "T,F\n0,1\n1,2\n2,1\n");
+    check_load("load: {law: table, file: arc.csv, column: F}", 6, (double[]){0, 0.5, 1, 1.5, 2, 9},
+               (double[]){1, 1.6875, 2, 1.6875, 1, 1}, 1e-15);
+    // a spline of a line is a line
+    write_file("line.csv", "T,F\n-1,1\n0.5,2.5\n0.625,2.625\n3,5\n");
+    check_load("load: {law: table, file: line.csv, column: F}", 4, (double[]){-0.5, 0.25, 0.6, 2},
+               (double[]){1.5, 2.25, 2.6, 4}, 1e-15);
+}
+
+static void five_quantities_vary_apart(void **state) {
+    static const double expected[] = {1, 0.75, 1.25, 2, -3};
+    double value[NUM_VARY];
+    (void)state;
+    ehd_histories *self = accepts("speed: {law: ramp, to: 0.5, duration: 2}, "
+                                  "radius: {law: sine, amplitude: 0.25, period: 4}, "
+                                  "modulus: {law: step, to: 2, at: 0.5}, "
+                                  "approach: {law: step, to: -3, at: 0.25}");
+    histories_at(value, self, 1);
+    check_close_array(value, expected, NUM_VARY, 0, 1e-15);
+    histories_free(self);
+}
+
+// ---- events and time scales
+
+static void check_events(const char *histories, size_t count, const double *times,
+                         const bool *jumps) {
+    ehd_histories *self = accepts(histories);
+    double time = 0;
+    bool jump;
+    for (size_t i = 0; i < count; i++) {
+        time = histories_next_kink(self, time, &jump);
+        check_close(time, times[i], 0, 0);
+        assert_int_equal(jump, jumps[i]);
+    }
+    check_close(histories_next_kink(self, time, &jump), INFINITY, 0, 0);
+    assert_false(jump);
+    histories_free(self);
+}
+
+static void kinks_and_jumps_come_in_order(void **state) {
+    (void)state;
+    check_events("load: {law: sine, amplitude: 0.1, period: 0.5}", 0, NULL, NULL);
+    check_events("load: {law: ramp, to: 2, start: 0.5, duration: 1}, "
+                 "speed: {law: step, to: 2, at: 0.75}, modulus: {law: step, to: 2, at: 1.5}, "
+                 "radius: {law: ramp, to: 2, start: -1, duration: 2}",
+                 4, (double[]){0.5, 0.75, 1, 1.5}, (bool[]){false, true, false, true});
+    // a kink and a jump at one time are a jump, whichever comes first
+    check_events("load: {law: ramp, to: 2, start: 0.5, duration: 1}, "
+                 "speed: {law: step, to: 2, at: 0.5}",
+                 2, (double[]){0.5, 1.5}, (bool[]){true, false});
+    check_events("load: {law: step, to: 2, at: 0.5}, "
+                 "speed: {law: ramp, to: 2, start: 0.5, duration: 1}",
+                 2, (double[]){0.5, 1.5}, (bool[]){true, false});
+    write_file("hat.csv", "T,F\n-1,2\n-0.5,3\n1,2\n2.5,5\n");
+    check_events("load: {law: table, file: hat.csv, column: F, interpolation: linear}", 2,
+                 (double[]){1, 2.5}, (bool[]){false, false});
+    check_events("load: {law: table, file: hat.csv, column: F}", 0, NULL, NULL);
+}
+
+static void check_shortest(const char *histories, double expected) {
+    ehd_histories *self = accepts(histories);
+    check_close(histories_shortest_time(self), expected, 1e-15, 0);
+    histories_free(self);
+}
+
+static void the_shortest_time_scale_is_found(void **state) {
+    (void)state;
+    write_file("hat.csv", "T,F\n0,2\n1,3\n1.25,2\n2.5,5\n");
+    check_shortest("load: {law: step, to: 2, at: 1}", INFINITY);
+    check_shortest("load: {law: sine, amplitude: 0, period: 1}", INFINITY);
+    check_shortest("load: {law: ramp, from: 2, to: 2, duration: 1}", INFINITY);
+    check_shortest("load: {law: sine, amplitude: 0.1, period: 0.5}", 0.5 / (2 * M_PI));
+    check_shortest("load: {law: table, file: hat.csv, column: F}", 0.25);
+    check_shortest("load: {law: sine, amplitude: 0.1, period: 1}, "
+                   "speed: {law: ramp, to: 2, duration: 0.125}",
+                   0.125);
+}
+
+// ---- what is not positive
+
+static void histories_that_reach_zero_are_refused(void **state) {
+    (void)state;
+    refuses("load: {law: sine, amplitude: 1, period: 1}",
+            "transient.load: found 0 at T = 0.75, expected more than 0");
+    refuses("radius: {law: sine, amplitude: -1.5, period: 1}",
+            "transient.radius: found -0.5 at T = 0.25, expected more than 0");
+    refuses("modulus: {law: sine, amplitude: 1, period: 4, phase: 3.141592653589793}",
+            "transient.modulus: found 0 at T = 1");
+    histories_free(accepts("load: {law: sine, amplitude: 0.999999, period: 1}"));
+    // the trough comes after the end, or would have come before the start
+    histories_free(accepts("load: {law: sine, amplitude: 1.5, period: 4}"));
+    refuses("load: {law: sine, amplitude: 1.5, period: 3}", "found -0.299038 at T = 2");
+    refuses("load: {law: ramp, to: 0, duration: 2}", "transient.load: found 0 at T = 2");
+    histories_free(accepts("load: {law: ramp, to: 0, duration: 2.001}"));
+    refuses("load: {law: ramp, from: -1, to: 2, start: 1, duration: 1}", "found -1 at T = 0");
+    refuses("modulus: {law: step, to: -0.5, at: 1.999}", "transient.modulus: found -0.5 at T = 2");
+    histories_free(accepts("modulus: {law: step, to: -0.5, at: 2}"));
+    histories_free(accepts("approach: {law: sine, amplitude: 5, period: 1}"));
+}
+
+static void a_reversal_is_refused_but_not_rest(void **state) {
+    (void)state;
+    refuses("speed: {law: sine, amplitude: 1.01, period: 1}",
+            "transient.speed: found -0.01 at T = 0.75, expected at least 0: a reversal of the "
+            "entrainment direction is not supported");
+    refuses("speed: {law: step, to: -1, at: 1}", "transient.speed: found -1 at T = 2");
+    ehd_histories *self = accepts("speed: {law: sine, amplitude: 1, period: 1}");
+    check_close(value_at(self, VARY_SPEED, 0.75), 0, 0, 0);
+    histories_free(self);
+    self = accepts("speed: {law: ramp, to: 0, duration: 0.3}");
+    for (double time = 0.29; time < 0.31; time += 1e-4)
+        assert_true(value_at(self, VARY_SPEED, time) >= 0);
+    check_close(value_at(self, VARY_SPEED, 2), 0, 0, 0);
+    histories_free(self);
+}
+
+/* All knots are positive. The spline has the bend 1.14 at the inner ones, and so is 0.05 - 1.14/8 midway
+ * between them. */
+static void splines_are_checked_between_their_knots(void **state) {
+    (void)state;
+    write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");
+    refuses("load: {law: table, file: dip.csv, column: F}",
+            "transient.load: found -0.0925 at T = 0.5, expected more than 0");
+    refuses("speed: {law: table, file: dip.csv, column: F}", "found -0.0925 at T = 0.5");
+    histories_free(accepts("approach: {law: table, file: dip.csv, column: F}"));
+    histories_free(accepts("load: {law: table, file: dip.csv, column: F, interpolation: linear}"));
+    // what lies before the start or after the end does not matter
+    write_file("dip.csv", "T,F\n-3,1\n-2,0.05\n-1,0.05\n0,1\n2,1\n3,-1\n");
+    histories_free(accepts("load: {law: table, file: dip.csv, column: F}"));
+    write_file("dip.csv", "T,F\n0,1\n0.5,-1\n1,1\n2,1\n");
+    refuses("load: {law: table, file: dip.csv, column: F, interpolation: linear}",
+            "transient.load: found -1 at T = 0.5");
+}
+
+// ---- faults of tables
+
+/* A table of the load as text. */
+static void refuses_table(const char *text, const char *part) {
+    write_file("bad.csv", text);
+    refuses("load: {law: table, file: bad.csv, column: F, interpolation: linear}", part);
+}
+
+static void bad_csv_tables_are_refused(void **state) {
+    (void)state;
+    refuses_with(EHD_NOINPUT, "load: {law: table, file: none.csv, column: F}",
+                 "none.csv: found nothing (No such file");
+    refuses_with(EHD_NOINPUT, "load: {law: table, file: /tmp, column: F}", "found a folder");
+    refuses_table("", "bad.csv: found an empty file, expected a header such as T,F");
+    refuses_table("# T,F\n", "bad.csv: found an empty file");
+    refuses_table("\nT,G\n0,1\n2,1\n", "bad.csv:2: found no column F in the header");
+    refuses_table("T,F\n", "bad.csv: found 0 rows, expected at least 2 (linear)");
+    refuses_table("T,F\n0,1\n", "bad.csv: found 1 row, expected at least 2");
+    refuses_table("T,F\n0,1\n#\n1,x\n2,1\n", "bad.csv:4: found x, expected a number");
+    refuses_table("T,F\n0,1\n1 1,1\n2,1\n", "bad.csv:3: found 1 1, expected a number");
+    refuses_table("T,F\n0,1\n1,nan\n2,1\n", "bad.csv:3: found nan, expected a number");
+    refuses_table("T,F\n0,1\n1,1e999\n2,1\n", "bad.csv:3: found 1e999, expected a number");
+    refuses_table("T,F\n0,1\n1\n2,1\n", "bad.csv:3: found 1 column, expected 2 as in the header");
+    refuses_table("T,F\n0,1\n1,1,1\n2,1\n", "bad.csv:3: found 3 columns, expected 2");
+    refuses_table("T,F\n0,1\n1,1\n1,1\n2,1\n", "bad.csv: found the time 1 in row 3, expected at "
+                                               "least 1e-09 after 1 in the row before");
+    refuses_table("T,F\n0,1\n2,1\n1,1\n", "bad.csv: found the time 1 in row 3, expected");
+    refuses_table("T,F\n0,1\n2e12,1\n", "found the time 2e+12 in row 2, expected one from -1e+12");
+    refuses_table("T,F\n0,1\n1,2e5\n2,1\n", "bad.csv: F: found 200000 in row 2, expected a factor "
+                                            "on the reference value from -1000 to 1000");
+    refuses_table("T,F\n0.1,1\n2,1\n", "bad.csv: found 0.1 as first time, expected 0 or before");
+    refuses_table("T,F\n0,1\n1.99,1\n",
+                  "bad.csv: found 1.99 as last time, expected transient.end_time = 2 or after");
+    write_file("bad.csv", "T,F\n0,1\n2,1\n");
+    refuses("load: {law: table, file: bad.csv, column: F}",
+            "bad.csv: found 2 rows, expected at least 3 (spline)");
+}
+
+// ---- HDF5
+
+static void put(hid_t file, const char *name, hid_t type, int rank, const hsize_t *lengths,
+                const void *values) {
+    const hid_t space = H5Screate_simple(rank, lengths, NULL);
+    const hid_t data = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(data >= 0);
+    assert_true(H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Dclose(data);
+    H5Sclose(space);
+}
+
+static void write_hdf5(const char *name) {
+    static const double time[] = {0, 1, 2}, arc[] = {1, 2, 1}, hole[] = {1, NAN, 1};
+    static const int whole[] = {1, 2, 1};
+    static const char word[] = "abc";
+    const hid_t file = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(file >= 0);
+    put(file, "time", H5T_NATIVE_DOUBLE, 1, (hsize_t[]){3}, time);
+    put(file, "arc", H5T_NATIVE_DOUBLE, 1, (hsize_t[]){3}, arc);
+    put(file, "whole", H5T_NATIVE_INT, 1, (hsize_t[]){3}, whole);
+    put(file, "hole", H5T_NATIVE_DOUBLE, 1, (hsize_t[]){3}, hole);
+    put(file, "short", H5T_NATIVE_DOUBLE, 1, (hsize_t[]){2}, arc);
+    put(file, "flat", H5T_NATIVE_DOUBLE, 2, (hsize_t[]){3, 1}, arc);
+    put(file, "words", H5T_C_S1, 1, (hsize_t[]){3}, word);
+    H5Gclose(H5Gcreate2(file, "group", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    H5Fclose(file);
+}
+
+static void hdf5_tables_are_read(void **state) {
+    static const char *const histories[] = {"load: {law: table, file: t.h5, column: arc}",
+                                            "load: {law: table, file: t.hdf5, column: whole}"};
+    (void)state;
+    write_hdf5("t.h5");
+    write_hdf5("t.hdf5");
+    for (size_t i = 0; i < 2; i++)
+        check_load(histories[i], 3, (double[]){0, 0.5, 1.5}, (double[]){1, 1.6875, 1.6875}, 1e-15);
+}
+
+static void bad_hdf5_tables_are_refused(void **state) {
+    (void)state;
+    write_hdf5("t.h5");
+    refuses_with(EHD_NOINPUT, "load: {law: table, file: none.h5, column: arc}",
+                 "none.h5: found no readable file");
+    refuses("load: {law: table, file: t.h5, column: ark}", "t.h5: found no dataset ark");
+    refuses("load: {law: table, file: t.h5, column: group}", "t.h5: found no dataset group");
+    refuses("load: {law: table, file: t.h5, column: a/b}", "t.h5: found no dataset a/b");
+    refuses("load: {law: table, file: t.h5, column: flat}",
+            "t.h5: flat: found something else, expected numbers along one axis");
+    refuses("load: {law: table, file: t.h5, column: words}", "t.h5: words: found something else");
+    refuses("load: {law: table, file: t.h5, column: short}",
+            "t.h5: short: found 2 numbers, expected 3 as of time");
+    refuses("load: {law: table, file: t.h5, column: hole}", "t.h5: hole: found nan in row 2");
+    write_file("text.h5", "T,F\n0,1\n2,1\n");
+    refuses("load: {law: table, file: text.h5, column: F}", "text.h5: found no whole HDF5 file");
+    assert_int_equal(truncate("t.h5", 900), 0);
+    refuses("load: {law: table, file: t.h5, column: arc}", "t.h5: found no whole HDF5 file");
+}
+
+// ---- threads and memory
+
+enum { NUM_TIMES = 20000 };
+
+static void *sum_values(void *shared) {
+    const ehd_histories *self = shared;
+    double *sum = calloc(1, sizeof *sum), value[NUM_VARY];
+    for (int i = 0; sum && i < NUM_TIMES; i++) {
+        histories_at(value, self, 2. * i / NUM_TIMES);
+        *sum += value[VARY_LOAD] + value[VARY_SPEED];
+    }
+    return sum;
+}
+
+static void threads_share_histories(void **state) {
+    pthread_t other;
+    void *theirs;
+    (void)state;
+    write_file("arc.csv", "T,F\n0,1\n0.2,2\n0.5,1\n0.9,3\n1,4\n1.7,2\n2,1\n");
+    ehd_histories *self = accepts("load: {law: table, file: arc.csv, column: F}, "
+                                  "speed: {law: table, file: arc.csv, column: F, "
+                                  "interpolation: linear}");
+    assert_int_equal(pthread_create(&other, NULL, sum_values, self), 0);
+    double *ours = sum_values(self);
+    assert_int_equal(pthread_join(other, &theirs), 0);
+    assert_true(ours && theirs);
+    check_close(*ours, *(double *)theirs, 0, 0);
+    free(ours);
+    free(theirs);
+    histories_free(self);
+}
+
+static void survives_failing_allocations(void **state) {
+    ehd_histories *self;
+    ehd_error error;
+    size_t call = 0;
+    (void)state;
+    write_file("arc.csv", "T,F\n0,1\n1,2\n2,1\n");
+    write_hdf5("t.h5");
+    const scene of = scene_of("load: {law: table, file: arc.csv, column: F}, "
+                              "speed: {law: table, file: t.h5, column: arc}");
+    for (bool failed = true; failed; call++) {
+        error.text[0] = '\0';
+        allocation_fail_at(call);
+        const ehd_status status = histories_init(&self, &of, &error);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+        if (failed) assert_non_null(strstr(error.text, "found no memory"));
+        histories_free(self);
+    }
+    assert_true(call > 6);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_varies_without_a_law),
+        cmocka_unit_test(sine_and_ramp_have_their_values),
+        cmocka_unit_test(step_is_continuous_from_the_left),
+        cmocka_unit_test(tables_are_read_between_their_times),
+        cmocka_unit_test(five_quantities_vary_apart),
+        cmocka_unit_test(kinks_and_jumps_come_in_order),
+        cmocka_unit_test(the_shortest_time_scale_is_found),
+        cmocka_unit_test(histories_that_reach_zero_are_refused),
+        cmocka_unit_test(a_reversal_is_refused_but_not_rest),
+        cmocka_unit_test(splines_are_checked_between_their_knots),
+        cmocka_unit_test(bad_csv_tables_are_refused),
+        cmocka_unit_test(hdf5_tables_are_read),
+        cmocka_unit_test(bad_hdf5_tables_are_refused),
+        cmocka_unit_test(threads_share_histories),
+        cmocka_unit_test(survives_failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, remove_folder);
+}
