@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts for Newton: the dry contact, and walks from an easier contact to a harder one. */
+#include "fullrun/continuation.h"
+
 #include "common/program/program.h"
-#include "fullrun/full_solver.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,11 +11,12 @@
  * too thin at the contact's edges is driven to zero there. */
 static const double START_FILM = 2;
 
-/* Hertz pressure, and the film it leaves on top of which stands the estimated central film. */
-static void start_dry(full_state *state, full_solver *solver, const ehd_contact *contact) {
+void full_start_dry(full_state *state, full_solver *solver, const ehd_contact *contact,
+                    double central_film) {
     const ehd_grid *grid = &contact->grid;
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
+    state->entry = 1;
     state->exit = grid->num_nodes - 1;
     for (size_t k = 1; k <= grid->num_inner; k++) {
         double x = grid_x(grid, k);
@@ -27,9 +29,15 @@ static void start_dry(full_state *state, full_solver *solver, const ehd_contact 
     }
     state->rigid_approach = 0;
     full_film(state, solver);
-    double level = full_evaluate_scalars(state, contact).central_film_thickness;
     state->rigid_approach =
-        START_FILM * contact->kind->central_film(contact->moes_M, contact->moes_L) - level;
+        central_film - full_evaluate_scalars(state, contact).central_film_thickness;
+    full_film(state, solver);
+}
+
+static void start_dry(full_state *state, full_solver *solver, const ehd_contact *contact) {
+    double film = contact->kind->central_film(contact->moes_M, contact->moes_L);
+
+    full_start_dry(state, solver, contact, START_FILM * film);
 }
 
 static void add_effort(full_info *total, const full_info *part) {
@@ -72,7 +80,7 @@ static ehd_status walk(full_info *info, full_state *state, full_solver *solver,
     while (!status && done < 1 && stride >= least_stride) {
         ehd_contact here = contact_between(start, goal, fmin(done + stride, 1));
         full_info part;
-        status = full_solve(&part, state, solver, &here, error);
+        status = full_solve(&part, state, solver, &here, NULL, error);
         if (status) break;
         add_effort(info, &part);
         if (part.status == EHD_OK) {
@@ -106,11 +114,11 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     full_info part;
 
     start_dry(state, solver, contact);
-    ehd_status status = full_solve(info, state, solver, contact, error);
+    ehd_status status = full_solve(info, state, solver, contact, NULL, error);
     if (status || info->status == EHD_OK) return status;
     ehd_contact easy = easy_contact(contact);
     start_dry(state, solver, &easy);
-    status = full_solve(&part, state, solver, &easy, error);
+    status = full_solve(&part, state, solver, &easy, NULL, error);
     add_effort(info, &part);
     if (status || part.status != EHD_OK) return status;
     ehd_contact corner = easy;
@@ -169,7 +177,7 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
     info->status = EHD_NOT_CONVERGED;
     if (contact->grid.num_inner > coarsest)
         status = start_coarse(&started, state, solver, contact, error);
-    if (!status && started) status = full_solve(info, state, solver, contact, error);
+    if (!status && started) status = full_solve(info, state, solver, contact, NULL, error);
     if (!status && info->status != EHD_OK) {
         full_info part;
         status = solve_from_dry(&part, state, solver, contact, error);

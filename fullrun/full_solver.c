@@ -86,6 +86,7 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
     memset(state, 0, sizeof *state);
     state->pressure = calloc(grid->num_nodes, sizeof(double));
     state->film = calloc(grid->num_nodes, sizeof(double));
+    state->entry = 1;
     state->exit = grid->num_nodes - 1;
     if (!state->pressure || !state->film) {
         full_state_free(state);
@@ -104,6 +105,7 @@ void full_state_copy(full_state *target, const full_state *source, const ehd_gri
     memcpy(target->pressure, source->pressure, grid->num_nodes * sizeof(double));
     memcpy(target->film, source->film, grid->num_nodes * sizeof(double));
     target->rigid_approach = source->rigid_approach;
+    target->entry = source->entry;
     target->exit = source->exit;
 }
 
@@ -115,16 +117,20 @@ void full_film(full_state *state, full_solver *self) {
 
 // ---- rows
 
-static double load_residual(const full_solver *self, const full_state *state) {
-    double sum = 0;
+/* Residual of the closure, scaled so that the load row has ones. */
+static double closure_residual(const full_solver *self, const full_state *state,
+                               const contact_closure *closure) {
+    double sum = 0, step = self->grid.step;
 
-    for (size_t k = 1; k < state->exit; k++)
+    for (size_t k = state->entry; k < state->exit; k++)
         sum += state->pressure[k];
-    return sum * self->grid.step - self->kind->load;
+    return closure->by_load * sum +
+           (closure->by_approach * state->rigid_approach - closure->value) / step;
 }
 
 /* Film, fluid and all Reynolds rows at the state. */
-static void evaluate_rows(full_solver *self, const ehd_contact *contact, full_state *state) {
+static void evaluate_rows(full_solver *self, const ehd_contact *contact,
+                          const reynolds_squeeze *squeeze, full_state *state) {
     size_t num_nodes = self->grid.num_nodes;
     double *memory = self->fluid_memory;
     int compressible = contact->lubricant.density != NULL;
@@ -135,8 +141,8 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact, full_st
     self->fluid = fluid;
     full_film(state, self);
     reynolds_fluid_evaluate(&self->fluid, contact, state->pressure, num_nodes);
-    reynolds_rows(self->rows, self->grid.step, 1, self->stencils, self->grid.num_inner,
-                  &self->fluid, state->pressure, state->film);
+    reynolds_rows(self->rows, self->grid.step, contact->entrainment, squeeze, self->stencils,
+                  self->grid.num_inner, &self->fluid, state->pressure, state->film);
 }
 
 /* Largest entry of a row of the Jacobian: the film's influence counts through the kernel. */
@@ -152,13 +158,14 @@ static double row_magnitude(const full_solver *self, size_t r) {
     return fmax(fmax(largest, film), fabs(approach));
 }
 
-/* Scales the rows and returns the largest scaled residual of passive rows and load balance. */
-static double scale_rows(full_solver *self, const full_state *state) {
-    double largest = fabs(load_residual(self, state)) / self->grid.step;
+/* Scales the rows and returns the largest scaled residual of passive rows and closure. */
+static double scale_rows(full_solver *self, const full_state *state,
+                         const contact_closure *closure) {
+    double largest = fabs(closure_residual(self, state, closure));
 
     for (size_t r = 0; r < self->grid.num_inner; r++) {
         self->row_scale[r] = 1 / row_magnitude(self, r);
-        if (r + 1 < state->exit)
+        if (r + 1 >= state->entry && r + 1 < state->exit)
             largest = fmax(largest, fabs(self->rows[r].residual * self->row_scale[r]));
     }
     return largest;
@@ -170,7 +177,8 @@ static const double LONGEST_STRIDE = 0.1; // of the exit downstream in one itera
 
 /* Flux U rho H - eps dP/dx across the half node before `node`. In the pressurised zone it is the same
  * everywhere, and the exit condition P = dP/dx = 0 says that rho H equals it there. */
-static double flux_before(const full_solver *self, const full_state *state, size_t node) {
+static double flux_before(const full_solver *self, const full_state *state, double entrainment,
+                          size_t node) {
     const double *film = state->film, *pressure = state->pressure;
     const double *mobility = self->fluid.mobility, *density = self->fluid.density;
     double mass = 0, eps = 0;
@@ -179,12 +187,13 @@ static double flux_before(const full_solver *self, const full_state *state, size
         mass += 0.5 * (density ? density[k] : 1) * film[k];
         eps += 0.5 * mobility[k] * film[k] * film[k] * film[k];
     }
-    return mass - eps * (pressure[node] - pressure[node - 1]) / self->grid.step;
+    return entrainment * mass - eps * (pressure[node] - pressure[node - 1]) / self->grid.step;
 }
 
 /* First node from `node` on, before `end`, where an unpressurised film would carry the flux. */
-static size_t node_with_flux(const full_state *state, double flux, size_t node, size_t end) {
-    while (node < end && state->film[node] < flux)
+static size_t node_with_flux(const full_state *state, double entrainment, double flux, size_t node,
+                             size_t end) {
+    while (node < end && entrainment * state->film[node] < flux)
         node++;
     return node;
 }
@@ -198,27 +207,74 @@ static size_t first_negative(const full_solver *self, const full_state *state, d
     return node;
 }
 
+/* The same before the contact centre: the last node with negative pressure, or the one before `entry`. */
+static size_t last_negative(const full_solver *self, const full_state *state, double threshold) {
+    size_t node = (size_t)floor(-self->grid.x_min / self->grid.step) + 1;
+
+    while (node >= state->entry && state->pressure[node] >= -threshold)
+        node--;
+    return node;
+}
+
+static size_t longest_stride(const full_solver *self) {
+    return (size_t)(LONGEST_STRIDE / self->grid.step) + 1;
+}
+
+/* Whether the multiplier Lambda = -f is negative at a node without pressure. */
+static bool wants_pressure(const full_solver *self, size_t node, double threshold) {
+    return self->rows[node - 1].residual * self->row_scale[node - 1] > threshold;
+}
+
 /* Moves the exit: back on negative pressure, on where the multiplier Lambda = -f is negative. The flux
  * says how far, so that the number of moves does not grow with the number of nodes; far from
  * convergence the flux is not yet one number, hence the longest stride. Returns the new exit. */
-static size_t adapt_exit(const full_solver *self, const full_state *state) {
+static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
     const double threshold = 0.1 * self->settings.tolerance;
     size_t exit = state->exit, last = self->grid.num_nodes - 1;
     size_t negative = first_negative(self, state, threshold);
 
     if (negative < exit)
-        return node_with_flux(state, flux_before(self, state, negative), negative, exit - 1);
-    if (exit < last && self->rows[exit - 1].residual * self->row_scale[exit - 1] > threshold) {
-        size_t stride = (size_t)(LONGEST_STRIDE / self->grid.step) + 1;
-        size_t end = exit + stride < last ? exit + stride : last;
-        size_t target = node_with_flux(state, flux_before(self, state, exit), exit, end);
+        return node_with_flux(state, entrainment, flux_before(self, state, entrainment, negative),
+                              negative, exit - 1);
+    if (exit < last && wants_pressure(self, exit, threshold)) {
+        size_t end = exit + longest_stride(self) < last ? exit + longest_stride(self) : last;
+        double flux = flux_before(self, state, entrainment, exit);
+        size_t target = node_with_flux(state, entrainment, flux, exit, end);
         return target > exit ? target : exit + 1;
     }
     return exit;
 }
 
-static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
+/* With a film that varies in time there is no such flux: both ends of the pressurised zone go by the
+ * multiplier's and the pressure's sign at each node (primal-dual active set). */
+static size_t adapt_exit_in_time(const full_solver *self, const full_state *state) {
+    const double threshold = 0.1 * self->settings.tolerance;
+    size_t exit = state->exit, last = self->grid.num_nodes - 1;
+    size_t end = exit + longest_stride(self) < last ? exit + longest_stride(self) : last;
+    size_t negative = first_negative(self, state, threshold);
+
+    if (negative < exit) return negative;
+    while (exit < end && wants_pressure(self, exit, threshold))
+        exit++;
+    return exit;
+}
+
+static size_t adapt_entry_in_time(const full_solver *self, const full_state *state) {
+    const double threshold = 0.1 * self->settings.tolerance;
+    size_t entry = state->entry, stride = longest_stride(self);
+    size_t end = entry > stride ? entry - stride : 1;
+    size_t negative = last_negative(self, state, threshold);
+
+    if (negative >= entry) return negative + 1;
+    while (entry > end && wants_pressure(self, entry - 1, threshold))
+        entry--;
+    return entry;
+}
+
+static void set_zone(full_state *state, size_t entry, size_t exit, const ehd_grid *grid) {
+    state->entry = entry;
     state->exit = exit;
+    memset(state->pressure, 0, entry * sizeof(double));
     memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
 }
 
@@ -266,15 +322,18 @@ static double damping(full_solver *self, const full_system *system, const full_s
 
 /* One damped step. EHD_NOT_CONVERGED, with info->reason, where there is none to take. */
 static ehd_status newton_step(double *factor, full_info *info, full_state *state, full_solver *self,
-                              ehd_error *error) {
+                              const contact_closure *closure, ehd_error *error) {
     size_t iterations = 0;
     full_system system = {.grid = &self->grid,
                           .deflection = self->deflection,
+                          .entry = state->entry,
                           .exit = state->exit,
                           .stencils = self->stencils,
                           .rows = self->rows,
                           .row_scale = self->row_scale,
-                          .load_residual = load_residual(self, state),
+                          .closure_approach = closure->by_approach / self->grid.step,
+                          .closure_load = closure->by_load,
+                          .closure_residual = closure_residual(self, state, closure),
                           .near_field = self->settings.near_field,
                           .step = self->step,
                           .workspace = self->workspace};
@@ -289,7 +348,7 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
         info->reason = "film driven to zero, as by too coarse a grid";
         return EHD_NOT_CONVERGED;
     }
-    for (size_t k = 1; k < state->exit; k++)
+    for (size_t k = state->entry; k < state->exit; k++)
         state->pressure[k] += *factor * system.step[k];
     state->rigid_approach += *factor * system.step_approach;
     return EHD_OK;
@@ -299,39 +358,64 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
 static double complementarity(const full_solver *self, const full_state *state) {
     double worst = 0;
 
-    for (size_t k = 1; k < state->exit; k++)
-        worst = fmax(worst, -state->pressure[k]);
-    for (size_t k = state->exit; k <= self->grid.num_inner; k++)
-        worst = fmax(worst, self->rows[k - 1].residual * self->row_scale[k - 1]);
+    for (size_t k = 1; k <= self->grid.num_inner; k++)
+        if (k >= state->entry && k < state->exit)
+            worst = fmax(worst, -state->pressure[k]);
+        else
+            worst = fmax(worst, self->rows[k - 1].residual * self->row_scale[k - 1]);
     return worst;
 }
 
+/* The pressurised zone and its watches. */
+typedef struct zone {
+    size_t entry, exit;
+    exit_watch entry_watch, exit_watch;
+    bool entry_settled, exit_settled;
+} zone;
+
+static void adapt_zone(zone *next, const full_solver *self, const full_state *state,
+                       const ehd_contact *contact, const reynolds_squeeze *squeeze) {
+    next->entry = state->entry;
+    next->exit = state->exit;
+    if (!next->exit_settled) {
+        next->exit = squeeze ? adapt_exit_in_time(self, state)
+                             : adapt_exit(self, state, contact->entrainment);
+        next->exit_settled = exit_cycles(&next->exit_watch, next->exit);
+        if (next->exit_settled && next->exit > state->exit) next->exit = state->exit;
+    }
+    if (squeeze && !next->entry_settled) {
+        next->entry = adapt_entry_in_time(self, state);
+        next->entry_settled = exit_cycles(&next->entry_watch, next->entry);
+        if (next->entry_settled && next->entry < state->entry) next->entry = state->entry;
+    }
+}
+
+static void evaluate(full_info *info, full_solver *self, const ehd_contact *contact,
+                     const reynolds_squeeze *squeeze, full_state *state) {
+    evaluate_rows(self, contact, squeeze, state);
+    info->residual = scale_rows(self, state, &contact->closure);
+}
+
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
-                         const ehd_contact *contact, ehd_error *error) {
-    exit_watch watch = {state->exit, state->exit, 0};
+                         const ehd_contact *contact, const reynolds_squeeze *squeeze,
+                         ehd_error *error) {
+    zone next = {.entry_watch = {state->entry, state->entry, 0},
+                 .exit_watch = {state->exit, state->exit, 0}};
     double factor = 1;
-    bool settled = false;
     ehd_error ignored;
 
     for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
         double before = program_seconds();
-        evaluate_rows(self, contact, state);
-        info->residual = scale_rows(self, state);
+        evaluate(info, self, contact, squeeze, state);
         if (!isfinite(info->residual)) {
             info->reason = "residual not finite";
             return EHD_OK;
         }
-        // the exit follows the linearised pressure, so only once there was a step
-        size_t exit = state->exit;
-        if (iteration > 0 && !settled) {
-            exit = adapt_exit(self, state);
-            settled = exit_cycles(&watch, exit);
-            if (settled && exit > state->exit) exit = state->exit;
-        }
-        if (exit != state->exit) {
-            set_exit(state, exit, &self->grid);
-            evaluate_rows(self, contact, state);
-            info->residual = scale_rows(self, state);
+        // the zone follows the linearised pressure, so only once there was a step
+        if (iteration > 0) adapt_zone(&next, self, state, contact, squeeze);
+        if (iteration > 0 && (next.entry != state->entry || next.exit != state->exit)) {
+            set_zone(state, next.entry, next.exit, &self->grid);
+            evaluate(info, self, contact, squeeze, state);
         } else if (iteration > 0 && info->residual < self->settings.tolerance) {
             info->status = EHD_OK;
             info->complementarity = complementarity(self, state);
@@ -343,7 +427,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         if (iteration == self->settings.max_iterations || program_interrupted()) break;
 
         before = program_seconds();
-        ehd_status status = newton_step(&factor, info, state, self, &ignored);
+        ehd_status status = newton_step(&factor, info, state, self, &contact->closure, &ignored);
         info->seconds_linear += program_seconds() - before;
         info->newton_iterations++;
         if (status == EHD_NOT_CONVERGED) return EHD_OK;
@@ -362,11 +446,12 @@ static void info_start(full_info *info) {
 }
 
 ehd_status full_solve(full_info *info, full_state *state, full_solver *solver,
-                      const ehd_contact *contact, ehd_error *error) {
+                      const ehd_contact *contact, const reynolds_squeeze *squeeze,
+                      ehd_error *error) {
     double before = program_seconds();
 
     info_start(info);
-    ehd_status status = newton(info, state, solver, contact, error);
+    ehd_status status = newton(info, state, solver, contact, squeeze, error);
     info->seconds = program_seconds() - before;
     return status;
 }

@@ -13,17 +13,18 @@
 
 /* A state of the contact on its grid. */
 typedef struct full_state {
-    double *pressure; // [num_nodes], zero at the boundary nodes and from `exit` on
+    double *pressure; // [num_nodes], zero at the boundary nodes, before `entry` and from `exit` on
     double *film;     // [num_nodes]
     double rigid_approach;
-    size_t exit; // node where the film ruptures: the first without pressure, at most num_nodes - 1
+    size_t entry; // first node with pressure; 1 unless the contact shrinks faster than it entrains
+    size_t exit;  // node where the film ruptures: the first without pressure, at most num_nodes - 1
 } full_state;
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
     size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
     size_t gmres_iterations;
-    double residual; // largest scaled residual of passive rows and load balance
+    double residual; // largest scaled residual of passive rows and closure
     double
         complementarity; // how far the exit conditions are violated: max(-P), max(-Lambda) scaled
     double seconds;
@@ -48,15 +49,16 @@ typedef struct full_settings {
 
 full_settings full_default_settings(void);
 
-/* The linearised problem of one Newton step: unknowns are P at nodes 1 … exit-1, then H0. */
+/* The linearised problem of one Newton step: unknowns are P at nodes entry … exit-1, then H0. */
 struct full_system {
     const ehd_grid *grid;
     ehd_deflection *deflection;
-    size_t exit;
+    size_t entry, exit;
     const reynolds_stencil *stencils; // [num_inner], row r belongs to node r + 1
-    const reynolds_row *rows;         // [num_inner], the first exit-1 count
+    const reynolds_row *rows;         // [num_inner], those of the unknowns' nodes count
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
-    double load_residual;             // h sum P - load
+    // the closure, scaled like the rows: closure_approach H0 + closure_load sum P + residual = 0
+    double closure_approach, closure_load, closure_residual;
     size_t near_field;
     double *step; // [num_nodes], out: change of P at 0 … num_nodes-1 (zero where not unknown)
     double step_approach; // out: change of H0
@@ -89,7 +91,9 @@ ehd_status full_solve(
     // in and out: start and solution
     full_state *state,
     // input:
-    full_solver *solver, const ehd_contact *contact, ehd_error *error);
+    full_solver *solver, const ehd_contact *contact,
+    const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of nodes 1 … num_inner
+    ehd_error *error);
 
 /* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film; where
  * that fails, continuation in M at small L, then in L. */
@@ -104,14 +108,6 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
 /* Film and deflection of the pressure in `state`, from scratch. */
 void full_film(full_state *state, full_solver *solver);
 
-/* Scalars of a solution (model.md, design.md "result.h5"). */
-typedef struct full_scalars {
-    double central_film_thickness; // H at X = 0, interpolated (cubic) where no node lies there
-    double minimum_film_thickness; // smallest nodal value
-    double central_pressure;
-    double exit_position; // X of the first node without pressure
-    double load;          // relative to the reference
-} full_scalars;
-full_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact);
+contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact);
 
 #endif

@@ -2,7 +2,7 @@
 /* The linear systems of Newton: the exact Jacobian by rows and FFT, preconditioned by UMFPACK on a
  * sparse Jacobian in which the kernel is its shifted near field (model.md, section 3).
  *
- * The sparse Jacobian is a band B, bordered by the column c of H0 and the load row, all ones. Only the
+ * The sparse Jacobian is a band B, bordered by the column c of H0 and the row that closes it. Only the
  * band is factorised, for with a full row in it UMFPACK's analysis takes O(n^2); the border follows
  * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero), which
  * keeps the band away from singular. */
@@ -25,7 +25,7 @@ struct gmres_workspace {
     double *response; // [size + 1] its deflection
     double *approach; // [size] c, the column of H0
     double *border;   // [size] w = B^-1 c
-    double border_sum;
+    double border_pivot;
     // B by rows, which UMFPACK sees as the columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
@@ -80,15 +80,15 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
 /* y = J x on the passive unknowns, exact: rows and one FFT convolution. */
 static void apply_jacobian(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
-    size_t num_passive = system->exit - 1;
+    size_t entry = system->entry, num_passive = system->exit - entry;
     double sum = 0;
 
     memset(work->spread, 0, system->grid->num_nodes * sizeof(double));
-    memcpy(work->spread + 1, x, num_passive * sizeof(double));
+    memcpy(work->spread + entry, x, num_passive * sizeof(double));
     deflection_apply(work->response, system->deflection, work->spread);
-    for (size_t r = 0; r < num_passive; r++) {
-        const reynolds_row *row = &system->rows[r];
-        const reynolds_stencil *stencil = &system->stencils[r];
+    for (size_t i = 0; i < num_passive; i++) {
+        const reynolds_row *row = &system->rows[entry - 1 + i];
+        const reynolds_stencil *stencil = &system->stencils[entry - 1 + i];
         double product = 0;
         for (int a = 0; a < NUM_STENCIL; a++) {
             size_t node = stencil->node[a];
@@ -96,28 +96,29 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
             product += row->by_pressure[a] * work->spread[node] +
                        row->by_film[a] * (work->response[node] + x[num_passive]);
         }
-        y[r] = product * system->row_scale[r];
-        sum += x[r];
+        y[i] = product * system->row_scale[entry - 1 + i];
+        sum += x[i];
     }
-    y[num_passive] = sum; // the load row h sum P, scaled by 1/h
+    y[num_passive] = system->closure_approach * x[num_passive] + system->closure_load * sum;
 }
 
-/* Row r of the band, stencil and near field, and of the column of H0. Returns the band's entries. */
+/* The band's row of a node, stencil and near field, and of the column of H0. Returns the band's entries. */
 static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
-                         size_t r) {
-    const reynolds_row *row = &system->rows[r];
-    const reynolds_stencil *stencil = &system->stencils[r];
+                         size_t row_node) {
+    const reynolds_row *row = &system->rows[row_node - 1];
+    const reynolds_stencil *stencil = &system->stencils[row_node - 1];
     const double *kernel = deflection_kernel(system->deflection);
-    const ptrdiff_t m = (ptrdiff_t)system->near_field, num_passive = (ptrdiff_t)system->exit - 1;
+    const ptrdiff_t m = (ptrdiff_t)system->near_field;
+    const ptrdiff_t entry = (ptrdiff_t)system->entry, end = (ptrdiff_t)system->exit - 1;
     const double far = kernel[system->near_field + 1];
-    ptrdiff_t here = (ptrdiff_t)r + 1;
-    ptrdiff_t first = here - 2 - m < 1 ? 1 : here - 2 - m;
-    ptrdiff_t last = here + 1 + m > num_passive ? num_passive : here + 1 + m;
-    double scale = system->row_scale[r];
+    ptrdiff_t here = (ptrdiff_t)row_node;
+    ptrdiff_t first = here - 2 - m < entry ? entry : here - 2 - m;
+    ptrdiff_t last = here + 1 + m > end ? end : here + 1 + m;
+    double scale = system->row_scale[row_node - 1];
 
     *approach = 0;
     for (ptrdiff_t node = first; node <= last; node++) {
-        column[node - first] = (int)(node - 1);
+        column[node - first] = (int)(node - entry);
         value[node - first] = 0;
     }
     for (int a = 0; a < NUM_STENCIL; a++) {
@@ -128,7 +129,7 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
         double by_film = row->by_film[a] * scale;
         for (ptrdiff_t j = low; j <= high; j++)
             value[j - first] += by_film * (kernel[labs(j - node)] - far);
-        if (node >= 1 && node <= num_passive) value[node - first] += row->by_pressure[a] * scale;
+        if (node >= entry && node <= end) value[node - first] += row->by_pressure[a] * scale;
         *approach += by_film;
     }
     return (int)(last - first + 1);
@@ -136,13 +137,13 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
 
 static void assemble_near_field(full_system *system) {
     gmres_workspace *work = system->workspace;
-    size_t num_passive = system->exit - 1;
+    size_t num_passive = system->exit - system->entry;
     int count = 0;
 
-    for (size_t r = 0; r < num_passive; r++) {
-        work->row_start[r] = count;
-        count +=
-            fill_near_row(work->column + count, work->value + count, work->approach + r, system, r);
+    for (size_t i = 0; i < num_passive; i++) {
+        work->row_start[i] = count;
+        count += fill_near_row(work->column + count, work->value + count, work->approach + i,
+                               system, system->entry + i);
     }
     work->row_start[num_passive] = count;
 }
@@ -150,7 +151,7 @@ static void assemble_near_field(full_system *system) {
 /* Factors of the band; NULL when singular or out of memory. */
 static void *factorise(const full_system *system, double *control) {
     const gmres_workspace *work = system->workspace;
-    int size = (int)system->exit - 1;
+    int size = (int)(system->exit - system->entry);
     void *symbolic = NULL, *numeric = NULL;
 
     umfpack_di_defaults(control);
@@ -178,28 +179,29 @@ static bool solve_band(double *y, const double *x, gmres_workspace *work, void *
                              control, NULL, work->solve_index, work->solve_work) == UMFPACK_OK;
 }
 
-/* w = B^-1 c and its sum, which is the load's answer to the approach; false when singular. */
+/* w = B^-1 c and what the closure makes of it; false when singular. */
 static bool solve_border(const full_system *system, void *numeric, const double *control) {
     gmres_workspace *work = system->workspace;
 
     if (!solve_band(work->border, work->approach, work, numeric, control)) return false;
-    work->border_sum = 0;
-    for (size_t r = 0; r + 1 < system->exit; r++)
-        work->border_sum += work->border[r];
-    return isfinite(work->border_sum) && work->border_sum != 0;
+    double sum = 0;
+    for (size_t i = 0; i < system->exit - system->entry; i++)
+        sum += work->border[i];
+    work->border_pivot = system->closure_load * sum - system->closure_approach;
+    return isfinite(work->border_pivot) && work->border_pivot != 0;
 }
 
-/* y = [B c; 1 0]^-1 x. */
+/* y = [B c; closure]^-1 x. */
 static void precondition(double *y, const double *x, const full_system *system, void *numeric,
                          const double *control) {
     gmres_workspace *work = system->workspace;
-    size_t num_passive = system->exit - 1;
+    size_t num_passive = system->exit - system->entry;
     double sum = 0;
 
     solve_band(y, x, work, numeric, control);
     for (size_t r = 0; r < num_passive; r++)
         sum += y[r];
-    double approach = (sum - x[num_passive]) / work->border_sum;
+    double approach = (system->closure_load * sum - x[num_passive]) / work->border_pivot;
     for (size_t r = 0; r < num_passive; r++)
         y[r] -= approach * work->border[r];
     y[num_passive] = approach;
@@ -244,7 +246,8 @@ static void extend_krylov(gmres_workspace *work, hessenberg *h, size_t k, size_t
 ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *iterations,
                             ehd_error *error) {
     gmres_workspace *work = system->workspace;
-    size_t num_passive = system->exit - 1, size = num_passive + 1, k = 0;
+    size_t entry = system->entry, num_passive = system->exit - entry;
+    size_t size = num_passive + 1, k = 0;
     double control[UMFPACK_CONTROL];
     hessenberg h;
 
@@ -257,9 +260,9 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
 
     // right preconditioning, so that the monitored residual is the true one
     double *first = work->krylov;
-    for (size_t r = 0; r < num_passive; r++)
-        first[r] = -system->rows[r].residual * system->row_scale[r];
-    first[num_passive] = -system->load_residual / system->grid->step;
+    for (size_t i = 0; i < num_passive; i++)
+        first[i] = -system->rows[entry - 1 + i].residual * system->row_scale[entry - 1 + i];
+    first[num_passive] = -system->closure_residual;
     double start = cblas_dnrm2((int)size, first, 1);
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
     h.right[0] = start;
@@ -285,7 +288,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     umfpack_di_free_numeric(&numeric);
 
     memset(system->step, 0, system->grid->num_nodes * sizeof(double));
-    memcpy(system->step + 1, work->vector, num_passive * sizeof(double));
+    memcpy(system->step + entry, work->vector, num_passive * sizeof(double));
     system->step_approach = work->vector[num_passive];
     return EHD_OK;
 }

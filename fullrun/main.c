@@ -3,8 +3,10 @@
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/result.h"
+#include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "fullrun/full_march.h"
 #include "fullrun/full_solver.h"
 #include "fullrun/judge.h"
 
@@ -12,20 +14,35 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_START = 0x200 };
+enum { KEY_START = 0x200, KEY_RESUME };
+
+typedef struct fullrun_options {
+    const char *start; // NULL: cold
+    bool resume;
+} fullrun_options;
 
 static const struct argp_option own_options[] = {
     {.name = "start",
      .key = KEY_START,
      .arg = "RESULT.h5",
-     .doc = "Start from the fields of another result on the same grid, not cold"},
+     .doc = "Start from the fields of another result on the same grid, not cold (stationary)"},
+    {.name = "resume",
+     .key = KEY_RESUME,
+     .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
     {0}};
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    const char **start = state->input;
-    if (key != KEY_START) return ARGP_ERR_UNKNOWN;
-    *start = argument;
-    return 0;
+    fullrun_options *options = state->input;
+    switch (key) {
+    case KEY_START:
+        options->start = argument;
+        return 0;
+    case KEY_RESUME:
+        options->resume = true;
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
 }
 
 static void print_settings(void) {
@@ -81,13 +98,13 @@ static ehd_status load_start(full_state *state, ehd_contact *start, const char *
 
 static run_result make_result(const full_info *info, const full_state *state,
                               const ehd_contact *contact, bool with_fields) {
-    full_scalars scalars = full_evaluate_scalars(state, contact);
+    contact_scalars scalars = full_evaluate_scalars(state, contact);
     run_result result = {.pressure = with_fields ? state->pressure : NULL,
                          .film = with_fields ? state->film : NULL,
                          .central_film_thickness = scalars.central_film_thickness,
                          .minimum_film_thickness = scalars.minimum_film_thickness,
                          .central_pressure = scalars.central_pressure,
-                         .rigid_approach = state->rigid_approach,
+                         .rigid_approach = scalars.rigid_approach,
                          .exit_position = scalars.exit_position,
                          .load = scalars.load,
                          .newton_iterations = info->newton_iterations,
@@ -115,46 +132,95 @@ static ehd_status solve(full_info *info, full_state *state, const ehd_contact *c
     return status;
 }
 
-/* Everything between the command line and the exit code. */
-static ehd_status run(const program *self, const char *start_path, ehd_error *error) {
+static ehd_status run_stationary(const program *self, const char *start_path,
+                                 const ehd_contact *contact, const scene *given, const char *text,
+                                 ehd_error *error) {
     const char *const inputs[] = {self->arguments[0], start_path, NULL};
-    ehd_contact contact, start;
+    ehd_contact start = *contact;
     full_state state = {0};
     full_info info;
     artefact *file = NULL;
-    char *text = NULL;
-    int output_fields = 1;
-    ehd_status status = contact_load(&contact, &output_fields, &text, self, error);
+    ehd_status status = full_state_init(&state, &contact->grid, error);
 
-    if (status) goto done;
-    start = contact;
-    status = full_state_init(&state, &contact.grid, error);
     if (!status && start_path) status = load_start(&state, &start, start_path, error);
-    if (!status) status = result_create(&file, self, &contact, text, inputs, error);
-    if (!status) status = solve(&info, &state, &contact, start_path ? &start : NULL, error);
+    if (!status) status = result_create(&file, self, contact, text, inputs, error);
+    if (!status) status = solve(&info, &state, contact, start_path ? &start : NULL, error);
     if (status) goto done;
 
-    run_result result = make_result(&info, &state, &contact, output_fields != 0);
+    run_result result = make_result(&info, &state, contact, given->output_fields != 0);
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
-    status = result_write(&file, &result, &contact, error);
+    status = result_write(&file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],
                           result.reason);
     else if (!status)
-        result_print(&result, &contact);
+        result_print(&result, contact);
 done:
     artefact_close(&file);
     full_state_free(&state);
+    return status;
+}
+
+static void march_effort(double *rows, double *linear, double *exit, const void *solver) {
+    full_march_effort effort = full_march_effort_of(solver);
+
+    *rows = effort.seconds_rows;
+    *linear = effort.seconds_linear;
+    *exit = NAN;
+}
+
+static ehd_status run_transient(const program *self, bool resume, const ehd_contact *contact,
+                                const scene *given, const char *text, ehd_error *error) {
+    const char *const inputs[] = {self->arguments[0], NULL};
+    const full_settings settings = full_default_settings();
+    full_march *in_time = NULL;
+    ehd_status status = full_march_create(&in_time, contact, &settings, given->start_film, error);
+
+    if (!status) {
+        const time_run_task task = {.caller = self,
+                                    .given = given,
+                                    .reference = contact,
+                                    .settings_text = text,
+                                    .inputs = inputs,
+                                    .solver = full_march_solver(in_time),
+                                    .with_fields = given->output_fields != 0,
+                                    .resume = resume,
+                                    .effort = march_effort};
+        status = time_run(NULL, &task, error);
+    }
+    full_march_free(in_time);
+    return status;
+}
+
+/* Everything between the command line and the exit code. */
+static ehd_status run(const program *self, const fullrun_options *options, ehd_error *error) {
+    ehd_contact contact;
+    scene given;
+    char *text = NULL;
+    ehd_status status = contact_load(&contact, &given, &text, self, error);
+    bool transient = !status && strcmp(given.regime, "transient") == 0;
+
+    if (!status && options->start && transient)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--start: found with a transient scene, expected a "
+                          "stationary one");
+    if (!status && options->resume && !transient)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--resume: found with a stationary scene, expected a "
+                          "transient one");
+    if (!status)
+        status = transient ? run_transient(self, options->resume, &contact, &given, text, error)
+                           : run_stationary(self, options->start, &contact, &given, text, error);
     free(text);
     return status;
 }
 
 int main(int argc, char **argv) {
-    const char *start = NULL;
+    fullrun_options own = {0};
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
-                                     .own = &start,
+                                     .own = &own,
                                      .arguments_doc = "SCENE.yml -o RESULT.h5",
                                      .doc = "Solves one elastohydrodynamic contact with the full "
                                             "model.",
@@ -167,6 +233,6 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
-    ehd_status status = run(&self, start, &error);
+    ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

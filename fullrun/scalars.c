@@ -16,7 +16,7 @@ static double central_value(const double *values, const ehd_grid *grid) {
            (t + 1) * t * (t - 1) / 6 * values[k + 2];
 }
 
-full_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
+contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     double least = INFINITY, sum = 0;
 
@@ -24,10 +24,11 @@ full_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *c
         least = fmin(least, state->film[k]);
         sum += state->pressure[k];
     }
-    full_scalars scalars = {.central_film_thickness = central_value(state->film, grid),
-                            .minimum_film_thickness = least,
-                            .central_pressure = central_value(state->pressure, grid),
-                            .exit_position = grid_x(grid, state->exit),
-                            .load = sum * grid->step / contact->kind->load};
+    contact_scalars scalars = {.central_film_thickness = central_value(state->film, grid),
+                               .minimum_film_thickness = least,
+                               .central_pressure = central_value(state->pressure, grid),
+                               .rigid_approach = state->rigid_approach,
+                               .exit_position = grid_x(grid, state->exit),
+                               .load = sum * grid->step / contact->kind->load};
     return scalars;
 }

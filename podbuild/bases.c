@@ -23,19 +23,20 @@ double bases_energy_discarded(const pod_basis *basis) {
     return all > 0 ? left_out / all : 0;
 }
 
-/* Deflections of all states, boundary nodes included: they carry a film too. */
-static ehd_status deflect_states(double **deflections, const snapshot_set *set, ehd_error *error) {
+/* Deflections of pressures, boundary nodes included: they carry a film too. Deflection being linear,
+ * those of compressed snapshots serve as those of the snapshots. */
+static ehd_status deflect(double **deflections, const snapshot_set *set, const double *pressures,
+                          size_t count, ehd_error *error) {
     size_t num_nodes = set->grid.num_nodes;
     ehd_deflection *deflection = deflection_create(set->kind, &set->grid);
 
-    *deflections = malloc(set->num_states * num_nodes * sizeof(double));
+    *deflections = malloc(count * num_nodes * sizeof(double));
     if (!deflection || !*deflections) {
         deflection_free(deflection);
-        return ehd_fail(error, EHD_MEMORY, "deflections: found no memory for %zu states",
-                        set->num_states);
+        return ehd_fail(error, EHD_MEMORY, "deflections: found no memory for %zu states", count);
     }
-    for (size_t s = 0; s < set->num_states; s++)
-        deflection_apply(*deflections + s * num_nodes, deflection, set->pressure + s * num_nodes);
+    for (size_t s = 0; s < count; s++)
+        deflection_apply(*deflections + s * num_nodes, deflection, pressures + s * num_nodes);
     deflection_free(deflection);
     return EHD_OK;
 }
@@ -88,25 +89,28 @@ static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
     memcpy(states->alpha_p_H, set->alpha_p_H, num_states * sizeof(double));
     memcpy(states->central_film_thickness, set->central_film_thickness,
            num_states * sizeof(double));
+    memcpy(states->stationary, set->stationary, num_states * sizeof *states->stationary);
+    memcpy(states->rate, set->rate, num_states * sizeof(double));
     return EHD_OK;
 }
 
 ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis *deformation_pod,
                        const snapshot_set *set, const bases_settings *settings, ehd_error *error) {
     size_t num_nodes = set->grid.num_nodes;
-    double *deflections = NULL;
+    double *deflections = NULL, *snapshots = NULL;
 
     memset(basis, 0, sizeof *basis);
     memset(deformation_pod, 0, sizeof *deformation_pod);
     basis->kind = set->kind;
     basis->grid = set->grid;
     basis->deformation = settings->kind;
-    ehd_status status = pod_build(pressure_pod, set->pressure, set->num_states, num_nodes,
+    ehd_status status = pod_build(pressure_pod, set->snapshots, set->num_snapshots, num_nodes,
                                   &settings->pressure, error);
     if (!status && settings->kind == DEFORMATION_INDEPENDENT) {
-        status = deflect_states(&deflections, set, error);
+        status = deflect(&deflections, set, set->pressure, set->num_states, error);
+        if (!status) status = deflect(&snapshots, set, set->snapshots, set->num_snapshots, error);
         if (!status)
-            status = pod_build(deformation_pod, deflections, set->num_states, num_nodes,
+            status = pod_build(deformation_pod, snapshots, set->num_snapshots, num_nodes,
                                &settings->deformation, error);
     }
     if (!status) {
@@ -121,6 +125,7 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
     if (!status)
         status = fill_states(basis, set, pressure_pod, deformation_pod, deflections, error);
     free(deflections);
+    free(snapshots);
     if (status) {
         reduced_basis_free(basis);
         pod_free(pressure_pod);

@@ -16,6 +16,9 @@ void snapshot_set_free(snapshot_set *set) {
     free(set->moes_M);
     free(set->alpha_p_H);
     free(set->central_film_thickness);
+    free(set->stationary);
+    free(set->rate);
+    free(set->snapshots);
     memset(set, 0, sizeof *set);
 }
 
@@ -32,11 +35,12 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
     ehd_status status =
         grow((void **)&set->pressure, count * set->grid.num_nodes * sizeof(double), error);
     double **const columns[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
-                                &set->central_film_thickness};
+                                &set->central_film_thickness, &set->rate};
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
         status = grow((void **)columns[i], count * sizeof(double), error);
     if (!status) status = grow((void **)&set->exit, count * sizeof *set->exit, error);
+    if (!status) status = grow((void **)&set->stationary, count * sizeof *set->stationary, error);
     return status;
 }
 
@@ -57,6 +61,9 @@ typedef struct file_states {
     size_t count;
     double *rigid_approach, *moes_M, *alpha_p_H, *central_film_thickness; // [count]
     int64_t *outcome;                                                     // [count]
+    // of trajectories: index, -1 for a stationary point; time and rate
+    int64_t *trajectory; // [count]
+    double *time, *rate; // [count]
     double *memory;
 } file_states;
 
@@ -64,16 +71,21 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = malloc((4 * count + 1) * sizeof(double));
-    states->outcome = calloc(count + 1, sizeof *states->outcome);
+    states->memory = calloc(6 * count + 1, sizeof(double));
+    states->outcome = calloc(2 * count + 1, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     states->rigid_approach = states->memory;
     states->moes_M = states->memory + count;
     states->alpha_p_H = states->memory + 2 * count;
     states->central_film_thickness = states->memory + 3 * count;
-    for (size_t i = 0; i < count; i++)
+    states->time = states->memory + 4 * count;
+    states->rate = states->memory + 5 * count;
+    states->trajectory = states->outcome + count;
+    for (size_t i = 0; i < count; i++) {
         states->central_film_thickness[i] = NAN;
+        states->trajectory[i] = -1;
+    }
     ehd_status status = artefact_get(file, "rigid_approach", states->rigid_approach, error);
     if (!status) status = read_column(states->moes_M, file, "moes_M", count, error);
     if (!status) status = read_column(states->alpha_p_H, file, "alpha_p_H", count, error);
@@ -82,7 +94,10 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
             artefact_get(file, "central_film_thickness", states->central_film_thickness, error);
     if (!status && artefact_has(file, "status"))
         status = artefact_get_integers(file, "status", states->outcome, error);
-    return status;
+    if (status || !artefact_has(file, "trajectory")) return status;
+    status = artefact_get_integers(file, "trajectory", states->trajectory, error);
+    if (!status) status = artefact_get(file, "trajectory_time", states->time, error);
+    return status ? status : artefact_get(file, "trajectory_rate", states->rate, error);
 }
 
 /* Node behind the last positive pressure. */
@@ -113,8 +128,43 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     set->alpha_p_H[s] = states->alpha_p_H[i];
     set->central_film_thickness[s] = states->central_film_thickness[i];
     set->exit[s] = exit_of(pressure, &set->grid);
+    set->stationary[s] = states->trajectory[i] < 0 || states->time[i] == 0;
+    set->rate[s] = states->rate[i];
     set->num_states++;
     return EHD_OK;
+}
+
+static ehd_status add_snapshots(snapshot_set *set, size_t count, ehd_error *error) {
+    size_t num_nodes = set->grid.num_nodes;
+    ehd_status status =
+        grow((void **)&set->snapshots,
+             ((set->num_snapshots + count) * num_nodes + 1) * sizeof(double), error);
+
+    if (!status)
+        memset(set->snapshots + set->num_snapshots * num_nodes, 0,
+               count * num_nodes * sizeof(double));
+    return status;
+}
+
+/* What of a file the basis is made of: stationary points as they are; of trajectories all steps, which the
+ * file holds compressed, and not once more those states that it also keeps as such. */
+static ehd_status collect_snapshots(snapshot_set *set, artefact *file, const file_states *states,
+                                    size_t first_state, ehd_error *error) {
+    size_t num_nodes = set->grid.num_nodes, s = first_state;
+    size_t num_compressed = artefact_length(file, "compressed");
+    ehd_status status = add_snapshots(set, states->count + num_compressed, error);
+
+    for (size_t i = 0; i < states->count && !status; i++) {
+        if (states->outcome[i] != 0) continue;
+        if (states->trajectory[i] < 0)
+            memcpy(set->snapshots + set->num_snapshots++ * num_nodes, set->pressure + s * num_nodes,
+                   num_nodes * sizeof(double));
+        s++;
+    }
+    for (size_t i = 0; i < num_compressed && !status; i++)
+        status = artefact_get_part(file, "compressed_pressure", i, 1,
+                                   set->snapshots + set->num_snapshots++ * num_nodes + 1, error);
+    return status;
 }
 
 static ehd_status add_file(snapshot_set *set, const char *path, const char *first,
@@ -132,6 +182,7 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
     if (!status) status = grid_check(&grid, path, &set->grid, first, error);
     if (!status) status = read_columns(&states, file, error);
     if (!status) status = reserve(set, set->num_states + states.count, error);
+    size_t first_state = set->num_states;
     for (size_t i = 0; i < states.count && !status; i++) {
         // 4 is solved, but outside of what a reduced model was made for: no training solution
         if (states.outcome[i] == 0)
@@ -139,6 +190,7 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
         else
             set->num_left_out++;
     }
+    if (!status) status = collect_snapshots(set, file, &states, first_state, error);
     free(states.memory);
     free(states.outcome);
     artefact_close(&file);

@@ -5,6 +5,7 @@
 
 #include "common/physics/contact.h"
 #include "common/program/status.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct snapshot_set {
@@ -17,6 +18,11 @@ typedef struct snapshot_set {
     size_t *exit;                   // [num_states] grid node
     double *moes_M, *alpha_p_H;     // [num_states]
     double *central_film_thickness; // [num_states]
+    bool *stationary;               // [num_states] false on a trajectory, unless at its start
+    double *rate;                   // [num_states] of change of the contact, 0 when stationary
+    // what the basis is made of: the stationary states, and the compressed steps of trajectories
+    size_t num_snapshots;
+    double *snapshots; // [num_snapshots, num_nodes]
 } snapshot_set;
 
 /* Reads the converged states of all files, in order. EHD_DATA: no converged state, files of different

@@ -94,6 +94,33 @@ static void copy_coordinates(double *part, const reduced_states *states, size_t 
     }
 }
 
+/* Which states are stationary and how fast the contact changes, where trajectories were trained. */
+static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
+                                       ehd_error *error) {
+    bool all_stationary = true;
+
+    for (size_t s = 0; s < states->num_states; s++) {
+        work[s] = states->stationary[s] ? 1 : 0;
+        all_stationary = all_stationary && states->stationary[s];
+    }
+    if (all_stationary) return EHD_OK;
+    ehd_status status = artefact_put_integers(file, "state_stationary", work, error);
+    return status ? status : artefact_put(file, "state_rate", states->rate, error);
+}
+
+static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, int64_t *work,
+                                       ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (artefact_has(file, "state_stationary"))
+        status = artefact_get_integers(file, "state_stationary", work, error);
+    for (size_t s = 0; s < states->num_states && !status; s++)
+        if (artefact_has(file, "state_stationary")) states->stationary[s] = work[s] != 0;
+    if (!status && artefact_has(file, "state_rate"))
+        status = get_finite(states->rate, file, "state_rate", states->num_states, error);
+    return status;
+}
+
 ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
                         size_t num_deformation, ehd_error *error) {
     const struct {
@@ -119,6 +146,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
     if (!status)
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
+    if (!status) status = put_trajectory_marks(file, states, exits, error);
     free(exits);
     free(part);
     return status;
@@ -163,6 +191,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     else
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // a foreign file need not have it
+    if (!status) status = get_trajectory_marks(states, file, exits, error);
     free(exits);
     free(part);
     return status;

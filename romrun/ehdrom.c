@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/ehdrom.h"
 
-#include "common/physics/deflection.h"
+#include "romrun/fields.h"
 #include "romrun/model_file.h"
-#include "romrun/reduced_solver.h"
+#include "romrun/reduced_march.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,6 +12,11 @@
 struct ehdrom_model {
     reduced_model reduced;
     char *path;
+    trained_range *range;
+    // for transient scenes, once prepared
+    bool transient;
+    film_splines splines;
+    double *pressure_basis, *deformation_basis;
 };
 
 struct ehdrom_solver {
@@ -33,6 +37,10 @@ ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_size
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
     ehd_status status = model_read(&self->reduced, path, sizes, error);
+    if (!status) {
+        self->range = trained_range_create(&self->reduced);
+        if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    }
     if (status)
         ehdrom_close(self);
     else
@@ -43,6 +51,10 @@ ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_size
 ehdrom_model *ehdrom_close(ehdrom_model *self) {
     if (self) {
         reduced_model_free(&self->reduced);
+        trained_range_free(self->range);
+        film_splines_free(&self->splines);
+        free(self->pressure_basis);
+        free(self->deformation_basis);
         free(self->path);
         free(self);
     }
@@ -107,12 +119,12 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
 }
 
 /* Converged, but is it to be trusted? */
-static void judge(ehdrom_result *result, const reduced_model *model, const ehd_contact *contact) {
+static void judge(ehdrom_result *result, const ehdrom_model *model, const ehd_contact *contact) {
     if (result->status) return;
-    if (!reduced_trained(model, contact->moes_M, contact->alpha_p_H)) {
-        result->status = EHD_UNTRUSTED;
-        result->reason = "outside of the trained range of M and alpha p_H";
-    }
+    const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
+    if (!reason) return;
+    result->status = EHD_UNTRUSTED;
+    result->reason = reason;
 }
 
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
@@ -123,48 +135,226 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
     if (status) return status;
 
     reduced_guess(&solver->state, model, contact->moes_M, contact->alpha_p_H);
-    status = reduced_solve(&info, &solver->state, solver->reduced, contact, error);
+    status = reduced_solve(&info, &solver->state, solver->reduced, contact, NULL, error);
     if (status) return status;
     *result = (ehdrom_result){.status = info.status,
                               .reason = info.reason,
-                              .central_film_thickness = info.central_film_thickness,
-                              .minimum_film_thickness = info.minimum_film_thickness,
-                              .central_pressure = info.central_pressure,
-                              .rigid_approach = solver->state.coordinates[model->num_unknowns - 1],
-                              .exit_position = info.exit_position,
-                              .load = info.load,
+                              .scalars = info.scalars,
                               .iterations = info.iterations,
                               .residual = info.residual,
                               .seconds = info.seconds,
                               .seconds_rows = info.seconds_rows,
                               .seconds_linear = info.seconds_linear,
                               .seconds_exit = info.seconds_exit};
-    judge(result, model, contact);
+    judge(result, solver->model, contact);
     return EHD_OK;
 }
 
 ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error) {
     const reduced_model *model = &solver->model->reduced;
-    const ehd_grid *grid = &model->grid;
-    const double *z = solver->state.coordinates;
 
     if (!solver->pressure_basis) {
         ehd_status status =
-            model_read_pressure_basis(&solver->pressure_basis, solver->model->path, model, error);
+            model_read_modes(&solver->pressure_basis, NULL, solver->model->path, model, error);
         if (status) return status;
     }
-    ehd_deflection *deflection = deflection_create(model->kind, grid);
-    if (!deflection)
-        return ehd_fail(error, EHD_MEMORY, "fields: found no memory for %zu nodes",
-                        grid->num_nodes);
-    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)grid->num_nodes, (int)model->num_pressure, 1,
-                solver->pressure_basis, (int)model->num_pressure, z, 1, 0, pressure, 1);
-    size_t exit = solver->state.exit;
-    memset(pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
-    // the film of the pressure, also for the independent basis: it is what the solution means
-    deflection_apply(film, deflection, pressure);
-    for (size_t k = 0; k < grid->num_nodes; k++)
-        film[k] += z[model->num_unknowns - 1] + model->kind->gap(grid_x(grid, k));
-    deflection_free(deflection);
+    return reduced_fields(pressure, film, &solver->state, model, solver->pressure_basis, error);
+}
+
+// ---- in time
+
+struct ehdrom_transient {
+    const ehdrom_model *model;
+    ehd_contact reference;
+    reduced_march *march;
+    march_step last;        // solved
+    double load, load_rate; // accepted, to scale the next frame with where the approach is given
+    double time;            // accepted
+};
+
+ehd_status ehdrom_prepare_transient(ehdrom_model *self, ehd_error *error) {
+    if (self->transient) return EHD_OK;
+    ehd_status status = model_read_modes(&self->pressure_basis, &self->deformation_basis,
+                                         self->path, &self->reduced, error);
+    if (!status)
+        status = film_splines_build(&self->splines, &self->reduced, self->pressure_basis,
+                                    self->deformation_basis, error);
+    self->transient = !status;
+    return status;
+}
+
+ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
+                                   const ehd_contact *reference, ehd_error *error) {
+    const reduced_settings settings = reduced_default_settings();
+    ehdrom_transient *self = NULL;
+    ehd_status status = check_contact(model, reference, error);
+
+    *transient = NULL;
+    if (!status && !model->transient)
+        status = ehd_fail(error, EHD_INTERNAL,
+                          "%s: found a model that is not prepared, expected "
+                          "ehdrom_prepare_transient before",
+                          model->path);
+    if (status) return status;
+    self = calloc(1, sizeof *self);
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->model = model;
+    self->reference = *reference;
+    status = reduced_march_create(&self->march, &model->reduced, &model->splines, &self->reference,
+                                  &settings, error);
+    if (status)
+        ehdrom_transient_free(self);
+    else
+        *transient = self;
+    return status;
+}
+
+ehdrom_transient *ehdrom_transient_free(ehdrom_transient *self) {
+    if (self) {
+        reduced_march_free(self->march);
+        free(self);
+    }
+    return NULL;
+}
+
+march_solver ehdrom_march(ehdrom_transient *self) {
+    return reduced_march_solver(self->march);
+}
+
+void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver) {
+    reduced_march_effort effort = reduced_march_effort_of(solver);
+
+    *rows = effort.seconds_rows + effort.seconds_earlier;
+    *linear = effort.seconds_linear;
+    *exit = effort.seconds_exit;
+}
+
+static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
+    const march_step *step = &self->last;
+
+    *state = (ehdrom_state){
+        .status = step->status,
+        .reason = step->reason,
+        .time = step->frame.time,
+        .scalars = frame_to_reference(&step->scalars, &step->frame, self->reference.kind),
+        .half_width = step->frame.half_width,
+        .local_error = step->local_error,
+        .iterations = step->iterations,
+        .residual = step->residual};
+}
+
+static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditions *conditions,
+                              double step) {
+    bool load_given = isnan(conditions->approach);
+    double values[NUM_VARY] = {
+        [VARY_LOAD] =
+            load_given ? conditions->load : march_expected_load(self->load, self->load_rate, step),
+        [VARY_SPEED] = conditions->speed,
+        [VARY_RADIUS] = conditions->radius,
+        [VARY_MODULUS] = conditions->modulus};
+
+    return frame_at(self->time + step, values, conditions->approach);
+}
+
+static ehd_status check_conditions(const ehdrom_conditions *conditions, ehd_error *error) {
+    const struct {
+        const char *name;
+        double value;
+        bool zero_allowed;
+    } values[] = {{"load", isnan(conditions->approach) ? conditions->load : 1, false},
+                  {"speed", conditions->speed, true},
+                  {"radius", conditions->radius, false},
+                  {"modulus", conditions->modulus, false}};
+
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+        if (!(values[i].value >= 0 && isfinite(values[i].value)) ||
+            (values[i].value == 0 && !values[i].zero_allowed))
+            return ehd_fail(error, EHD_DATA, "%s: found %g, expected a number %s", values[i].name,
+                            values[i].value, values[i].zero_allowed ? "of at least 0" : "above 0");
     return EHD_OK;
+}
+
+ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
+                                  const ehdrom_conditions *conditions, ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+    ehd_status status = check_conditions(conditions, error);
+
+    if (status) return status;
+    self->time = 0;
+    self->load = 1;
+    self->load_rate = 0;
+    contact_frame frame = frame_of(self, conditions, 0);
+    status = solver.start(&self->last, solver.self, &frame, error);
+    if (status) return status;
+    self->load = self->last.scalars.load * self->last.frame.load;
+    fill_state(state, self);
+    return EHD_OK;
+}
+
+ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
+                       const ehdrom_conditions *conditions, double step, ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+    ehd_status status = check_conditions(conditions, error);
+
+    if (!status && !(step > 0 && isfinite(step)))
+        status = ehd_fail(error, EHD_DATA, "step: found %g, expected a number above 0", step);
+    if (status) return status;
+    contact_frame frame = frame_of(self, conditions, step);
+    status = solver.attempt(&self->last, solver.self, &frame, step, error);
+    if (status) return status;
+    self->last.frame = frame;
+    self->last.step = step;
+    fill_state(state, self);
+    return EHD_OK;
+}
+
+void ehdrom_accept(ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+    double load = self->last.scalars.load * self->last.frame.load;
+
+    solver.accept(solver.self);
+    self->load_rate = (load - self->load) / self->last.step;
+    self->load = load;
+    self->time = self->last.frame.time;
+}
+
+void ehdrom_restart(ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    solver.restart(solver.self);
+}
+
+enum { NUM_OWN = 3 };
+
+size_t ehdrom_saved_size(const ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    return NUM_OWN + solver.saved_size(solver.self);
+}
+
+void ehdrom_save(double *saved, const ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    saved[0] = self->time;
+    saved[1] = self->load;
+    saved[2] = self->load_rate;
+    solver.save(saved + NUM_OWN, solver.self);
+}
+
+ehd_status ehdrom_restore(ehdrom_transient *self, const double *saved, ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+    ehd_status status = solver.restore(solver.self, saved + NUM_OWN, error);
+
+    if (status) return status;
+    self->time = saved[0];
+    self->load = saved[1];
+    self->load_rate = saved[2];
+    return EHD_OK;
+}
+
+ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *self,
+                                   ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    return solver.fields(pressure, film, solver.self, error);
 }

@@ -23,6 +23,7 @@
 #include "common/physics/contact.h"
 #include "common/program/status.h"
 #include "common/settings/scene.h"
+#include "common/time/march.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -48,15 +49,10 @@ typedef struct ehdrom_properties {
 
 /* One solution; dimensionless unless stated. */
 typedef struct ehdrom_result {
-    ehd_status status;  // EHD_OK; EHD_NOT_CONVERGED; EHD_UNTRUSTED: solved, but outside of
-                        // the trained range
-    const char *reason; // why it is not EHD_OK, or ""
-    double central_film_thickness; // H at X = 0
-    double minimum_film_thickness; // smallest nodal H
-    double central_pressure;       // P at X = 0
-    double rigid_approach;         // H0
-    double exit_position;          // X of the exit boundary
-    double load;                   // relative to the wanted one
+    ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED; EHD_UNTRUSTED: solved, but outside of
+                             // the trained range
+    const char *reason;      // why it is not EHD_OK, or ""
+    contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     size_t iterations;
     double residual;       // norm of the weighted least-squares residual
     double seconds;        // of the solution
@@ -85,5 +81,83 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
  * grid. Arrays of num_inner + 2 nodes, boundary nodes included. Reads the model file at the first
  * call, hence one thread at a time. */
 ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error);
+
+// ---- in time: a contact whose load, speed, radius or modulus vary
+
+/* A contact in time, for somebody else's integrator:
+ *
+ *     ehdrom_prepare_transient(model, &error);                          // once, one thread at a time
+ *     ehdrom_transient_create(&contact_in_time, model, &contact, &error);  // one a contact
+ *     ehdrom_transient_start(&state, contact_in_time, &conditions, &error);
+ *     while (…) {
+ *         do
+ *             ehdrom_step(&state, contact_in_time, &conditions, step, &error); // as often as wanted,
+ *         while (…);                                        // always from the last accepted state
+ *         ehdrom_accept(contact_in_time);
+ *     }
+ *
+ * Time is T = u_ref t / a_ref, and a step is one of BDF2 (the first one BDF1). Everything in and out is
+ * relative to the reference contact of ehdrom_transient_create. */
+typedef struct ehdrom_transient ehdrom_transient;
+
+/* What holds at the end of a step, relative to the reference. */
+typedef struct ehdrom_conditions {
+    double load; // given, where approach is NaN
+    double
+        approach; // given: H0 in the reference frame, for a line with the reference half width as the
+                  // kernel's length; the load is then what comes out
+    double speed; // entrainment, not negative
+    double radius, modulus;
+} ehdrom_conditions;
+
+typedef struct ehdrom_state {
+    ehd_status status;  // EHD_OK; EHD_NOT_CONVERGED: try a shorter step; EHD_UNTRUSTED
+    const char *reason; // why it is not EHD_OK, or ""
+    double time;        // T
+    contact_scalars
+        scalars;       // in the reference frame; load: the force, relative to the reference load
+    double half_width; // of the frame, relative to the reference
+    double
+        local_error; // of the film over this step, relative to the central film; 0: not known yet
+    size_t iterations;
+    double residual;
+} ehdrom_state;
+
+/* Reads what transient scenes need beyond a stationary one. Once a model, one thread at a time. */
+ehd_status ehdrom_prepare_transient(ehdrom_model *model, ehd_error *error);
+
+/* The model must outlive it. EHD_DATA: another grid; EHD_INTERNAL: model not prepared; EHD_MEMORY. */
+ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
+                                   const ehd_contact *reference, ehd_error *error);
+ehdrom_transient *ehdrom_transient_free(ehdrom_transient *transient); // accepts and returns NULL
+
+/* Stationary state of the conditions, time 0, accepted. EHD_DATA: conditions out of range. */
+ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *transient,
+                                  const ehdrom_conditions *conditions, ehd_error *error);
+
+/* Solves the state a step (in T) after the last accepted one. EHD_DATA as before. */
+ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *transient,
+                       const ehdrom_conditions *conditions, double step, ehd_error *error);
+
+/* The last solved step counts, once. */
+void ehdrom_accept(ehdrom_transient *transient);
+
+/* Conditions jump: states before the last one no longer count for the next step. */
+void ehdrom_restart(ehdrom_transient *transient);
+
+/* The accepted state as numbers, [ehdrom_saved_size], and back, in the same or another object of the same
+ * model and reference: what follows is the same to the last bit. EHD_DATA when they are none. */
+size_t ehdrom_saved_size(const ehdrom_transient *transient);
+void ehdrom_save(double *saved, const ehdrom_transient *transient);
+ehd_status ehdrom_restore(ehdrom_transient *transient, const double *saved, ehd_error *error);
+
+/* P and H of the accepted state on the whole grid, [num_inner + 2], in its own frame: the only call here
+ * whose cost grows with the grid. */
+ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *transient,
+                                   ehd_error *error);
+
+/* As a solver for march_run, which chooses the steps itself, and its effort so far in seconds. */
+march_solver ehdrom_march(ehdrom_transient *transient);
+void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <lapacke.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,6 +30,7 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states, c
     for (size_t s = 0; s < states->num_states; s++) {
         double there[2];
         place_of(there, states->moes_M[s], states->alpha_p_H[s]);
+        if (!states->stationary[s]) continue; // what stationary problems start from
         neighbour fresh = {s,
                            hypot(there[0] - here[0], there[1] - here[1]),
                            {there[0] - here[0], there[1] - here[1]}};
@@ -146,24 +148,86 @@ static size_t convex_hull(point *hull, point *points, size_t num) {
     return count > 1 ? count - 1 : count;
 }
 
-int reduced_trained(const reduced_model *model, double moes_M, double alpha_p_H) {
-    const double slack = 1e-9; // of the extent, so that training points themselves count as inside
-    size_t num = model->states.num_states;
-    point *points = malloc((2 * num + 2) * sizeof *points);
-    int inside = 1;
+struct trained_range {
+    point *hull; // [count], counter-clockwise, in units of `extent`
+    size_t count;
+    point extent;
+    double slack; // how far outside of the hull still counts as inside, in units of the extent
+    double most_rate;
+};
 
-    if (!points) return 0;
-    for (size_t s = 0; s < num; s++) {
-        point trained = {model->states.moes_M[s], model->states.alpha_p_H[s]};
-        points[s] = trained;
+trained_range *trained_range_free(trained_range *self) {
+    if (self) {
+        free(self->hull);
+        free(self);
     }
-    point *hull = points + num, wanted = {moes_M, alpha_p_H};
-    size_t count = num ? convex_hull(hull, points, num) : 0;
-    for (size_t i = 0; i < count; i++) {
-        point a = hull[i], b = hull[(i + 1) % count];
-        double size = hypot(b.M - a.M, b.pressure - a.pressure) + 1;
-        if (turn(a, b, wanted) < -slack * size * size) inside = 0;
+    return NULL;
+}
+
+static void find_extent(trained_range *self, const reduced_states *states) {
+    point least = {INFINITY, INFINITY}, most = {-INFINITY, -INFINITY};
+    bool stationary = true;
+
+    for (size_t s = 0; s < states->num_states; s++) {
+        least.M = fmin(least.M, states->moes_M[s]);
+        most.M = fmax(most.M, states->moes_M[s]);
+        least.pressure = fmin(least.pressure, states->alpha_p_H[s]);
+        most.pressure = fmax(most.pressure, states->alpha_p_H[s]);
+        self->most_rate = fmax(self->most_rate, states->rate[s]);
+        stationary = stationary && states->stationary[s];
     }
+    self->extent.M = most.M > least.M ? most.M - least.M : most.M;
+    self->extent.pressure =
+        most.pressure > least.pressure ? most.pressure - least.pressure : fmax(most.pressure, 1);
+    // training points themselves count as inside; of a trajectory, which is a curve with few states kept,
+    // also what lies between them
+    self->slack = stationary ? 1e-9 : 2e-3;
+}
+
+trained_range *trained_range_create(const reduced_model *model) {
+    const reduced_states *states = &model->states;
+    size_t num = states->num_states;
+    trained_range *self = calloc(1, sizeof *self);
+    point *points = malloc((num + 1) * sizeof *points);
+
+    if (self) self->hull = malloc((num + 2) * sizeof *self->hull);
+    if (!self || !points || !self->hull) {
+        free(points);
+        return trained_range_free(self);
+    }
+    find_extent(self, states);
+    for (size_t s = 0; s < num; s++)
+        points[s] = (point){states->moes_M[s] / self->extent.M,
+                            states->alpha_p_H[s] / self->extent.pressure};
+    self->count = num ? convex_hull(self->hull, points, num) : 0;
     free(points);
-    return count > 2 && inside;
+    return self;
+}
+
+/* How far a point lies to the right of an edge or, within the line that a hull of two points is, beyond its
+ * ends. */
+static double outside_edge(point a, point b, point wanted, bool line) {
+    double length = hypot(b.M - a.M, b.pressure - a.pressure);
+    double across = -turn(a, b, wanted) / fmax(length, 1e-300);
+    double along = ((wanted.M - a.M) * (b.M - a.M) +
+                    (wanted.pressure - a.pressure) * (b.pressure - a.pressure)) /
+                   fmax(length, 1e-300);
+
+    return line ? fmax(across, along - length) : across;
+}
+
+const char *trained_range_check(const trained_range *self, double moes_M, double alpha_p_H,
+                                double rate) {
+    const double rate_slack = 1.05, least_rate = 1e-3;
+    const point wanted = {moes_M / self->extent.M, alpha_p_H / self->extent.pressure};
+    bool line = self->count <= 2, of_trajectories = self->slack > 1e-6;
+    double outside = line && !(of_trajectories && self->count == 2) ? INFINITY : -INFINITY;
+
+    for (size_t i = 0; i < self->count; i++)
+        outside = fmax(
+            outside, outside_edge(self->hull[i], self->hull[(i + 1) % self->count], wanted, line));
+    if (!(outside <= self->slack)) return "outside of the trained range of M and alpha p_H";
+    if (rate > fmax(rate_slack * self->most_rate, least_rate))
+        return "a contact that changes faster than any in training";
+    return NULL;
 }

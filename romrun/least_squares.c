@@ -125,18 +125,32 @@ static void solve_qr(double *solution, least_squares *self, const double *right,
         solution[j] = info ? NAN : self->scale[j] > 0 ? self->right[from++] : 0;
 }
 
+/* Undoes the scaling of the columns. */
+static ehd_status unscale(double *solution, const least_squares *self) {
+    for (size_t j = 0; j < self->num_columns; j++) {
+        solution[j] *= self->scale[j];
+        if (!isfinite(solution[j])) return EHD_NOT_CONVERGED;
+    }
+    return EHD_OK;
+}
+
 ehd_status least_squares_solve(double *solution, least_squares *self, const double *matrix,
                                const double *right, size_t num_rows) {
-    size_t n = self->num_columns;
-
     scale_columns(self, matrix, num_rows);
     if (factorise_gram(self, num_rows))
         solve_gram(solution, self, right, num_rows);
     else
         solve_qr(solution, self, right, num_rows);
-    for (size_t j = 0; j < n; j++) {
-        solution[j] *= self->scale[j];
-        if (!isfinite(solution[j])) return EHD_NOT_CONVERGED;
-    }
-    return EHD_OK;
+    return unscale(solution, self);
+}
+
+ehd_status least_squares_keep(least_squares *self, const double *matrix, size_t num_rows) {
+    scale_columns(self, matrix, num_rows);
+    return factorise_gram(self, num_rows) ? EHD_OK : EHD_NOT_CONVERGED;
+}
+
+ehd_status least_squares_again(double *solution, least_squares *self, const double *right,
+                               size_t num_rows) {
+    solve_gram(solution, self, right, num_rows);
+    return unscale(solution, self);
 }

@@ -22,4 +22,18 @@ ehd_status least_squares_solve(
     const double *right,                            // [num_rows]
     size_t num_rows);
 
+/* Keeps the factors of a matrix, to solve again and again with other right sides until the next call of
+ * least_squares_solve or least_squares_keep. EHD_NOT_CONVERGED: the normal equations are not safe. */
+ehd_status least_squares_keep(
+    // in and out:
+    least_squares *workspace,
+    // input:
+    const double *matrix, size_t num_rows); // [num_rows, num_columns]
+ehd_status least_squares_again(
+    // output:
+    double *solution, // [num_columns]
+    // input:
+    least_squares *workspace, const double *right,
+    size_t num_rows); // as given to least_squares_keep
+
 #endif

@@ -3,8 +3,11 @@
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/result.h"
+#include "common/output/time_result.h"
+#include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "romrun/ehdrom.h"
+#include "romrun/time_compare.h"
 
 #include <errno.h>
 #include <math.h>
@@ -19,14 +22,15 @@ enum {
     KEY_ROWS,
     KEY_AGAINST,
     KEY_ALLOW_UNTRUSTED,
-    KEY_REPEAT
+    KEY_REPEAT,
+    KEY_RESUME
 };
 
 typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
-    bool allow_untrusted;
+    bool allow_untrusted, resume;
     size_t repeats; // of the solution; its median time is reported
 } romrun_options;
 
@@ -51,7 +55,10 @@ static const struct argp_option own_options[] = {
     {.name = "repeat",
      .key = KEY_REPEAT,
      .arg = "N",
-     .doc = "Solve N times and report the median time; default 1"},
+     .doc = "Solve N times and report the median time; default 1 (stationary)"},
+    {.name = "resume",
+     .key = KEY_RESUME,
+     .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
     {0}};
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
@@ -80,6 +87,9 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_ALLOW_UNTRUSTED:
         options->allow_untrusted = true;
+        break;
+    case KEY_RESUME:
+        options->resume = true;
         break;
     case KEY_REPEAT:
         status =
@@ -114,20 +124,20 @@ static double field_difference(const double *nodes, const double *inner, size_t 
     return largest;
 }
 
-static ehd_status check_same_scene(const stored_result *stored, const char *path,
-                                   const ehd_contact *contact, ehd_error *error) {
+static ehd_status check_same_scene(double moes_M, double alpha_p_H, double hertz_pressure,
+                                   const char *path, const ehd_contact *contact, ehd_error *error) {
     const double slack = 1e-6;
 
-    if (fabs(stored->moes_M - contact->moes_M) <= slack * contact->moes_M &&
-        fabs(stored->hertz_pressure - contact->hertz_pressure) <=
+    if (fabs(moes_M - contact->moes_M) <= slack * contact->moes_M &&
+        fabs(hertz_pressure - contact->hertz_pressure) <=
             slack * fmax(contact->hertz_pressure, 1) &&
-        fabs(stored->alpha_p_H - contact->alpha_p_H) <= slack * fmax(contact->alpha_p_H, 1))
+        fabs(alpha_p_H - contact->alpha_p_H) <= slack * fmax(contact->alpha_p_H, 1))
         return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "%s: found a result of M = %g, alpha p_H = %g, %.6g GPa, expected the scene's "
                     "M = %g, alpha p_H = %g, %.6g GPa",
-                    path, stored->moes_M, stored->alpha_p_H, stored->hertz_pressure * 1e-9,
-                    contact->moes_M, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
+                    path, moes_M, alpha_p_H, hertz_pressure * 1e-9, contact->moes_M,
+                    contact->alpha_p_H, contact->hertz_pressure * 1e-9);
 }
 
 static void compare(const run_result *result, const stored_result *stored, const char *path,
@@ -180,12 +190,12 @@ static run_result make_result(const ehdrom_result *solution, const double *press
                               const double *film) {
     run_result result = {.pressure = pressure,
                          .film = film,
-                         .central_film_thickness = solution->central_film_thickness,
-                         .minimum_film_thickness = solution->minimum_film_thickness,
-                         .central_pressure = solution->central_pressure,
-                         .rigid_approach = solution->rigid_approach,
-                         .exit_position = solution->exit_position,
-                         .load = solution->load,
+                         .central_film_thickness = solution->scalars.central_film_thickness,
+                         .minimum_film_thickness = solution->scalars.minimum_film_thickness,
+                         .central_pressure = solution->scalars.central_pressure,
+                         .rigid_approach = solution->scalars.rigid_approach,
+                         .exit_position = solution->scalars.exit_position,
+                         .load = solution->scalars.load,
                          .newton_iterations = solution->iterations,
                          .residual = solution->residual,
                          .status = solution->status,
@@ -210,51 +220,134 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
     return EHD_OK;
 }
 
-/* Everything between the command line and the exit code. */
-static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
+static ehd_status run_stationary(const program *self, const romrun_options *options,
+                                 ehdrom_model *model, const ehd_contact *contact,
+                                 const scene *given, const char *text, ehd_error *error) {
     const char *const inputs[] = {self->arguments[0], options->model, options->against, NULL};
-    ehd_contact contact;
-    ehdrom_model *model = NULL;
+    const bool with_fields = given->output_fields == 1;
     ehdrom_solver *solver = NULL;
     ehdrom_result solution = {.status = EHD_NOT_CONVERGED, .reason = ""};
     stored_result full = {0};
     artefact *file = NULL;
     double *pressure = NULL, *film = NULL;
-    char *text = NULL;
-    int output_fields = 0;
-    ehd_status status;
+    ehd_status status = ehdrom_solver_create(&solver, model, error);
 
-    if (!options->model)
-        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
-    status = contact_load(&contact, &output_fields, &text, self, error);
-    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
-    if (!status) status = ehdrom_solver_create(&solver, model, error);
     if (!status && options->against) {
-        status = result_read(&full, options->against, contact.kind, output_fields == 1, error);
-        if (!status) status = check_same_scene(&full, options->against, &contact, error);
+        status = result_read(&full, options->against, contact->kind, with_fields, error);
+        if (!status)
+            status = check_same_scene(full.moes_M, full.alpha_p_H, full.hertz_pressure,
+                                      options->against, contact, error);
     }
-    if (!status && self->output) status = result_create(&file, self, &contact, text, inputs, error);
-    if (!status) status = solve(&solution, solver, &contact, options->repeats, error);
-    if (!status && output_fields == 1) {
-        pressure = malloc(contact.grid.num_nodes * sizeof *pressure);
-        film = malloc(contact.grid.num_nodes * sizeof *film);
+    if (!status && self->output) status = result_create(&file, self, contact, text, inputs, error);
+    if (!status) status = solve(&solution, solver, contact, options->repeats, error);
+    if (!status && with_fields) {
+        pressure = malloc(contact->grid.num_nodes * sizeof *pressure);
+        film = malloc(contact->grid.num_nodes * sizeof *film);
         status = pressure && film ? ehdrom_fields(pressure, film, solver, error)
                                   : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
     }
     if (!status) {
         run_result result = make_result(&solution, pressure, film);
-        if (file) status = result_write(&file, &result, &contact, error);
-        if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, &contact);
+        if (file) status = result_write(&file, &result, contact, error);
+        if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
         if (!status && options->against && result.status != EHD_NOT_CONVERGED)
-            compare(&result, &full, options->against, &contact);
+            compare(&result, &full, options->against, contact);
         if (!status) status = judge(&result, options, self->arguments[0], error);
     }
     artefact_close(&file);
     result_free(&full);
     ehdrom_solver_free(solver);
-    ehdrom_close(model);
     free(pressure);
     free(film);
+    return status;
+}
+
+// ---- in time
+
+static ehd_status compare_in_time(const time_trace *trace, const time_series *full,
+                                  const char *path, ehd_error *error) {
+    const struct {
+        const char *name;
+        const double *reduced, *full;
+    } quantities[] = {
+        {"central film thickness", trace->central_film_thickness, full->central_film_thickness},
+        {"central pressure", trace->central_pressure, full->central_pressure}};
+    ehd_error cause = {""};
+
+    printf("against %s:\n", path);
+    for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
+        time_deviation deviation;
+        ehd_status status =
+            time_compare(&deviation, trace->time, quantities[i].reduced, trace->count, full->time,
+                         quantities[i].full, full->num_times, &cause);
+        if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
+        printf("  %-24s at most %.3g %% off, at T = %.6g; %.2g %% in the mean\n",
+               quantities[i].name, deviation.largest * 100, deviation.at, deviation.mean * 100);
+    }
+    return EHD_OK;
+}
+
+static ehd_status run_transient(const program *self, const romrun_options *options,
+                                ehdrom_model *model, const ehd_contact *contact, const scene *given,
+                                const char *text, ehd_error *error) {
+    const char *const inputs[] = {self->arguments[0], options->model, options->against, NULL};
+    ehdrom_transient *in_time = NULL;
+    time_series full = {0};
+    time_trace trace = {0};
+    ehd_status status = ehdrom_prepare_transient(model, error);
+
+    if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
+    if (!status && options->against) {
+        status = time_series_read(&full, options->against, contact->kind, error);
+        if (!status)
+            status = check_same_scene(full.moes_M, full.alpha_p_H, full.hertz_pressure,
+                                      options->against, contact, error);
+    }
+    if (!status) {
+        const time_run_task task = {.caller = self,
+                                    .given = given,
+                                    .reference = contact,
+                                    .settings_text = text,
+                                    .inputs = inputs,
+                                    .solver = ehdrom_march(in_time),
+                                    .with_fields = given->output_fields == 1,
+                                    .resume = options->resume,
+                                    .allow_untrusted = options->allow_untrusted,
+                                    .effort = ehdrom_march_effort};
+        status = time_run(options->against ? &trace : NULL, &task, error);
+    }
+    if ((!status || status == EHD_UNTRUSTED) && options->against) {
+        ehd_status compared = compare_in_time(&trace, &full, options->against, error);
+        if (compared) status = compared;
+    }
+    time_trace_free(&trace);
+    time_series_free(&full);
+    ehdrom_transient_free(in_time);
+    return status;
+}
+
+/* Everything between the command line and the exit code. */
+static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
+    ehd_contact contact;
+    ehdrom_model *model = NULL;
+    scene given;
+    char *text = NULL;
+
+    if (!options->model)
+        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
+    ehd_status status = contact_load(&contact, &given, &text, self, error);
+    bool transient = !status && strcmp(given.regime, "transient") == 0;
+    if (!status && options->resume && !transient)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--resume: found with a stationary scene, expected a transient one");
+    if (!status && options->repeats > 1 && transient)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--repeat: found with a transient scene, expected a stationary one");
+    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
+    if (!status)
+        status = transient ? run_transient(self, options, model, &contact, &given, text, error)
+                           : run_stationary(self, options, model, &contact, &given, text, error);
+    ehdrom_close(model);
     free(text);
     return status;
 }

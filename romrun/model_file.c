@@ -24,6 +24,8 @@ static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error
         status = artefact_put_axis(file, "pressure_mode", model->num_pressure, NULL, error);
     if (!status && model->num_deformation > 0)
         status = artefact_put_axis(file, "deformation_mode", model->num_deformation, NULL, error);
+    if (!status && model->num_deformation > 0)
+        status = artefact_put_axis(file, "film_x", model->grid.num_nodes, NULL, error);
     if (!status) status = artefact_put_axis(file, "state", model->states.num_states, NULL, error);
     return status;
 }
@@ -112,6 +114,9 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
     if (!status)
         status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
                              basis->num_pressure, 1, error);
+    if (!status && basis->deformation_modes)
+        status = modes_write(file, "deformation_basis", basis->deformation_modes,
+                             basis->grid.num_nodes, basis->num_deformation, 0, error);
     if (!status)
         status =
             states_write(file, &model->states, model->num_pressure, model->num_deformation, error);
@@ -325,6 +330,8 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         kept->moes_M[s] = whole.moes_M[s];
         kept->alpha_p_H[s] = whole.alpha_p_H[s];
         kept->central_film_thickness[s] = whole.central_film_thickness[s];
+        kept->stationary[s] = whole.stationary[s];
+        kept->rate[s] = whole.rate[s];
     }
     reduced_states_free(&whole);
     return status;
@@ -376,24 +383,43 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
     return status;
 }
 
-ehd_status model_read_pressure_basis(double **basis, const char *path, const reduced_model *model,
-                                     ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    artefact *file = NULL;
+/* The first `wanted` of the stored modes. */
+static ehd_status read_modes(double **modes, artefact *file, const char *field,
+                             const char *mode_axis, size_t wanted, size_t num_nodes,
+                             size_t boundary, ehd_error *error) {
+    size_t stored = artefact_length(file, mode_axis);
     double *whole = NULL;
-    size_t num_nodes = model->grid.num_nodes, wanted = model->num_pressure;
+    ehd_status status = modes_read(&whole, file, field, num_nodes, stored, boundary, error);
+
+    *modes = status ? NULL : malloc(num_nodes * wanted * sizeof(double));
+    if (!status && !*modes) status = no_memory(file, error);
+    for (size_t k = 0; k < num_nodes && !status; k++)
+        memcpy(*modes + k * wanted, whole + k * stored, wanted * sizeof(double));
+    free(whole);
+    return status;
+}
+
+ehd_status model_read_modes(double **pressure_basis, double **deformation_basis, const char *path,
+                            const reduced_model *model, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_model, NULL};
+    bool wanted = deformation_basis && model->num_deformation > 0;
+    size_t num_nodes = model->grid.num_nodes;
+    artefact *file = NULL;
     ehd_status status = artefact_open(&file, path, kinds, error);
 
-    *basis = NULL;
-    if (!status) {
-        size_t stored = artefact_length(file, "pressure_mode");
-        status = modes_read(&whole, file, "pressure_basis", num_nodes, stored, 1, error);
-        *basis = status ? NULL : malloc(num_nodes * wanted * sizeof(double));
-        if (!status && !*basis) status = no_memory(file, error);
-        for (size_t k = 0; k < num_nodes && !status; k++)
-            memcpy(*basis + k * wanted, whole + k * stored, wanted * sizeof(double));
-    }
-    free(whole);
+    *pressure_basis = NULL;
+    if (deformation_basis) *deformation_basis = NULL;
+    if (!status)
+        status = read_modes(pressure_basis, file, "pressure_basis", "pressure_mode",
+                            model->num_pressure, num_nodes, 1, error);
+    if (!status && wanted && !artefact_has(file, "deformation_basis"))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found no dataset deformation_basis, expected it for a transient "
+                          "scene with an independent basis",
+                          path);
+    if (!status && wanted)
+        status = read_modes(deformation_basis, file, "deformation_basis", "deformation_mode",
+                            model->num_deformation, num_nodes, 0, error);
     artefact_close(&file);
     return status;
 }

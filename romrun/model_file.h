@@ -29,10 +29,12 @@ ehd_status model_read(
     // input:
     const char *path, const ehdrom_sizes *sizes, ehd_error *error);
 
-/* The pressure modes on the whole grid, for full fields: [num_nodes, num_pressure]. */
-ehd_status model_read_pressure_basis(
+/* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and, with an
+ * independent basis and where asked for, [num_nodes, num_deformation] (else NULL). */
+ehd_status model_read_modes(
     // output:
-    double **basis, // free with free()
+    double **pressure_basis,    // free with free()
+    double **deformation_basis, // free with free(); NULL: not wanted
     // input:
     const char *path, const reduced_model *model, ehd_error *error);
 

@@ -28,12 +28,16 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->moes_M = calloc(num_states, sizeof(double));
     states->alpha_p_H = calloc(num_states, sizeof(double));
     states->central_film_thickness = calloc(num_states, sizeof(double));
+    states->stationary = malloc((num_states + 1) * sizeof *states->stationary);
+    states->rate = calloc(num_states, sizeof(double));
     if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
-        !states->central_film_thickness) {
+        !states->central_film_thickness || !states->stationary || !states->rate) {
         reduced_states_free(states);
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
                         num_states);
     }
+    for (size_t s = 0; s < num_states; s++)
+        states->stationary[s] = true;
     return EHD_OK;
 }
 
@@ -43,6 +47,8 @@ void reduced_states_free(reduced_states *states) {
     free(states->moes_M);
     free(states->alpha_p_H);
     free(states->central_film_thickness);
+    free(states->stationary);
+    free(states->rate);
     memset(states, 0, sizeof *states);
 }
 
@@ -258,6 +264,8 @@ static ehd_status copy_states(reduced_states *target, const reduced_states *sour
     memcpy(target->moes_M, source->moes_M, count * sizeof(double));
     memcpy(target->alpha_p_H, source->alpha_p_H, count * sizeof(double));
     memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
+    memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
+    memcpy(target->rate, source->rate, count * sizeof(double));
     return EHD_OK;
 }
 

@@ -9,6 +9,7 @@
 #include "common/physics/contact.h"
 #include "common/physics/reynolds.h"
 #include "common/program/status.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 /* How the deflection depends on the reduced unknowns. */
@@ -28,6 +29,8 @@ typedef struct reduced_states {
     double *moes_M;      // [num_states]
     double *alpha_p_H;   // [num_states]
     double *central_film_thickness; // [num_states]
+    bool *stationary;               // [num_states] false on a trajectory, unless at its start
+    double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
 } reduced_states;
 
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_unknowns,

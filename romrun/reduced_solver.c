@@ -16,6 +16,11 @@ struct reduced_solver {
     reduced_observer *observer;
     void *observer_context;
     least_squares *least_squares;
+    least_squares *kept; // factors of an earlier Jacobian
+    bool has_kept;
+    size_t kept_exit, num_kept; // of its rows the first num_kept are Reynolds rows
+    size_t *kept_row;           // [num_rows]
+    double kept_weight;         // of its closure
 
     double *cut;      // [num_cut, num_pressure] the cut table for the exit `cut_exit`
     size_t cut_exit;  // 0: none yet
@@ -31,6 +36,7 @@ struct reduced_solver {
     double *matrix;                    // [num_rows + num_deformation + 1, num_unknowns]
     double *right;                     // [num_rows + num_deformation + 1]
     double *step;                      // [num_unknowns]
+    double *start;                     // [num_unknowns]
     double *observed;                  // [2, num_rows]
 };
 
@@ -42,6 +48,8 @@ reduced_settings reduced_default_settings(void) {
 reduced_solver *reduced_solver_free(reduced_solver *self) {
     if (self) {
         least_squares_free(self->least_squares);
+        least_squares_free(self->kept);
+        free(self->kept_row);
         free(self->cut);
         free(self->pressure);
         free(self->film);
@@ -54,6 +62,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->matrix);
         free(self->right);
         free(self->step);
+        free(self->start);
         free(self->observed);
         free(self);
     }
@@ -70,6 +79,8 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->model = model;
     self->settings = *settings;
     self->least_squares = least_squares_create(most_rows, model->num_unknowns);
+    self->kept = least_squares_create(most_rows, model->num_unknowns);
+    self->kept_row = malloc(model->num_rows * sizeof *self->kept_row);
     self->cut = malloc(model->num_cut * model->num_pressure * sizeof(double));
     self->pressure = malloc(model->num_needed * sizeof(double));
     self->film = malloc(model->num_needed * sizeof(double));
@@ -82,11 +93,12 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
     self->right = malloc(most_rows * sizeof(double));
     self->step = malloc(model->num_unknowns * sizeof(double));
+    self->start = malloc(model->num_unknowns * sizeof(double));
     self->observed = malloc(2 * model->num_rows * sizeof(double));
-    if (!self->least_squares || !self->cut || !self->pressure || !self->film ||
-        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
-        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
-        !self->observed) {
+    if (!self->least_squares || !self->kept || !self->kept_row || !self->cut || !self->pressure ||
+        !self->film || !self->step_pressure || !self->step_film || !self->fluid_memory ||
+        !self->band_pressure || !self->rows || !self->system_row || !self->matrix || !self->right ||
+        !self->step || !self->start || !self->observed) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     }
@@ -101,35 +113,29 @@ void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, vo
 
 // ---- the exit's cut
 
-/* Adds (sign 1) or takes away (sign -1) band nodes from `from` up to before `to`: the rank-k form of
- * eq. (36) for the elasticity equation or the coupled deflections, and for the load balance. */
-static void update_cut(reduced_solver *self, size_t from, size_t to, double sign) {
+/* Adds band nodes from `from` up to before `to`: the rank-k form of eq. (36) for the elasticity equation or
+ * the coupled deflections, and for the load balance. */
+static void update_cut(reduced_solver *self, size_t from, size_t to) {
     const reduced_model *model = self->model;
     size_t first = from - model->band_begin;
 
     cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
-                (int)model->num_pressure, (int)(to - from), sign,
-                model->left + first * model->num_cut, (int)model->num_cut,
-                model->band_pressure + first * model->num_pressure, (int)model->num_pressure, 1,
-                self->cut, (int)model->num_pressure);
+                (int)model->num_pressure, (int)(to - from), 1, model->left + first * model->num_cut,
+                (int)model->num_cut, model->band_pressure + first * model->num_pressure,
+                (int)model->num_pressure, 1, self->cut, (int)model->num_pressure);
 }
 
-/* Brings the cut table to the exit, from where it is or from the exit's checkpoint. */
+/* Brings the cut table to the exit, always from the exit's checkpoint: its bits then depend on the exit
+ * alone, and rounding errors do not add up over thousands of steps in time. */
 static void move_cut(reduced_solver *self, size_t exit) {
     const reduced_model *model = self->model;
     size_t checkpoint = reduced_model_checkpoint(model, exit);
     size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
-    size_t distance = self->cut_exit > exit ? self->cut_exit - exit : exit - self->cut_exit;
+    size_t size = model->num_cut * model->num_pressure;
 
-    if (!self->cut_exit || distance > exit - base) {
-        size_t size = model->num_cut * model->num_pressure;
-        memcpy(self->cut, model->checkpoint_cut + checkpoint * size, size * sizeof(double));
-        self->cut_exit = base;
-    }
-    if (exit > self->cut_exit)
-        update_cut(self, self->cut_exit, exit, 1);
-    else if (exit < self->cut_exit)
-        update_cut(self, exit, self->cut_exit, -1);
+    if (self->cut_exit == exit) return;
+    memcpy(self->cut, model->checkpoint_cut + checkpoint * size, size * sizeof(double));
+    if (exit > base) update_cut(self, base, exit);
     self->cut_exit = exit;
     self->num_alive = 0;
     while (self->num_alive < model->num_needed && model->needed_node[self->num_alive] < exit)
@@ -217,7 +223,8 @@ static size_t window_begin(const reduced_model *model, size_t exit) {
 
 /* The Reynolds row at a band node, from the state around it; row.residual is -Lambda at the exit. */
 static reynolds_row band_row(const reduced_solver *self, const double *z, size_t exit, size_t node,
-                             const ehd_contact *contact, double *flux) {
+                             const ehd_contact *contact, const reduced_squeeze *squeeze,
+                             double *flux) {
     const reduced_model *model = self->model;
     double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[4][NUM_STENCIL];
     reynolds_stencil stencil = {{0, 1, 2, 3}};
@@ -231,7 +238,10 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         film[a] = band_film(self, z, exit, place);
     }
     reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_STENCIL);
-    reynolds_rows(&row, model->grid.step, 1, &stencil, 1, &fluid, pressure, film);
+    double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
+    const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, &earlier};
+    reynolds_rows(&row, model->grid.step, contact->entrainment, squeeze ? &here : NULL, &stencil, 1,
+                  &fluid, pressure, film);
 
     // flux through the half node before: U rho H - eps dP/dx
     double eps = 0, mass = 0;
@@ -239,7 +249,8 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         eps += 0.5 * fluid.mobility[a] * film[a] * film[a] * film[a];
         mass += 0.5 * (fluid.density ? fluid.density[a] : 1) * film[a];
     }
-    *flux = mass - eps * (pressure[NODE_HERE] - pressure[NODE_BACK]) / model->grid.step;
+    *flux = contact->entrainment * mass -
+            eps * (pressure[NODE_HERE] - pressure[NODE_BACK]) / model->grid.step;
     return row;
 }
 
@@ -260,17 +271,38 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
         node++;
     if (node < exit) {
         from = node > model->band_begin + 2 ? node : model->band_begin + 2;
-        band_row(self, z, exit, from, contact, &flux);
+        band_row(self, z, exit, from, contact, NULL, &flux);
     } else {
-        reynolds_row row = band_row(self, z, exit, exit, contact, &flux);
+        reynolds_row row = band_row(self, z, exit, exit, contact, NULL, &flux);
         if (row.residual <= 0) return exit;
         from = exit + 1;
         end = exit + window < model->most_exit ? exit + window : model->most_exit;
     }
     for (node = from; node < end; node++)
-        if (band_film(self, z, exit, node) >= flux) break;
+        if (contact->entrainment * band_film(self, z, exit, node) >= flux) break;
     node = node > model->least_exit ? node : model->least_exit;
     return node < model->most_exit ? node : model->most_exit;
+}
+
+/* With a film that varies in time there is no such flux: the exit goes by the signs of pressure and
+ * multiplier at each node of the window. */
+static size_t adapt_exit_in_time(reduced_solver *self, const reduced_state *state,
+                                 const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    const reduced_model *model = self->model;
+    const double *z = state->coordinates;
+    size_t exit = state->exit, window = (size_t)(WINDOW / model->grid.step) + 2;
+    size_t begin = window_begin(model, exit);
+    size_t node = exit > begin + window ? exit - window : begin;
+    size_t end = exit + window < model->most_exit ? exit + window : model->most_exit;
+    double ignored;
+
+    expand_band(self, z, begin, exit);
+    while (node < exit && self->band_pressure[node - model->band_begin] >= -NOISE)
+        node++;
+    if (node < exit) return node > model->least_exit ? node : model->least_exit;
+    while (node < end && band_row(self, z, exit, node, contact, squeeze, &ignored).residual > 0)
+        node++;
+    return node;
 }
 
 // ---- one iteration
@@ -282,7 +314,8 @@ static void list_system_rows(reduced_solver *self, size_t exit) {
         if (self->model->row_node[r] < exit) self->system_row[self->num_system++] = r;
 }
 
-static void evaluate_rows(reduced_solver *self, const ehd_contact *contact, const double *z) {
+static void evaluate_rows(reduced_solver *self, const ehd_contact *contact,
+                          const reduced_squeeze *squeeze, const double *z) {
     const reduced_model *model = self->model;
     size_t num_needed = model->num_needed;
     double *memory = self->fluid_memory;
@@ -295,7 +328,10 @@ static void evaluate_rows(reduced_solver *self, const ehd_contact *contact, cons
     for (size_t q = 0; q < num_needed; q++)
         self->film[q] += model->needed_gap[q];
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
-    reynolds_rows(self->rows, model->grid.step, 1, model->stencils, model->num_rows, &fluid,
+    const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
+                                           squeeze ? squeeze->earlier : NULL};
+    reynolds_rows(self->rows, model->grid.step, contact->entrainment,
+                  squeeze ? &rows_squeeze : NULL, model->stencils, model->num_rows, &fluid,
                   self->pressure, self->film);
 }
 
@@ -326,32 +362,52 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* Matrix and right side of eq. (38), (37): selected Reynolds rows, projected elasticity, load. Returns
- * the number of rows. */
-static size_t fill_system(reduced_solver *self, const double *z) {
+/* Right side of eq. (37): the Reynolds rows listed (those behind the exit count as fulfilled), projected
+ * elasticity, closure. Returns the number of rows. */
+static size_t fill_right(reduced_solver *self, const double *z, size_t exit, const size_t *list,
+                         size_t num_list, const contact_closure *closure, double closure_weight) {
+    const reduced_model *model = self->model;
+    size_t num_pressure = model->num_pressure, count = 0;
+    const double *load = self->cut + (model->num_cut - 1) * num_pressure;
+
+    for (; count < num_list; count++) {
+        size_t r = list[count];
+        self->right[count] =
+            model->row_node[r] < exit ? model->row_weight[r] * self->rows[r].residual : 0;
+    }
+    for (size_t j = 0; j < model->num_deformation; j++, count++)
+        self->right[count] = z[num_pressure + j] -
+                             cblas_ddot((int)num_pressure, self->cut + j * num_pressure, 1, z, 1);
+    self->right[count] =
+        closure_weight * (closure->by_load * cblas_ddot((int)num_pressure, load, 1, z, 1) +
+                          closure->by_approach * z[model->num_unknowns - 1] - closure->value);
+    return count + 1;
+}
+
+/* Matrix of eq. (38) for the rows of the present system. */
+static void fill_matrix(reduced_solver *self, const contact_closure *closure,
+                        double closure_weight) {
     const reduced_model *model = self->model;
     size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
     const double *load = self->cut + (model->num_cut - 1) * num_pressure;
 
-    for (size_t i = 0; i < self->num_system; i++, count++) {
-        size_t r = self->system_row[i];
-        fill_reynolds_row(self->matrix + count * n, self, r);
-        self->right[count] = model->row_weight[r] * self->rows[r].residual;
-    }
+    for (; count < self->num_system; count++)
+        fill_reynolds_row(self->matrix + count * n, self, self->system_row[count]);
     for (size_t j = 0; j < model->num_deformation; j++, count++) {
         double *row = self->matrix + count * n;
-        const double *elasticity = self->cut + j * num_pressure;
         memset(row, 0, n * sizeof(double));
-        add_row(row, -1, elasticity, num_pressure);
+        add_row(row, -1, self->cut + j * num_pressure, num_pressure);
         row[num_pressure + j] = 1;
-        self->right[count] =
-            z[num_pressure + j] - cblas_ddot((int)num_pressure, elasticity, 1, z, 1);
     }
     double *row = self->matrix + count * n;
     memset(row, 0, n * sizeof(double));
-    memcpy(row, load, num_pressure * sizeof(double));
-    self->right[count] = cblas_ddot((int)num_pressure, load, 1, z, 1) - model->kind->load;
-    return count + 1;
+    add_row(row, closure_weight * closure->by_load, load, num_pressure);
+    row[n - 1] = closure_weight * closure->by_approach;
+}
+
+/* Short steps make large rows, among which the closure must not get lost. */
+static double closure_weight_for(double rate) {
+    return 1 + rate;
 }
 
 static const double MOST_PRESSURE_CHANGE = 0.3; // as in the full solver
@@ -446,19 +502,31 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
     return distance <= (size_t)(SETTLED / model->grid.step) + 1;
 }
 
-/* The least-squares problem at the state; returns the number of its rows. */
-static size_t build_system(reduced_info *info, reduced_solver *self, const reduced_state *state,
-                           const ehd_contact *contact) {
+/* Brings cut, rows and their values to the state. */
+static void evaluate(reduced_info *info, reduced_solver *self, const reduced_state *state,
+                     const ehd_contact *contact, const reduced_squeeze *squeeze) {
     double start = program_seconds();
     move_cut(self, state->exit);
-    list_system_rows(self, state->exit);
     double moved = program_seconds();
-    evaluate_rows(self, contact, state->coordinates);
-    size_t num_rows = fill_system(self, state->coordinates);
+    evaluate_rows(self, contact, squeeze, state->coordinates);
 
-    info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
     info->seconds_exit += moved - start;
     info->seconds_rows += program_seconds() - moved;
+}
+
+/* The least-squares problem at the state; returns the number of its rows. */
+static size_t build_system(reduced_info *info, reduced_solver *self, const reduced_state *state,
+                           const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    double weight = squeeze ? closure_weight_for(squeeze->rate) : 1;
+    evaluate(info, self, state, contact, squeeze);
+    double start = program_seconds();
+    list_system_rows(self, state->exit);
+    fill_matrix(self, &contact->closure, weight);
+    size_t num_rows = fill_right(self, state->coordinates, state->exit, self->system_row,
+                                 self->num_system, &contact->closure, weight);
+
+    info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
+    info->seconds_rows += program_seconds() - start;
     return num_rows;
 }
 
@@ -485,24 +553,26 @@ static const char *take_step(iterate *now, reduced_info *info, reduced_state *st
     return NULL;
 }
 
+static const double PRESSURE_TOLERANCE = 1e-4; // of the Hertz pressure
+
 /* Linear convergence at the observed rate says what another iteration would change. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
-    const double pressure_tolerance = 1e-4;
     double rate = fmin(now->change / before->change, 1);
 
     return now->factor == 1 && fabs(now->film - before->film) * rate < tolerance * now->film &&
-           now->change * rate < pressure_tolerance;
+           now->change * rate < PRESSURE_TOLERANCE;
 }
 
 /* Returns an error only where the observer or memory fails; the outcome is info->status. */
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
-                         const ehd_contact *contact, ehd_error *error) {
+                         const ehd_contact *contact, const reduced_squeeze *squeeze,
+                         ehd_error *error) {
     exit_watch watch = {0, 0};
     iterate before = {NAN, NAN, 0}, now;
 
-    self->cut_exit = 0;
+    info->own_jacobian = true;
     for (size_t iteration = 0;; iteration++, before = now) {
-        size_t num_rows = build_system(info, self, state, contact);
+        size_t num_rows = build_system(info, self, state, contact, squeeze);
         info->reason = !isfinite(info->residual)                    ? "residual not finite"
                        : iteration >= self->settings.max_iterations ? "iteration limit reached"
                                                                     : NULL;
@@ -516,7 +586,8 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         }
 
         double start = program_seconds();
-        size_t wanted = adapt_exit(self, state, contact);
+        size_t wanted = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
+                                : adapt_exit(self, state, contact);
         size_t exit = watch_exit(&watch, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
@@ -529,7 +600,125 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
     }
 }
 
-static void fill_scalars(reduced_info *info, reduced_solver *self, const reduced_state *state) {
+// ---- with kept factors
+
+static const size_t MOST_KEPT_ITERATIONS = 8;
+static const double MOST_KEPT_CHANGE =
+    0.03; // of P in one iteration, beyond which damping might matter
+static const double MOST_KEPT_RATE = 0.5; // of convergence
+
+void reduced_drop_factors(reduced_solver *self) {
+    self->has_kept = false;
+}
+
+void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
+                          const ehd_contact *contact, double rate) {
+    memset(self->right, 0, self->model->num_rows * sizeof(double)); // the matrix needs no residual
+    const reduced_squeeze squeeze = {.rate = rate, .earlier = self->right};
+    reduced_info ignored = {0};
+
+    evaluate(&ignored, self, state, contact, &squeeze);
+    list_system_rows(self, state->exit);
+    self->kept_weight = closure_weight_for(rate);
+    fill_matrix(self, &contact->closure, self->kept_weight);
+    self->kept_exit = state->exit;
+    self->num_kept = self->num_system;
+    memcpy(self->kept_row, self->system_row, self->num_system * sizeof *self->kept_row);
+    size_t num_rows = self->num_system + self->model->num_deformation + 1;
+    self->has_kept = least_squares_keep(self->kept, self->matrix, num_rows) == EHD_OK;
+}
+
+/* What a step changes of H at the centre. */
+static double central_change(const reduced_solver *self) {
+    const reduced_model *model = self->model;
+    size_t width, offset;
+    const double *film = film_basis(self, &width, &offset);
+    double change = self->step[model->num_unknowns - 1];
+
+    for (size_t i = 0; i < 4; i++)
+        if (model->centre_weight[i] != 0)
+            change +=
+                model->centre_weight[i] *
+                cblas_ddot((int)width, film + model->centre[i] * width, 1, self->step + offset, 1);
+    return change;
+}
+
+/* Where the kept iteration has got to. */
+typedef struct kept_iterate {
+    double change; // bound on that of P, by the orthonormal modes; NaN before the first
+    bool converged;
+} kept_iterate;
+
+/* One step; false where it says that the kept factors do not do. */
+static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
+                           reduced_solver *self, const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    const double first_rate = 0.3; // of convergence, before it was observed
+    double start = program_seconds(), before = at->change;
+    size_t num_rows = fill_right(self, state->coordinates, state->exit, self->kept_row,
+                                 self->num_kept, &contact->closure, self->kept_weight);
+
+    info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
+    if (!isfinite(info->residual) ||
+        least_squares_again(self->step, self->kept, self->right, num_rows))
+        return false;
+    at->change = cblas_dnrm2((int)model->num_pressure, self->step, 1);
+    double rate = isnan(before) ? first_rate : at->change / before;
+    if (!(at->change < MOST_KEPT_CHANGE && rate < MOST_KEPT_RATE)) return false;
+    double film = at_centre(model, self->film), change = central_change(self);
+    at->converged = fabs(change) * rate < self->settings.tolerance * film &&
+                    at->change * rate < PRESSURE_TOLERANCE;
+    cblas_daxpy((int)model->num_unknowns, 1, self->step, 1, state->coordinates, 1);
+    info->iterations++;
+    info->seconds_linear += program_seconds() - start;
+    return true;
+}
+
+/* Iterates with the kept factors; false where they do not do, and the state is then of no use. */
+static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_solver *self,
+                             const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    const size_t most_distance = 3 + (size_t)(0.01 / self->model->grid.step);
+    exit_watch watch = {0, 0};
+    kept_iterate at = {.change = NAN};
+
+    for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
+        evaluate(info, self, state, contact, squeeze);
+        if (!take_kept_step(&at, info, state, self, contact)) return false;
+        double start = program_seconds();
+        size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
+        size_t exit = watch_exit(&watch, state->exit, wanted);
+        info->seconds_exit += program_seconds() - start;
+        if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
+            most_distance)
+            return false;
+        if (exit == state->exit && at.converged) {
+            info->status = exit_settled(self->model, exit, wanted) ? EHD_OK : EHD_UNTRUSTED;
+            info->reason = info->status ? "an exit boundary that does not settle" : "";
+            return true;
+        }
+        if (exit != state->exit) at.change = NAN; // another problem
+        state->exit = exit;
+    }
+    return false;
+}
+
+/* With the kept factors where there are some and they do, else with Jacobians of its own. */
+static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
+                        const ehd_contact *contact, const reduced_squeeze *squeeze,
+                        ehd_error *error) {
+    size_t bytes = self->model->num_unknowns * sizeof(double), exit = state->exit;
+
+    if (squeeze && self->has_kept && !self->observer) {
+        memcpy(self->start, state->coordinates, bytes);
+        if (newton_with_kept(info, state, self, contact, squeeze)) return EHD_OK;
+        memcpy(state->coordinates, self->start, bytes);
+        state->exit = exit;
+    }
+    return newton(info, state, self, contact, squeeze, error);
+}
+
+contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
+    contact_scalars scalars;
     const reduced_model *model = self->model;
     const double *load = self->cut + (model->num_cut - 1) * model->num_pressure;
 
@@ -537,23 +726,49 @@ static void fill_scalars(reduced_info *info, reduced_solver *self, const reduced
     expand(self->pressure, self->film, self, state->coordinates);
     for (size_t q = 0; q < model->num_needed; q++)
         self->film[q] += model->needed_gap[q];
-    info->central_film_thickness = at_centre(model, self->film);
-    info->central_pressure = at_centre(model, self->pressure);
-    info->minimum_film_thickness = minimum_film(self, state);
-    info->exit_position = grid_x(&model->grid, state->exit);
-    info->load =
+    scalars.central_film_thickness = at_centre(model, self->film);
+    scalars.central_pressure = at_centre(model, self->pressure);
+    scalars.minimum_film_thickness = minimum_film(self, state);
+    scalars.rigid_approach = state->coordinates[model->num_unknowns - 1];
+    scalars.exit_position = grid_x(&model->grid, state->exit);
+    scalars.load =
         cblas_ddot((int)model->num_pressure, load, 1, state->coordinates, 1) / model->kind->load;
+    return scalars;
+}
+
+void reduced_row_values(double *pressure, double *mass, const reduced_solver *self,
+                        const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    const density_law *law = contact->lubricant.density;
+    double ignored;
+
+    for (size_t r = 0; r < model->num_rows; r++) {
+        size_t q = model->stencils[r].node[NODE_HERE];
+        pressure[r] = self->pressure[q];
+        if (!mass) continue;
+        mass[r] = self->film[q];
+        if (law)
+            mass[r] *= law->relative_density(fmax(self->pressure[q], 0) * contact->hertz_pressure,
+                                             &ignored);
+    }
+}
+
+void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
+                           size_t from, size_t to) {
+    product(pressure, model->band_pressure + (from - model->band_begin) * model->num_pressure,
+            coordinates, to - from, model->num_pressure);
 }
 
 ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solver *solver,
-                         const ehd_contact *contact, ehd_error *error) {
+                         const ehd_contact *contact, const reduced_squeeze *squeeze,
+                         ehd_error *error) {
     double start = program_seconds();
 
     memset(info, 0, sizeof *info);
     info->status = EHD_NOT_CONVERGED;
     info->reason = "";
-    ehd_status status = newton(info, state, solver, contact, error);
-    if (!status) fill_scalars(info, solver, state);
+    ehd_status status = solve(info, state, solver, contact, squeeze, error);
+    if (!status) info->scalars = reduced_scalars(solver, state);
     info->seconds = program_seconds() - start;
     return status;
 }

@@ -5,6 +5,7 @@
 #define EHD_REDUCED_SOLVER_H
 
 #include "romrun/reduced_model.h"
+#include <stdbool.h>
 
 typedef struct reduced_settings {
     double tolerance; // relative change of the central film that another iteration would make; 1e-8
@@ -22,9 +23,9 @@ typedef struct reduced_state {
 typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
     size_t iterations;
-    double residual; // |D f| over the rows and the linear equations, at the last iteration
-    double central_film_thickness, minimum_film_thickness, central_pressure;
-    double exit_position, load;
+    bool own_jacobian; // made one, because there were no kept factors or they did not do
+    double residual;   // |D f| over the rows and the linear equations, at the last iteration
+    contact_scalars scalars;
     double seconds, seconds_rows, seconds_linear, seconds_exit;
     const char *reason;
 } reduced_info;
@@ -34,6 +35,14 @@ typedef struct reduced_info {
 typedef ehd_status reduced_observer(void *context, const double *weighted_residual, // [num_rows]
                                     const double *weighted_step,                    // [num_rows]
                                     ehd_error *error);
+
+/* How the film of earlier states enters: the time derivative of rho H is rate * rho H + earlier. */
+typedef struct reduced_squeeze {
+    double rate;                                      // 1 / dimensionless time
+    const double *earlier;                            // [num_rows] at the model's rows
+    double (*earlier_at)(void *context, size_t node); // the same at a node of the band
+    void *context;
+} reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;
 
@@ -54,7 +63,28 @@ ehd_status reduced_solve(
     // in and out: start and solution
     reduced_state *state,
     // input:
-    reduced_solver *solver, const ehd_contact *contact, ehd_error *error);
+    reduced_solver *solver, const ehd_contact *contact,
+    const reduced_squeeze *squeeze, // NULL when stationary
+    ehd_error *error);
+
+/* Scalars of a state, solved or not. */
+contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);
+
+/* P and rho H of the last solution at the nodes of the model's rows, [num_rows]; `mass` may be NULL. */
+void reduced_row_values(double *pressure, double *mass, const reduced_solver *solver,
+                        const ehd_contact *contact);
+
+/* P at band nodes from `from` up to before `to`, whatever the exit. */
+void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
+                           size_t from, size_t to);
+
+/* Keeps the Jacobian's factors at a state, for the steps in time that follow: reduced_solve with a squeeze
+ * then iterates with them and makes a Jacobian of its own only where that does not converge. What it
+ * converges to differs by the product of the residual that least squares leave and the change of the
+ * Jacobian since. A function of its arguments alone, so that it can be made again. */
+void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
+                          const ehd_contact *contact, double rate);
+void reduced_drop_factors(reduced_solver *solver);
 
 /* Start from the trained solutions: an affine fit through those nearest in (ln M, alpha p_H), or the
  * nearest one where the fit would extrapolate. */
@@ -65,7 +95,14 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
                        double alpha_p_H);
 
-/* Whether (M, alpha p_H) lies in the convex hull of the training points. */
-int reduced_trained(const reduced_model *model, double moes_M, double alpha_p_H);
+/* The trained range: the convex hull of the training points in (M, alpha p_H), and how fast a contact
+ * changed at most. */
+typedef struct trained_range trained_range;
+trained_range *trained_range_create(const reduced_model *model); // NULL: no memory
+trained_range *trained_range_free(trained_range *range);         // accepts and returns NULL
+
+/* Why a contact lies outside, or NULL. `rate`: frame_rate, 0 when stationary. */
+const char *trained_range_check(const trained_range *range, double moes_M, double alpha_p_H,
+                                double rate);
 
 #endif

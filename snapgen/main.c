@@ -7,6 +7,7 @@
 #include "snapgen/residuals.h"
 #include "snapgen/snapshots.h"
 #include "snapgen/training.h"
+#include "snapgen/trajectory.h"
 
 #include <stdint.h>
 #include <stdio.h>
@@ -34,7 +35,8 @@ static const struct argp_option own_options[] = {
      .doc = "Only the k-th of N pieces of the plan, each with an output of its own"},
     {.name = "resume",
      .key = KEY_RESUME,
-     .doc = "Continue an interrupted run of the same plan, where there is one"},
+     .doc = "Continue an interrupted run of the same plan, where there is one; trajectories start "
+            "anew"},
     {.name = "allow-failures",
      .key = KEY_ALLOW_FAILURES,
      .arg = "N",
@@ -137,23 +139,27 @@ static ehd_status stopped(const program *self, const training *points, ehd_error
 }
 
 /* The short result, and whether too much was lost. */
-static ehd_status report(const program *self, const training *points, size_t allowed,
-                         double seconds, ehd_error *error) {
-    size_t num_points = points->set->num_points;
+static ehd_status report(const program *self, const training *points, const trajectories *trained,
+                         size_t allowed, double seconds, ehd_error *error) {
+    size_t num_points = points->set->num_points + trained->num_trajectories;
+    size_t num_failed = points->num_failed + trained->num_failed;
 
-    printf("%zu points, %zu converged, %.1f s\n", num_points, num_points - points->num_failed,
-           seconds);
-    if (points->num_failed <= allowed) return EHD_OK;
+    printf("%zu points, %zu converged, %.1f s\n", num_points, num_points - num_failed, seconds);
+    if (trained->num_trajectories > 0)
+        printf("%zu of them trajectories with %zu steps, compressed to %zu snapshots\n",
+               trained->num_trajectories, trained->num_steps, trained->first.rank);
+    if (num_failed <= allowed) return EHD_OK;
     return ehd_fail(error, EHD_NOT_CONVERGED,
                     "%s: found %zu of %zu points not converged, expected at most %zu "
                     "(--allow-failures)",
-                    self->arguments[0], points->num_failed, num_points, allowed);
+                    self->arguments[0], num_failed, num_points, allowed);
 }
 
 static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
     const double before = program_seconds();
     training_set set = {0};
     training points = {0};
+    trajectories trained = {0};
     artefact *file = NULL;
     ehd_status status = load_set(&set, self, options->piece, error);
 
@@ -163,13 +169,18 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
         points.store = snapshots_store;
         points.sink = file;
         status = training_run(&points, options->num_jobs, error);
+        if (!status && set.num_trajectories > 0)
+            status = trajectories_train(&trained, self, &set, options->num_jobs, error);
         if (status == EHD_INTERRUPTED) stopped(self, &points, error);
     }
+    if (!status && set.num_trajectories > 0)
+        status = snapshots_put_trajectories(file, &set, &trained, error);
     if (!status) status = artefact_finish(&file, error);
     if (!status)
-        status =
-            report(self, &points, options->allowed_failures, program_seconds() - before, error);
+        status = report(self, &points, &trained, options->allowed_failures,
+                        program_seconds() - before, error);
     artefact_close(&file);
+    trajectories_free(&trained);
     training_free(&points);
     training_set_free(&set);
     return status;
@@ -195,8 +206,9 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
                                options->num_jobs, error);
     if (!status)
-        printf("%zu points with the projected system, %zu converged, %.1f s\n", set.num_points,
-               set.num_points - num_failed, program_seconds() - before);
+        printf("%zu points with the projected system, %zu converged, %.1f s\n",
+               set.num_points + set.num_trajectories,
+               set.num_points + set.num_trajectories - num_failed, program_seconds() - before);
     training_set_free(&set);
     return status;
 }

@@ -5,6 +5,7 @@
 #include "romrun/basis_file.h"
 #include "romrun/reduced_solver.h"
 #include "snapgen/pool.h"
+#include "snapgen/trajectory.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,6 +25,7 @@ typedef struct repeated_training {
     const training_set *set;
     const reduced_model *model;
     point_trace *traces; // [num_points]
+    trajectories repeated;
     size_t num_done, num_failed;
     progress progress;
 } repeated_training;
@@ -96,7 +98,8 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     (void)parent;
 
     reduced_neighbour(&self->state, training->model, contact->moes_M, contact->alpha_p_H);
-    ehd_status status = reduced_solve(&trace->info, &self->state, self->solver, contact, error);
+    ehd_status status =
+        reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
     trace->exit = self->state.exit;
     return status;
 }
@@ -144,29 +147,81 @@ static ehd_status put_iterations(artefact *file, const repeated_training *traini
     return status;
 }
 
-static ehd_status put_states(artefact *file, const repeated_training *training, ehd_error *error) {
+/* Compressed iterations of the trajectories, behind those of the points. Of the two sets the shorter one is
+ * filled up with zeros, which say nothing. */
+static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t first,
+                                 size_t count, ehd_error *error) {
+    const struct {
+        const char *field;
+        const compressed_set *set;
+    } sets[] = {{"weighted_residual", &repeated->first},
+                {"weighted_jacobian_step", &repeated->second}};
+    size_t width = repeated->first.num_nodes;
+    double *zeros = calloc(width + 1, sizeof *zeros);
+    const int64_t none = -1;
+    ehd_status status = zeros ? EHD_OK : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+
+    for (size_t i = 0; i < count && !status; i++) {
+        for (int s = 0; s < 2 && !status; s++)
+            status = artefact_put_part(
+                file, sets[s].field, first + i, 1,
+                i < sets[s].set->rank ? sets[s].set->rows + i * width : zeros, error);
+        if (!status)
+            status =
+                artefact_put_integers_part(file, "iteration_state", first + i, 1, &none, error);
+    }
+    free(zeros);
+    if (!status)
+        status = artefact_put_integer(file, "compressed_iterations",
+                                      (int64_t)repeated->first.num_snapshots, error);
+    return status ? status
+                  : artefact_put_real(
+                        file, "compressed_energy_discarded",
+                        fmax(repeated->first.energy_discarded, repeated->second.energy_discarded),
+                        error);
+}
+
+static ehd_status put_state(artefact *file, size_t place, size_t exit, bool failed,
+                            size_t iterations, double moes_M, double alpha_p_H, double film,
+                            ehd_error *error) {
+    const struct {
+        const char *field;
+        int64_t value;
+    } integers[] = {{"state_exit_node", (int64_t)exit - 1},
+                    {"status", failed ? 1 : 0},
+                    {"newton_iterations", (int64_t)iterations}};
+    const struct {
+        const char *field;
+        double value;
+    } reals[] = {{"state_moes_M", moes_M},
+                 {"state_alpha_p_H", alpha_p_H},
+                 {"state_central_film_thickness", film}};
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < training->set->num_points && !status; i++) {
+    for (size_t k = 0; k < 3 && !status; k++)
+        status = artefact_put_integers_part(file, integers[k].field, place, 1, &integers[k].value,
+                                            error);
+    for (size_t k = 0; k < 3 && !status; k++)
+        status = artefact_put_part(file, reals[k].field, place, 1, &reals[k].value, error);
+    return status;
+}
+
+static ehd_status put_states(artefact *file, const repeated_training *training, ehd_error *error) {
+    const training_set *set = training->set;
+    const trajectories *repeated = &training->repeated;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < set->num_points && !status; i++) {
         const point_trace *trace = &training->traces[i];
-        const ehd_contact *contact = &training->set->contacts[i];
-        const struct {
-            const char *field;
-            int64_t value;
-        } integers[] = {{"state_exit_node", (int64_t)trace->exit - 1},
-                        {"status", trace->info.status ? 1 : 0},
-                        {"newton_iterations", (int64_t)trace->info.iterations}};
-        const struct {
-            const char *field;
-            double value;
-        } reals[] = {{"state_moes_M", contact->moes_M},
-                     {"state_alpha_p_H", contact->alpha_p_H},
-                     {"state_central_film_thickness", trace->info.central_film_thickness}};
-        for (size_t k = 0; k < 3 && !status; k++)
-            status = artefact_put_integers_part(file, integers[k].field, i, 1, &integers[k].value,
-                                                error);
-        for (size_t k = 0; k < 3 && !status; k++)
-            status = artefact_put_part(file, reals[k].field, i, 1, &reals[k].value, error);
+        status = put_state(file, i, trace->exit, trace->info.status, trace->info.iterations,
+                           set->contacts[i].moes_M, set->contacts[i].alpha_p_H,
+                           trace->info.scalars.central_film_thickness, error);
+    }
+    for (size_t i = 0; i < repeated->num_trajectories * NUM_KEPT && !status; i++) {
+        const kept_state *state = &repeated->kept[i / NUM_KEPT].states[i % NUM_KEPT];
+        status = put_state(file, set->num_points + i, state->exit, repeated->failed[i / NUM_KEPT],
+                           state->iterations, state->moes_M, state->alpha_p_H,
+                           state->scalars.central_film_thickness, error);
     }
     return status;
 }
@@ -174,28 +229,49 @@ static ehd_status put_states(artefact *file, const repeated_training *training, 
 static ehd_status write_file(artefact **file, const repeated_training *training,
                              const char *identity, ehd_error *error) {
     const reduced_model *model = training->model;
-    size_t num_iterations = 0;
+    const trajectories *repeated = &training->repeated;
+    size_t num_iterations = 0, num_compressed = repeated->first.rank;
+    size_t num_states = training->set->num_points + repeated->num_trajectories * NUM_KEPT;
 
     for (size_t i = 0; i < training->set->num_points; i++)
         num_iterations += training->traces[i].num_iterations;
+    if (repeated->second.rank > num_compressed) num_compressed = repeated->second.rank;
     ehd_status status = grid_write(*file, model->kind, &model->grid, error);
     if (!status)
         status =
             artefact_put_text(*file, "deformation", deformation_names[model->deformation], error);
     if (!status) status = artefact_put_text(*file, "basis_sha256", identity, error);
-    if (!status) status = artefact_put_axis(*file, "iteration", num_iterations, NULL, error);
-    if (!status) status = artefact_put_axis(*file, "state", training->set->num_points, NULL, error);
+    if (!status)
+        status =
+            artefact_put_axis(*file, "iteration", num_iterations + num_compressed, NULL, error);
+    if (!status) status = artefact_put_axis(*file, "state", num_states, NULL, error);
     for (const artefact_field *field = schema_residuals.fields; field->name && !status; field++)
         status = artefact_declare(*file, field->name, error);
     if (!status) status = put_iterations(*file, training, error);
+    if (!status && num_compressed > 0)
+        status = put_compressed(*file, repeated, num_iterations, num_compressed, error);
     if (!status) status = put_states(*file, training, error);
     return status ? status : artefact_finish(file, error);
 }
 
 // ---- all of it
 
+static ehd_status run_trajectories(repeated_training *training, const reduced_basis *basis,
+                                   size_t num_workers, ehd_error *error) {
+    film_splines splines;
+    ehd_status status = film_splines_build(&splines, training->model, basis->pressure,
+                                           basis->deformation_modes, error);
+
+    if (!status)
+        status = trajectories_repeat(&training->repeated, training->caller, training->set,
+                                     training->model, &splines, num_workers, error);
+    film_splines_free(&splines);
+    return status;
+}
+
 static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
     size_t num_points = training->set->num_points;
+    if (num_points == 0) return EHD_OK;
     size_t *parent = malloc(num_points * sizeof *parent);
     if (!parent) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
 
@@ -234,22 +310,26 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
         status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,
                                  inputs, error);
     if (!status) status = reduced_model_build(&model, &basis, NULL, 0, error);
-    training.traces = calloc(set->num_points, sizeof *training.traces);
+    training.traces = calloc(set->num_points + 1, sizeof *training.traces);
     if (!status && !training.traces)
         status = ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
     if (!status) status = run_pool(&training, num_workers, error);
+    if (!status && set->num_trajectories > 0)
+        status = run_trajectories(&training, &basis, num_workers, error);
     if (status == EHD_INTERRUPTED)
         ehd_fail(error, status, "%s: interrupted after %zu of %zu points, nothing written",
                  caller->output, training.num_done, set->num_points);
     if (!status) status = write_file(&file, &training, identity, error);
     artefact_close(&file);
+    size_t num_lost = training.repeated.num_failed;
     for (size_t i = 0; training.traces && i < set->num_points; i++) {
         free(training.traces[i].residual);
         free(training.traces[i].step);
     }
     free(training.traces);
+    trajectories_free(&training.repeated);
     reduced_model_free(&model);
     reduced_basis_free(&basis);
-    *num_failed = training.num_failed;
+    *num_failed = training.num_failed + num_lost;
     return status;
 }

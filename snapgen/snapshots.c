@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 // ---- creating
 
@@ -24,11 +25,20 @@ static ehd_status put_parameters(artefact *file, const training_set *set, ehd_er
     return status;
 }
 
-static ehd_status declare_fields(artefact *file, ehd_error *error) {
+/* Number of entries along `state`: points, then the kept states of each trajectory. */
+static size_t num_states(const training_set *set) {
+    return set->num_points + set->num_trajectories * NUM_KEPT;
+}
+
+/* Fields along the states; those of trajectories only where there are any. */
+static ehd_status declare_fields(artefact *file, const training_set *set, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++)
-        status = artefact_declare(file, field->name, error);
+    for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++) {
+        bool of_trajectory = strncmp(field->name, "trajectory", strlen("trajectory")) == 0;
+        if (strcmp(field->axes[0], "state") == 0 && (set->num_trajectories > 0 || !of_trajectory))
+            status = artefact_declare(file, field->name, error);
+    }
     return status;
 }
 
@@ -38,9 +48,9 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
     ehd_status status =
         artefact_create(file, caller->output, &schema_snapshots, caller, set->text, inputs, error);
 
-    if (!status) status = artefact_put_axis(*file, "state", set->num_points, NULL, error);
-    if (!status) status = grid_write(*file, set->contacts[0].kind, &set->grid, error);
-    if (!status) status = declare_fields(*file, error);
+    if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
+    if (!status) status = grid_write(*file, set->kind, &set->grid, error);
+    if (!status) status = declare_fields(*file, set, error);
     if (!status) status = put_parameters(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
@@ -52,7 +62,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 static ehd_status put_solution(artefact *file, const training_set *set, size_t point,
                                const snapshot *solution, ehd_error *error) {
     const full_state *state = &solution->state;
-    const full_scalars *scalars = &solution->scalars;
+    const contact_scalars *scalars = &solution->scalars;
     const int64_t exit_node = (int64_t)state->exit - 1; // x starts at node 1
     const struct {
         const char *name;
@@ -92,6 +102,79 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
     return status ? status : artefact_flush(file, error);
 }
 
+// ---- trajectories
+
+static ehd_status put_kept_state(artefact *file, size_t place, int64_t trajectory,
+                                 const kept_state *state, bool failed, ehd_error *error) {
+    const struct {
+        const char *name;
+        const double *values;
+    } reals[] = {{"pressure", state->pressure + 1},
+                 {"film_thickness", state->film + 1},
+                 {"rigid_approach", &state->scalars.rigid_approach},
+                 {"exit_position", &state->scalars.exit_position},
+                 {"central_film_thickness", &state->scalars.central_film_thickness},
+                 {"minimum_film_thickness", &state->scalars.minimum_film_thickness},
+                 {"central_pressure", &state->scalars.central_pressure},
+                 {"moes_M", &state->moes_M},
+                 {"moes_L", &state->moes_L},
+                 {"alpha_p_H", &state->alpha_p_H},
+                 {"hertz_pressure", &state->hertz_pressure},
+                 {"residual_norm", &state->residual},
+                 {"trajectory_time", &state->time},
+                 {"trajectory_rate", &state->rate}};
+    const struct {
+        const char *name;
+        int64_t value;
+    } integers[] = {{"exit_node", (int64_t)state->exit - 1},
+                    {"newton_iterations", (int64_t)state->iterations},
+                    {"trajectory", trajectory},
+                    {"status", failed ? 1 : 0}};
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status && !failed; i++)
+        status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
+    for (size_t i = 0; i < sizeof integers / sizeof *integers && !status; i++)
+        status =
+            artefact_put_integers_part(file, integers[i].name, place, 1, &integers[i].value, error);
+    return status;
+}
+
+static ehd_status put_compressed(artefact *file, const compressed_set *set, ehd_error *error) {
+    ehd_status status = artefact_put_axis(file, "compressed", set->rank, NULL, error);
+
+    if (!status) status = artefact_declare(file, "compressed_pressure", error);
+    // a row at a time, because boundary nodes are not in the file
+    for (size_t i = 0; i < set->rank && !status; i++)
+        status = artefact_put_part(file, "compressed_pressure", i, 1,
+                                   set->rows + i * set->num_nodes + 1, error);
+    if (!status)
+        status = artefact_put(file, "compressed_singular_values", set->singular_values, error);
+    if (!status)
+        status =
+            artefact_put_integer(file, "compressed_snapshots", (int64_t)set->num_snapshots, error);
+    if (!status)
+        status =
+            artefact_put_real(file, "compressed_energy_discarded", set->energy_discarded, error);
+    return status;
+}
+
+ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
+                                      const trajectories *trained, ehd_error *error) {
+    const int64_t none = -1;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < set->num_points && !status; i++)
+        status = artefact_put_integers_part(file, "trajectory", i, 1, &none, error);
+    for (size_t t = 0; t < trained->num_trajectories; t++)
+        for (size_t i = 0; i < NUM_KEPT && !status; i++)
+            status = put_kept_state(file, set->num_points + t * NUM_KEPT + i, (int64_t)t,
+                                    &trained->kept[t].states[i], trained->failed[t], error);
+    if (!status) status = artefact_end_streaming(file, error);
+    if (!status && trained->first.rank > 0) status = put_compressed(file, &trained->first, error);
+    return status;
+}
+
 // ---- resuming
 
 static ehd_status restore_point(training *points, artefact *file, size_t point, int64_t outcome,
@@ -115,7 +198,7 @@ static ehd_status restore_point(training *points, artefact *file, size_t point, 
 
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
-    int64_t *outcomes = malloc(set->num_points * sizeof *outcomes);
+    int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
     double *pressure = malloc(set->grid.num_inner * sizeof *pressure);
     ehd_status status = EHD_OK;
 
@@ -136,7 +219,7 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
         artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
 
     // equal settings give equal axes, unless somebody else wrote the file
-    if (!status && (artefact_length(*file, "state") != set->num_points ||
+    if (!status && (artefact_length(*file, "state") != num_states(set) ||
                     artefact_length(*file, "x") != set->grid.num_inner))
         status = ehd_fail(error, EHD_DATA,
                           "%s.partial: found axes of other lengths, expected "

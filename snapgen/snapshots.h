@@ -5,6 +5,7 @@
 
 #include "common/artefact/artefact.h"
 #include "snapgen/training.h"
+#include "snapgen/trajectory.h"
 
 /* A new file with all points still to come, streaming. Errors as artefact_create. */
 ehd_status snapshots_create(
@@ -16,6 +17,10 @@ ehd_status snapshots_create(
 /* Continues NAME.partial and marks its points in `points` as done. Errors as artefact_resume. */
 ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
                             ehd_error *error);
+
+/* After training_run: what the trajectories left behind. */
+ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
+                                      const trajectories *trained, ehd_error *error);
 
 /* Entry `store` of a training; `sink` is the artefact. */
 ehd_status snapshots_store(void *sink, const training_set *set, size_t point,

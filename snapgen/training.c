@@ -150,6 +150,7 @@ static ehd_status finish_point(void *shared, void *given, size_t point, size_t p
 
 ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
     const training_set *set = self->set;
+    if (set->num_points == 0) return EHD_OK;
     bool *done = malloc(set->num_points * sizeof *done);
     if (!done) return ehd_fail(error, EHD_MEMORY, "points: found no memory");
 

@@ -15,7 +15,7 @@ typedef struct snapshot {
     ehd_status status;         // EHD_OK or EHD_NOT_CONVERGED
     char reason[JUDGE_REASON]; // why it is not EHD_OK, or ""
     full_state state;          // meaningful only with EHD_OK
-    full_scalars scalars;      // meaningful only with EHD_OK
+    contact_scalars scalars;   // meaningful only with EHD_OK
     size_t newton_iterations;
     double residual;
 } snapshot;

@@ -52,22 +52,33 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
 
 static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
                               ehd_error *error) {
+    ehd_contact first = {0};
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < of->num_points && !status; i++) {
-        ehd_contact *contact = &set->contacts[set->num_points];
+        const scene *given = &of->points[i].scene;
+        ehd_contact contact;
         bool inside;
-        status = make_contact(contact, &inside, of, i, plan_path, error);
+        status = make_contact(&contact, &inside, of, i, plan_path, error);
         if (status) break;
         if (!inside) {
             set->num_dropped++;
             continue;
         }
-        set->groups[set->num_points] = of->points[i].group;
-        if (set->num_points++ == 0) set->grid = contact->grid;
-        status = check_grid(&set->contacts[0], contact, plan_path, error);
+        if (!set->kind) {
+            set->kind = contact.kind;
+            first = contact;
+        }
+        set->grid = first.grid;
+        status = check_grid(&first, &contact, plan_path, error);
+        if (strcmp(given->regime, "transient") == 0) {
+            set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
+        } else {
+            set->groups[set->num_points] = of->points[i].group;
+            set->contacts[set->num_points++] = contact;
+        }
     }
-    if (!status && set->num_points == 0)
+    if (!status && !set->kind)
         status = ehd_fail(error, EHD_DATA,
                           "%s: where: found all %zu points outside of the bounds, expected some "
                           "inside",
@@ -136,7 +147,18 @@ static ehd_status keep_shard(training_set *set, const char *plan_path, shard pie
         set->num_points = end - begin;
     }
     free(walk);
-    return status ? status : make_tree(set, plan_path, error);
+    if (status || set->num_points == 0) return status;
+    return make_tree(set, plan_path, error);
+}
+
+/* Dealt out from the last shard on, since the first ones come off worse with points. */
+static void keep_trajectories(training_set *set, shard piece) {
+    size_t count = 0;
+
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        if (t % piece.total == piece.total - piece.number)
+            set->trajectories[count++] = set->trajectories[t];
+    set->num_trajectories = count;
 }
 
 // ---- all
@@ -148,20 +170,26 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     set->groups = calloc(of->num_points, sizeof *set->groups);
     set->parent = calloc(of->num_points, sizeof *set->parent);
     set->order = calloc(of->num_points, sizeof *set->order);
+    set->trajectories = calloc(of->num_points, sizeof *set->trajectories);
     if (asprintf(&set->text, "%s# shard %zu/%zu\n", of->text, piece.number, piece.total) < 0)
         set->text = NULL;
     ehd_status status = EHD_OK;
-    if (!set->contacts || !set->groups || !set->parent || !set->order || !set->text)
+    if (!set->contacts || !set->groups || !set->parent || !set->order || !set->trajectories ||
+        !set->text)
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
-    if (!status && piece.total > set->num_points)
+    size_t num_all = set->num_points + set->num_trajectories;
+    if (!status && piece.total > num_all)
         status = ehd_fail(error, EHD_USAGE,
                           "--shard: found %zu shards, expected at most %zu, the "
                           "number of points in %s",
-                          piece.total, set->num_points, plan_path);
-    if (!status) status = make_tree(set, plan_path, error);
-    if (!status && piece.total > 1) status = keep_shard(set, plan_path, piece, error);
+                          piece.total, num_all, plan_path);
+    if (!status && set->num_points > 0) status = make_tree(set, plan_path, error);
+    if (!status && piece.total > 1) {
+        if (set->num_points > 0) status = keep_shard(set, plan_path, piece, error);
+        keep_trajectories(set, piece);
+    }
     if (status) training_set_free(set);
     return status;
 }
@@ -172,5 +200,6 @@ void training_set_free(training_set *set) {
     free(set->groups);
     free(set->parent);
     free(set->order);
+    free(set->trajectories);
     *set = (training_set){0};
 }

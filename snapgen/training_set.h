@@ -14,20 +14,30 @@ typedef struct shard {
     size_t total;
 } shard;
 
+/* A transient scene of the plan. */
+typedef struct trajectory_scene {
+    scene scene;
+    ehd_contact contact; // the reference
+} trajectory_scene;
+
 typedef struct training_set {
     char *text;    // identifies plan and shard, for --resume
     ehd_grid grid; // of all points
-    size_t num_points;
+    const contact_kind *kind;
+    size_t num_points;     // stationary ones
     ehd_contact *contacts; // [num_points], in the order of the plan
     size_t *groups;        // [num_points], the plan's group of each
     size_t *parent;        // [num_points], where each starts from; NO_PARENT: cold
     size_t *order;         // [num_points], parents first (tree_order)
-    size_t num_dropped;    // points of the plan outside of its `where` bounds
+    size_t num_trajectories;
+    trajectory_scene *trajectories; // [num_trajectories], in the order of the plan
+    size_t num_dropped;             // points of the plan outside of its `where` bounds
 } training_set;
 
 /* Neighbours are near in ln M and in the Moes number L that belongs to the Hertz pressure; they are of
  * one group and have the same lubricant. A shard is a set of whole branches as far as possible, with
  * a tree of its own, so that it needs no other shard; all shards together have all points once.
+ * Trajectories are dealt out in turn.
  * EHD_DATA: a point that is no contact, different grids, no point left; EHD_USAGE: more shards than
  * points; EHD_MEMORY. */
 ehd_status training_set_init(

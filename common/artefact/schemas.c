@@ -57,7 +57,13 @@
              "pressure-viscosity coefficient times Hertz pressure of the training solutions",      \
              "state"),                                                                             \
         REAL("state_central_film_thickness", "1", NEED_OWN,                                        \
-             "film thickness H at X = 0 of the training solutions", "state")
+             "film thickness H at X = 0 of the training solutions", "state"),                      \
+        INTEGER(                                                                                   \
+            "state_stationary", NEED_OPTIONAL,                                                     \
+            "1 for a stationary training solution, 0 for one on a trajectory; 1 where missing",    \
+            "state"),                                                                              \
+        REAL("state_rate", "1", NEED_OPTIONAL,                                                     \
+             "rate of change of the contact at the training solutions; 0 where missing", "state")
 
 // ---- result
 
@@ -127,7 +133,11 @@ const artefact_schema schema_result = {
 
 // ---- snapshots
 
-static const artefact_axis snapshots_axes[] = {STATE_AXIS, X_AXIS, {0}};
+static const artefact_axis snapshots_axes[] = {
+    STATE_AXIS,
+    X_AXIS,
+    {"compressed", "1", "index of the compressed snapshot, strongest first"},
+    {0}};
 
 static const artefact_field snapshots_fields[] = {
     REAL("pressure", "1", NEED_ALWAYS, "pressure P, in Hertz pressures", "state", "x"),
@@ -147,10 +157,31 @@ static const artefact_field snapshots_fields[] = {
     REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0", "state"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "state"),
+    INTEGER("trajectory", NEED_OPTIONAL,
+            "index of the trajectory that the state was kept of, -1 for a stationary point",
+            "state"),
+    REAL("trajectory_time", "1", NEED_OPTIONAL,
+         "dimensionless time T of the state on its trajectory; 0 is the stationary start", "state"),
+    REAL("trajectory_rate", "1", NEED_OPTIONAL,
+         "rate of change of the contact: of ln a and of u/u_ref with T, absolute values added",
+         "state"),
     INTEGER("status", NEED_ALWAYS, "0 converged, 1 not converged, -1 not yet computed", "state"),
+    REAL(
+        "compressed_pressure", "1", NEED_OPTIONAL,
+        "pressures of all steps of all trajectories, compressed: the rows have the singular values "
+        "and right singular vectors of the snapshots, and serve in their place",
+        "compressed", "x"),
+    REAL("compressed_singular_values", "1", NEED_OPTIONAL,
+         "singular values of those snapshots, descending", "compressed"),
     {0}};
 
-static const artefact_attribute snapshots_attributes[] = {GRID_ATTRIBUTES, {0}};
+static const artefact_attribute snapshots_attributes[] = {
+    GRID_ATTRIBUTES,
+    ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "number of steps of all trajectories"),
+    ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "part of the squared singular values that the compression left out, at most"),
+    {0}};
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           1,
@@ -204,14 +235,21 @@ const artefact_schema schema_basis = {"ehdrom-basis",
 // ---- residuals
 
 static const artefact_axis residuals_axes[] = {
-    {"iteration", "1", "index of the Newton iteration, over all states"}, X_AXIS, STATE_AXIS, {0}};
+    {"iteration", "1",
+     "index of the Newton iteration, over all stationary states, then of the compressed ones of "
+     "trajectories"},
+    X_AXIS,
+    STATE_AXIS,
+    {0}};
 
 static const artefact_field residuals_fields[] = {
     REAL("weighted_residual", "1", NEED_ALWAYS, "weighted residual D f of the Reynolds rows",
          "iteration", "x"),
     REAL("weighted_jacobian_step", "1", NEED_ALWAYS,
          "weighted product D J dz of Jacobian and Newton step", "iteration", "x"),
-    INTEGER("iteration_state", NEED_OWN, "index of the state that the iteration belongs to",
+    INTEGER("iteration_state", NEED_OWN,
+            "index of the state that the iteration belongs to, -1 for a compressed one of "
+            "trajectories, which serves in place of many",
             "iteration"),
     INTEGER("state_exit_node", NEED_ALWAYS,
             "index into x of the first node without pressure at the end of the state's iteration",
@@ -226,7 +264,14 @@ static const artefact_field residuals_fields[] = {
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
-    GRID_ATTRIBUTES, DEFORMATION_ATTRIBUTE, BASIS_ATTRIBUTE, {0}};
+    GRID_ATTRIBUTES,
+    DEFORMATION_ATTRIBUTE,
+    BASIS_ATTRIBUTE,
+    ATTRIBUTE("compressed_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "number of Newton iterations of all trajectories"),
+    ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "part of the squared singular values that their compression left out, at most"),
+    {0}};
 
 const artefact_schema schema_residuals = {
     "ehdrom-residuals",
@@ -241,6 +286,7 @@ const artefact_schema schema_residuals = {
 
 static const artefact_axis model_axes[] = {
     X_AXIS,
+    FILM_X_AXIS,
     {"row", "1", "index of the selected row, in order of selection"},
     {"needed_node", "1", "index of the film node whose pressure and film the selected rows need"},
     {"band_node", "1", "index of the film node, counted from the first of the exit band"},
@@ -285,6 +331,9 @@ static const artefact_field model_fields[] = {
     REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
          "pressure_mode"),
     REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("deformation_basis", "1", NEED_OPTIONAL,
+         "deformation modes, only for deformation = independent; for transient scenes",
+         "deformation_mode", "film_x"),
     STATE_FIELDS,
     REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "

@@ -69,17 +69,15 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
                     expected->x_min, expected->step, expected_path);
 }
 
-ehd_status contact_load(ehd_contact *contact, int *output_fields, char **text,
-                        const program *caller, ehd_error *error) {
+ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const program *caller,
+                        ehd_error *error) {
     const char *path = caller->arguments[0];
     ehd_error cause = {""};
-    scene given;
-    ehd_status status = scene_read(&given, path, caller->overrides, caller->num_overrides, error);
+    ehd_status status = scene_read(given, path, caller->overrides, caller->num_overrides, error);
     if (status) return status;
 
-    status = contact_init(contact, &given, &cause);
+    status = contact_init(contact, given, &cause);
     if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
-    *output_fields = given.output_fields;
-    *text = scene_text(&given);
+    *text = scene_text(given);
     return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
 }

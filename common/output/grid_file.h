@@ -27,11 +27,10 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);
 
-/* The scene of caller->arguments[0] with its overrides, as a contact. `text` identifies the scene;
- * *output_fields is 1, 0, or -1 where the scene does not say. */
+/* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the scene. */
 ehd_status contact_load(
     // output:
-    ehd_contact *contact, int *output_fields,
+    ehd_contact *contact, scene *given,
     char **text, // free with free()
     // input:
     const program *caller, ehd_error *error);

@@ -43,6 +43,12 @@ static double line_central_film(double moes_M, double moes_L) {
     return M_PI / (8 * moes_M) * pow(pow(iso, s) + pow(piezo, s), 1 / s);
 }
 
+/* The deflection is measured from a distance of the current half width, so that the constant of
+ * eq. (4) moves with it (model.md, section 4). */
+static double line_approach_shift(double half_width) {
+    return 0.5 * log(half_width);
+}
+
 const contact_kind contact_line = {
     .name = "line",
     .load = M_PI_2,
@@ -51,6 +57,7 @@ const contact_kind contact_line = {
     .lambda = line_lambda,
     .alpha_p_H = line_alpha_p_H,
     .central_film = line_central_film,
+    .approach_shift = line_approach_shift,
 };
 
 // ---- any contact
@@ -97,6 +104,8 @@ static ehd_status contact_from_physical(ehd_contact *contact, const scene *given
 ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *error) {
     memset(contact, 0, sizeof *contact);
     contact->kind = &contact_line;
+    contact->entrainment = 1;
+    contact->closure = contact_load_closure(contact->kind);
     contact->half_width = contact->radius = contact->load = NAN;
     grid_init(&contact->grid, given);
     ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
@@ -131,6 +140,10 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
     contact->lambda = contact->kind->lambda(moes_M);
     contact->alpha_p_H = contact->kind->alpha_p_H(moes_M, moes_L);
     contact->hertz_pressure = contact->alpha_p_H / contact->lubricant.alpha;
+}
+
+contact_closure contact_load_closure(const contact_kind *kind) {
+    return (contact_closure){.by_approach = 0, .by_load = 1, .value = kind->load};
 }
 
 double contact_film_scale(const ehd_contact *contact) {

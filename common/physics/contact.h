@@ -19,6 +19,9 @@ typedef struct contact_kind {
     double (*lambda)(double moes_M);                      // the steady contact's speed parameter
     double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
     double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
+    double (*approach_shift)(double half_width);          // what the kernel's constant adds to the
+        // approach of a contact `half_width` times
+        // the reference's, a unit of load
 } contact_kind;
 
 extern const contact_kind contact_line;
@@ -38,12 +41,19 @@ double grid_x(const ehd_grid *grid, size_t node);
 /* Whether two grids have the same nodes, to 1e-9 of a step. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
+/* How the system of equations is closed: by_approach H0 + by_load int P dX = value. */
+typedef struct contact_closure {
+    double by_approach, by_load, value;
+} contact_closure;
+
 /* One contact in its dimensionless frame. */
 typedef struct ehd_contact {
     const contact_kind *kind;
     ehd_grid grid;
     ehd_lubricant lubricant;
-    double lambda;         // 1, of eq. (7)
+    double lambda;      // 1, of eq. (7)
+    double entrainment; // 1, U of eq. (7), not negative; 1 when stationary
+    contact_closure closure;
     double hertz_pressure; // Pa
     double moes_M, moes_L; // 1
     double alpha_p_H;      // 1
@@ -51,6 +61,16 @@ typedef struct ehd_contact {
     double radius;         // m, NaN unless the scene is physical
     double load;           // N/m, NaN unless the scene is physical
 } ehd_contact;
+
+/* The scalars of a solution, in the contact's own frame. */
+typedef struct contact_scalars {
+    double central_film_thickness; // H at X = 0, interpolated (cubic) where no node lies there
+    double minimum_film_thickness; // smallest nodal value
+    double central_pressure;
+    double rigid_approach; // H0
+    double exit_position;  // X of the first node without pressure
+    double load;           // int P dX relative to the kind's
+} contact_scalars;
 
 /* Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond the viscosity law's limit,
  * viscosity that contradicts the law. */
@@ -63,6 +83,9 @@ ehd_status contact_init(
 /* Changes M and L of a contact that keeps its lubricant and grid (continuation, eq. of section 1).
  * The Hertz pressure follows from L. */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
+
+/* The closure by a given load: the load balance of eq. (9). */
+contact_closure contact_load_closure(const contact_kind *kind);
 
 /* Film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is physical. */
 double contact_film_scale(const ehd_contact *contact);

@@ -69,8 +69,9 @@ static void add_mass(reynolds_row *row, int a, double weight, const reynolds_ste
 }
 
 void reynolds_rows(reynolds_row *rows, double step, double entrainment,
-                   const reynolds_stencil *stencils, size_t num_rows, const reynolds_fluid *fluid,
-                   const double *pressure, const double *film) {
+                   const reynolds_squeeze *squeeze, const reynolds_stencil *stencils,
+                   size_t num_rows, const reynolds_fluid *fluid, const double *pressure,
+                   const double *film) {
     const double flow = 1 / (step * step);
 
     for (size_t r = 0; r < num_rows; r++) {
@@ -91,6 +92,10 @@ void reynolds_rows(reynolds_row *rows, double step, double entrainment,
             add_mass(row, NODE_HERE, -1.5 * entrainment / step, stencil, fluid, film);
             add_mass(row, NODE_BACK, 2 * entrainment / step, stencil, fluid, film);
             add_mass(row, NODE_BACK2, -0.5 * entrainment / step, stencil, fluid, film);
+        }
+        if (squeeze) {
+            add_mass(row, NODE_HERE, -squeeze->rate, stencil, fluid, film);
+            row->residual -= squeeze->earlier[r];
         }
     }
 }

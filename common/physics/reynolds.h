@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Reynolds operator, written once, for any list of rows.
  *
- * A row is the residual f of d/dx(eps dP/dx) = U d(rho H)/dx at a node (eq. 7 without multiplier) and
- * its derivatives with respect to pressure and film at the stencil's nodes. Who asks for which rows,
+ * A row is the residual f of d/dx(eps dP/dx) = U d(rho H)/dx + d(rho H)/dT at a node (eq. 7 without
+ * multiplier) and its derivatives with respect to pressure and film at the stencil's nodes. Who asks for which rows,
  * and how P and H depend on the unknowns, is the solvers' business. */
 #ifndef EHD_REYNOLDS_H
 #define EHD_REYNOLDS_H
@@ -32,6 +32,13 @@ typedef struct reynolds_fluid {
     double *density_slope;
 } reynolds_fluid;
 
+/* The time derivative at the rows' nodes: rate * rho H + earlier. */
+typedef struct reynolds_squeeze {
+    double rate; // 1 / dimensionless time
+    const double
+        *earlier; // [num_rows] weighted sum of rho H of earlier states, in the current frame
+} reynolds_squeeze;
+
 /* Stencil of inner node `node` of a grid, entrainment towards larger x. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
@@ -50,6 +57,7 @@ void reynolds_rows(
     reynolds_row *rows, // [num_rows]
     // input:
     double step, double entrainment,  // grid step; U of eq. (7), 1 when steady
+    const reynolds_squeeze *squeeze,  // NULL when steady
     const reynolds_stencil *stencils, // [num_rows]
     size_t num_rows,
     const reynolds_fluid *fluid, // arrays [num_nodes]

@@ -47,7 +47,7 @@ static double time_newton(full_info *info, full_state *work, const full_state *s
     ehd_error error;
 
     full_state_copy(work, start, &contact->grid);
-    must(full_solve(info, work, solver, contact, &error), &error);
+    must(full_solve(info, work, solver, contact, NULL, &error), &error);
     must_converge(info);
     return info->seconds;
 }

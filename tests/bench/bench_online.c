@@ -39,10 +39,10 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
     memcpy(state.coordinates, solution->coordinates, model->num_unknowns * sizeof(double));
     once.max_iterations = 1;
     must(reduced_solver_create(&solver, model, &once, &error), &error);
-    must(reduced_solve(&more, &state, solver, contact, &error), &error);
+    must(reduced_solve(&more, &state, solver, contact, NULL, &error), &error);
     reduced_solver_free(solver);
     free(state.coordinates);
-    return fabs(more.central_film_thickness / info->central_film_thickness - 1);
+    return fabs(more.scalars.central_film_thickness / info->scalars.central_film_thickness - 1);
 }
 
 int main(int argc, char **argv) {
@@ -71,16 +71,16 @@ int main(int argc, char **argv) {
     if (repeats == 0) {
         reduced_neighbour(&state, &model, contact.moes_M, contact.alpha_p_H);
         double start = grid_x(&model.grid, state.exit);
-        must(reduced_solve(&infos[0], &state, solver, &contact, &error), &error);
+        must(reduced_solve(&infos[0], &state, solver, &contact, NULL, &error), &error);
         printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %s, %zu iterations, exit %.4f "
                "to %.4f, H_c %.8f\n",
                model.grid.num_inner, model.num_unknowns, model.num_rows, model.num_needed,
                infos[0].status ? "NOT CONVERGED" : "converged", infos[0].iterations, start,
-               infos[0].exit_position, infos[0].central_film_thickness);
+               infos[0].scalars.exit_position, infos[0].scalars.central_film_thickness);
     } else {
         for (size_t i = 0; i < repeats; i++) {
             reduced_guess(&state, &model, contact.moes_M, contact.alpha_p_H);
-            must(reduced_solve(&infos[i], &state, solver, &contact, &error), &error);
+            must(reduced_solve(&infos[i], &state, solver, &contact, NULL, &error), &error);
         }
         double change = another_iteration(&state, &infos[0], &model, &contact);
         qsort(infos, repeats, sizeof *infos, compare_infos);

@@ -31,7 +31,7 @@ static void mirror_kernel(double *centre, const full_system *system) {
 
 /* Columns of pressure: J = R_P + R_H K, where K is Toeplitz, so that its column is a shifted kernel. */
 static void fill_pressure_columns(double *matrix, const film_row *film, const double *centre,
-                                  size_t size) {
+                                  double closure_load, size_t size) {
     for (size_t j = 0; j + 1 < size; j++) {
         double *column = matrix + j * size;
         const double *influence = centre - (j + 1); // of node j + 1 on a node
@@ -41,7 +41,7 @@ static void fill_pressure_columns(double *matrix, const film_row *film, const do
                 sum += film[r].weight[a] * influence[film[r].node[a]];
             column[r] = sum;
         }
-        column[size - 1] = 1; // the load row, scaled by 1/h
+        column[size - 1] = closure_load;
     }
 }
 
@@ -57,13 +57,15 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
 }
 
 /* Column of the rigid approach, which moves every film alike. */
-static void fill_approach_column(double *column, const film_row *film, size_t size) {
+static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
+    size_t size = system->exit;
+
     for (size_t r = 0; r + 1 < size; r++) {
         column[r] = 0;
         for (int a = 0; a < NUM_STENCIL; a++)
             column[r] += film[r].weight[a];
     }
-    column[size - 1] = 0;
+    column[size - 1] = system->closure_approach;
 }
 
 ehd_status dense_solve(full_system *system, double tolerance, size_t *iterations,
@@ -82,12 +84,12 @@ ehd_status dense_solve(full_system *system, double tolerance, size_t *iterations
         double *centre = kernel + num_nodes - 1;
         fill_film_rows(film, system);
         mirror_kernel(centre, system);
-        fill_pressure_columns(matrix, film, centre, size);
+        fill_pressure_columns(matrix, film, centre, system->closure_load, size);
         add_pressure_stencils(matrix, system);
-        fill_approach_column(matrix + (size - 1) * size, film, size);
+        fill_approach_column(matrix + (size - 1) * size, film, system);
         for (size_t r = 0; r + 1 < size; r++)
             right[r] = -system->rows[r].residual * system->row_scale[r];
-        right[size - 1] = -system->load_residual / system->grid->step;
+        right[size - 1] = -system->closure_residual;
 
         if (LAPACKE_dgesv(LAPACK_COL_MAJOR, (lapack_int)size, 1, matrix, (lapack_int)size, pivots,
                           right, (lapack_int)size))

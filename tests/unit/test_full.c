@@ -156,8 +156,8 @@ static void evaluate_rows(reynolds_row *rows, const problem *solved) {
     for (size_t r = 0; r < grid->num_inner; r++)
         stencils[r] = reynolds_stencil_at(grid, r + 1);
     reynolds_fluid_evaluate(&fluid, &solved->contact, solved->state.pressure, n);
-    reynolds_rows(rows, grid->step, 1, stencils, grid->num_inner, &fluid, solved->state.pressure,
-                  solved->state.film);
+    reynolds_rows(rows, grid->step, 1, NULL, stencils, grid->num_inner, &fluid,
+                  solved->state.pressure, solved->state.film);
     free(stencils);
     free(memory);
 }
@@ -214,7 +214,7 @@ static void solution_satisfies_the_problem(void **state) {
         assert_true(exit > 1 && exit < grid->num_nodes - 1);
         assert_true(solved.info.residual < settings.tolerance);
         assert_true(solved.info.complementarity <= 1e-10);
-        full_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
+        contact_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
         check_close(scalars.load, 1, 1e-10, 0);
         check_close(scalars.exit_position, grid_x(grid, exit), 1e-15, 0);
         assert_true(scalars.exit_position > 1 && scalars.exit_position < 2);
@@ -238,7 +238,7 @@ static void scalars_between_nodes(void **state) {
         solved.state.film[k] = 3 + x * (2 + x * (-1 + x / 2));
         solved.state.pressure[k] = 0.5 - x;
     }
-    full_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
+    contact_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
     check_close(scalars.central_film_thickness, 3, 1e-13, 0);
     check_close(scalars.central_pressure, 0.5, 1e-13, 0);
     problem_free(&solved);
@@ -274,7 +274,7 @@ static void solution_is_a_fixed_point(void **state) {
     problem_solve_cold(&solved, &contact, &settings);
     size_t exit = solved.state.exit;
     double approach = solved.state.rigid_approach;
-    assert_int_equal(full_solve(&solved.info, &solved.state, solved.solver, &contact, NULL),
+    assert_int_equal(full_solve(&solved.info, &solved.state, solved.solver, &contact, NULL, NULL),
                      EHD_OK);
     assert_int_equal(solved.info.status, EHD_OK);
     assert_true(solved.info.newton_iterations <= 1);

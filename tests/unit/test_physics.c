@@ -316,7 +316,7 @@ static void small_rows(reynolds_row *rows, small_problem *small, double entrainm
                             compressible ? small->density : NULL,
                             compressible ? small->density_slope : NULL};
     reynolds_fluid_evaluate(&fluid, &small->contact, small->pressure, NUM_NODES);
-    reynolds_rows(rows, small->contact.grid.step, entrainment, small->stencils, NUM_NODES - 2,
+    reynolds_rows(rows, small->contact.grid.step, entrainment, NULL, small->stencils, NUM_NODES - 2,
                   &fluid, small->pressure, small->film);
 }
 

@@ -66,7 +66,7 @@ static void problem_free(problem *self) {
 static void solve(problem *self, const ehd_contact *contact) {
     ehd_error error = {""};
 
-    if (reduced_solve(&self->info, &self->state, self->solver, contact, &error))
+    if (reduced_solve(&self->info, &self->state, self->solver, contact, NULL, &error))
         fail_msg("%s", error.text);
     assert_string_equal(self->info.reason, "");
     assert_int_equal(self->info.status, EHD_OK);
@@ -120,7 +120,7 @@ static void check_is_training_state(const problem *self, const reduced_basis *ba
 
     full_fields(pressure, film, self, basis);
     assert_int_equal(self->state.exit, training.set.exit[s]);
-    check_close(self->info.central_film_thickness, training.set.central_film_thickness[s],
+    check_close(self->info.scalars.central_film_thickness, training.set.central_film_thickness[s],
                 tolerance, 0);
     check_close_array(pressure, training.set.pressure + s * num_nodes, num_nodes, 0, tolerance);
     check_close_array(film, training.film + s * num_nodes, num_nodes, 0, tolerance);
@@ -224,10 +224,10 @@ static void all_rows_in_any_order_are_level_i(void **state) {
             solve_from_neighbour(&level_n, s);
             assert_int_equal(level_n.state.exit, level_i.state.exit);
             assert_int_equal(level_n.info.iterations, level_i.info.iterations);
-            check_close(level_n.info.central_film_thickness, level_i.info.central_film_thickness,
-                        1e-12, 0);
-            check_close(level_n.info.minimum_film_thickness, level_i.info.minimum_film_thickness,
-                        1e-12, 0);
+            check_close(level_n.info.scalars.central_film_thickness,
+                        level_i.info.scalars.central_film_thickness, 1e-12, 0);
+            check_close(level_n.info.scalars.minimum_film_thickness,
+                        level_i.info.scalars.minimum_film_thickness, 1e-12, 0);
             check_close(level_n.info.residual, level_i.info.residual, 1e-9, 1e-15);
         }
         problem_free(&level_i);
@@ -254,7 +254,8 @@ static void truncated_bases_stay_near(void **state) {
                 reduced_guess(&reduced.state, &reduced.model, training.set.moes_M[s],
                               training.set.alpha_p_H[s]);
                 solve(&reduced, &training.contacts[s]);
-                worst = fmax(worst, fabs(reduced.info.central_film_thickness / expected - 1));
+                worst =
+                    fmax(worst, fabs(reduced.info.scalars.central_film_thickness / expected - 1));
             }
             assert_true(worst < before);
             before = worst;
@@ -355,15 +356,15 @@ static void moving_the_exit_equals_rebuilding(void **state) {
             if (reduced.state.exit == training.set.exit[STATE])
                 check_is_training_state(&reduced, basis, STATE, 1e-10);
             found += reduced.state.exit == training.set.exit[STATE];
-            check_close(reduced.info.central_film_thickness,
+            check_close(reduced.info.scalars.central_film_thickness,
                         training.set.central_film_thickness[STATE], 1e-5, 0);
             full_fields(pressure, film, &reduced, basis);
             for (size_t k = 1; k < num_nodes; k++)
                 load += basis->grid.step * pressure[k] / basis->kind->load;
-            check_close(reduced.info.load, load, 1e-12, 0);
-            check_close(reduced.info.load, 1, 1e-7, 0);
-            check_close(reduced.info.central_film_thickness, film[centre], 1e-11, 0);
-            check_close(reduced.info.central_pressure, pressure[centre], 1e-11, 0);
+            check_close(reduced.info.scalars.load, load, 1e-12, 0);
+            check_close(reduced.info.scalars.load, 1, 1e-7, 0);
+            check_close(reduced.info.scalars.central_film_thickness, film[centre], 1e-11, 0);
+            check_close(reduced.info.scalars.central_pressure, pressure[centre], 1e-11, 0);
         }
         assert_true(found > (most - least) / 3);
         problem_free(&reduced);
@@ -386,7 +387,7 @@ static void the_exit_stays_inside_the_tables(void **state) {
             reduced_guess(&reduced.state, &reduced.model, contact.moes_M, contact.alpha_p_H);
             reduced.state.exit = ends[i % 2];
             assert_int_equal(
-                reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL),
+                reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL, NULL),
                 EHD_OK);
             assert_true(reduced.state.exit >= reduced.model.least_exit);
             assert_true(reduced.state.exit <= reduced.model.most_exit);
@@ -411,9 +412,9 @@ static void minimum_film_is_the_smallest_nodal_film(void **state) {
             full_fields(pressure, film, &reduced, basis);
             for (size_t k = 1; k + 1 < num_nodes; k++)
                 least = fmin(least, film[k]);
-            check_close(reduced.info.minimum_film_thickness, least, 1e-11, 0);
-            check_close(reduced.info.exit_position, grid_x(&basis->grid, reduced.state.exit), 0,
-                        1e-12);
+            check_close(reduced.info.scalars.minimum_film_thickness, least, 1e-11, 0);
+            check_close(reduced.info.scalars.exit_position,
+                        grid_x(&basis->grid, reduced.state.exit), 0, 1e-12);
         }
         problem_free(&reduced);
     }
@@ -444,7 +445,8 @@ static void iterate_once(observation *seen, problem *self, const double *z, size
     seen->count = 0;
     memcpy(self->state.coordinates, z, self->model.num_unknowns * sizeof(double));
     self->state.exit = exit;
-    assert_int_equal(reduced_solve(&self->info, &self->state, self->solver, contact, NULL), EHD_OK);
+    assert_int_equal(reduced_solve(&self->info, &self->state, self->solver, contact, NULL, NULL),
+                     EHD_OK);
     assert_int_equal(seen->count, 1);
 }
 
@@ -526,10 +528,23 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     problem_free(&reduced);
 }
 
+static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
+    trained_range *range = trained_range_create(model);
+    assert_non_null(range);
+    const char *reason = trained_range_check(range, M, alpha_p_H, rate);
+    trained_range_free(range);
+    return reason == NULL;
+}
+
 static void trained_range_is_the_hull(void **state) {
     (void)state;
-    double moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
-    reduced_model model = {.states = {.num_states = 6, .moes_M = moes_M, .alpha_p_H = alpha_p_H}};
+    bool stationary[] = {true, true, true, true, true, true};
+    double rate[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
+    reduced_model model = {.states = {.num_states = 6,
+                                      .moes_M = moes_M,
+                                      .alpha_p_H = alpha_p_H,
+                                      .stationary = stationary,
+                                      .rate = rate}};
     const struct {
         double M, alpha_p_H;
         int inside;
@@ -539,18 +554,31 @@ static void trained_range_is_the_hull(void **state) {
                   {12, 1.3, 1},  {12, 5.1, 1},  {12, 5.3, 0},   {12, 1.1, 0}};
 
     for (size_t i = 0; i < sizeof points / sizeof *points; i++)
-        if (reduced_trained(&model, points[i].M, points[i].alpha_p_H) != points[i].inside)
+        if (is_trained(&model, points[i].M, points[i].alpha_p_H, 0) != points[i].inside)
             fail_msg("M = %g, alpha p_H = %g: found %d", points[i].M, points[i].alpha_p_H,
                      !points[i].inside);
+    // faster than the training, of which a stationary one allows next to nothing
+    assert_true(is_trained(&model, 15, 3, 9e-4));
+    assert_false(is_trained(&model, 15, 3, 0.1));
+    rate[3] = 0.1;
+    assert_true(is_trained(&model, 15, 3, 0.1));
+    assert_false(is_trained(&model, 15, 3, 0.11));
     // points on a line, a single point and none have no inside
     double line[] = {1, 2, 3, 4, 5, 6};
     model.states.alpha_p_H = line;
     model.states.moes_M = line;
-    assert_false(reduced_trained(&model, 2.5, 2.5));
+    assert_false(is_trained(&model, 2.5, 2.5, 0));
+    // but those of a trajectory do: it is a curve
+    stationary[4] = false;
+    assert_true(is_trained(&model, 2.5, 2.5, 0));
+    assert_true(is_trained(&model, 6.005, 6.005, 0));
+    assert_false(is_trained(&model, 6.1, 6.1, 0));
+    assert_false(is_trained(&model, 2.5, 2.6, 0));
+    assert_false(is_trained(&model, 2.6, 2.5, 0));
     model.states.num_states = 1;
-    assert_false(reduced_trained(&model, 1, 1));
+    assert_false(is_trained(&model, 1, 1, 0));
     model.states.num_states = 0;
-    assert_false(reduced_trained(&model, 1, 1));
+    assert_false(is_trained(&model, 1, 1, 0));
 }
 
 // ---- faults

@@ -16,6 +16,7 @@ static void keep(trained *self, size_t s, const full_state *solution) {
 
     memcpy(set->pressure + s * num_nodes, solution->pressure, num_nodes * sizeof(double));
     memcpy(self->film + s * num_nodes, solution->film, num_nodes * sizeof(double));
+    set->stationary[s] = true;
     set->rigid_approach[s] = solution->rigid_approach;
     set->exit[s] = solution->exit;
     set->moes_M[s] = contact->moes_M;
@@ -46,6 +47,8 @@ void trained_init(trained *self, double step) {
     set->moes_M = calloc(TRAINED_STATES, sizeof(double));
     set->alpha_p_H = calloc(TRAINED_STATES, sizeof(double));
     set->central_film_thickness = calloc(TRAINED_STATES, sizeof(double));
+    set->stationary = calloc(TRAINED_STATES, sizeof *set->stationary);
+    set->rate = calloc(TRAINED_STATES, sizeof(double));
     self->film = calloc(TRAINED_STATES * set->grid.num_nodes, sizeof(double));
     assert_int_equal(full_solver_create(&solver, set->kind, &set->grid, &settings, NULL), EHD_OK);
     assert_int_equal(full_state_init(&solution, &set->grid, NULL), EHD_OK);
@@ -55,6 +58,9 @@ void trained_init(trained *self, double step) {
         assert_string_equal(info.reason, "");
         keep(self, s, &solution);
     }
+    set->num_snapshots = TRAINED_STATES;
+    set->snapshots = calloc(TRAINED_STATES * set->grid.num_nodes, sizeof(double));
+    memcpy(set->snapshots, set->pressure, TRAINED_STATES * set->grid.num_nodes * sizeof(double));
     full_state_free(&solution);
     full_solver_free(solver);
 }

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A march from a scene to a result file: start or resumption, entries, checkpoints, progress, end. The
+ * same for the full and the reduced model. */
+#ifndef EHD_TIME_RUN_H
+#define EHD_TIME_RUN_H
+
+#include "common/program/program.h"
+#include "common/settings/scene.h"
+#include "common/time/march.h"
+
+/* What a run asks for. */
+typedef struct time_run_task {
+    const program *caller; // its output may be NULL: nothing is written
+    const scene *given;
+    const ehd_contact *reference;
+    const char *settings_text;
+    const char *const *inputs; // NULL at the end
+    march_solver solver;
+    bool with_fields, resume, allow_untrusted;
+    /* Seconds spent on parts of the work so far, for the summary; NaN: not measured apart. */
+    void (*effort)(double *rows, double *linear, double *exit, const void *solver);
+} time_run_task;
+
+/* Central film over time, kept for comparisons. In the reference frame. */
+typedef struct time_trace {
+    size_t count, capacity;
+    double *time, *central_film_thickness, *central_pressure; // [count]
+} time_trace;
+void time_trace_free(time_trace *trace);
+
+/* Runs the scene and prints the short result. Where the march ends early, what it found so far stays in
+ * NAME.partial: EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and written, but a step was not to be trusted. `trace`
+ * may be NULL. Errors also as artefact_create, artefact_resume and histories_init. */
+ehd_status time_run(
+    // output:
+    time_trace *trace, // free with time_trace_free, also after a failure
+    // input:
+    const time_run_task *task, ehd_error *error);
+
+#endif

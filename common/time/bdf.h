@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Backward differences of order one and two with variable step (BDF2: Hairer, Norsett, Wanner,
+ * Solving Ordinary Differential Equations I, section III.5), and the few states that they look at. */
+#ifndef EHD_BDF_H
+#define EHD_BDF_H
+
+#include <stddef.h>
+
+enum {
+    BDF_EARLIER = 3
+}; // earlier states that a step looks at: two for the formula, one more for
+    // the estimate of its error
+
+/* One step: dy/dT = rate y + sum of weight[i] y_i, where y_0 is the last state, y_1 the one before …
+ * The local error is `error` times y minus its prediction, the sum of predictor[i] y_i. */
+typedef struct bdf_formula {
+    size_t order;
+    double rate;                   // 1 / time
+    double weight[BDF_EARLIER];    // 1 / time, zero beyond the order
+    double predictor[BDF_EARLIER]; // 1
+    double error;                  // 1; 0 where there are too few earlier states to tell
+} bdf_formula;
+
+/* Formula for a step of length `step` from the last state, which `num_earlier` (1 … BDF_EARLIER)
+ * states lead up to: intervals[i] lies between states i and i + 1. */
+bdf_formula bdf_step(double step, const double *intervals, size_t num_earlier);
+
+/* Which of BDF_EARLIER + 1 states is which: place[0] is the one being solved, place[i] the i-th before
+ * it, of which the first num_earlier count. */
+typedef struct bdf_ring {
+    size_t place[BDF_EARLIER + 1];
+    size_t num_earlier;
+    double time[BDF_EARLIER + 1]; // of the states, by place
+} bdf_ring;
+
+bdf_ring bdf_ring_empty(void);
+
+/* Formula for a step from the last state. */
+bdf_formula bdf_ring_formula(const bdf_ring *ring, double step);
+
+/* The state being solved becomes the last one. */
+void bdf_ring_accept(bdf_ring *ring, double time);
+
+#endif

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/time/frame.h"
+
+#include "common/settings/scene.h"
+
+#include <math.h>
+
+static const double MOST_MOES_M = 1e5;
+
+contact_frame frame_at(double time, const double *values, double approach) {
+    contact_frame frame = {.time = time,
+                           .load = values[VARY_LOAD],
+                           .speed = values[VARY_SPEED],
+                           .radius = values[VARY_RADIUS],
+                           .modulus = values[VARY_MODULUS],
+                           .approach = approach};
+
+    frame.half_width = sqrt(frame.load * frame.radius / frame.modulus);
+    frame.hertz_pressure = frame.load / frame.half_width;
+    frame.film_scale = frame.half_width * frame.half_width / frame.radius;
+    return frame;
+}
+
+/* The closure by a given approach, whose reference length is the reference half width. */
+static contact_closure approach_closure(const contact_frame *frame, const contact_kind *kind) {
+    return (contact_closure){.by_approach = 1,
+                             .by_load = kind->approach_shift(frame->half_width) / kind->load,
+                             .value = frame->approach / frame->film_scale};
+}
+
+void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_contact *reference) {
+    double width = frame->half_width, slowness;
+
+    *contact = *reference;
+    contact->lambda *= frame->radius * frame->radius / (frame->hertz_pressure * width * width);
+    contact->entrainment = frame->speed / width;
+    contact->hertz_pressure *= frame->hertz_pressure;
+    contact->alpha_p_H *= frame->hertz_pressure;
+    // the stationary contact of the same lambda / U
+    slowness = reference->lambda / (contact->lambda * contact->entrainment);
+    contact->moes_M = fmin(reference->moes_M * sqrt(slowness), MOST_MOES_M);
+    contact->moes_L =
+        reference->moes_L * frame->hertz_pressure * sqrt(reference->moes_M / contact->moes_M);
+    contact->half_width *= width;
+    contact->radius *= frame->radius;
+    contact->load *= frame->load;
+    contact->closure = isnan(frame->approach) ? contact_load_closure(contact->kind)
+                                              : approach_closure(frame, contact->kind);
+}
+
+double frame_stretch(const contact_frame *now, const contact_frame *then) {
+    return now->half_width / then->half_width;
+}
+
+double frame_film_ratio(const contact_frame *now, const contact_frame *then) {
+    return then->film_scale / now->film_scale;
+}
+
+double frame_rate(const contact_frame *now, const contact_frame *before) {
+    return (fabs(log(now->half_width / before->half_width)) + fabs(now->speed - before->speed)) /
+           (now->time - before->time);
+}
+
+contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
+                                   const contact_kind *kind) {
+    contact_scalars scalars = *current;
+    double shift = kind->approach_shift(frame->half_width) * current->load;
+
+    scalars.central_film_thickness *= frame->film_scale;
+    scalars.minimum_film_thickness *= frame->film_scale;
+    scalars.central_pressure *= frame->hertz_pressure;
+    scalars.rigid_approach = (current->rigid_approach + shift) * frame->film_scale;
+    scalars.exit_position *= frame->half_width;
+    scalars.load *= frame->load;
+    return scalars;
+}

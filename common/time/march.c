@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/time/march.h"
+
+#include "common/program/program.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const double march_exit_margin = 0.1;
+
+static const double MOST_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
+static const double LEAST_SHRINK = 0.2;
+static const double FAILED_SHRINK = 0.25; // where Newton did not converge
+static const double SAFETY = 0.85;
+static const double LEAST_STEP = 1e-9; // relative to the first one
+
+march_settings march_settings_of(const scene *given, const ehd_histories *histories,
+                                 double reference_approach) {
+    march_settings settings = {.end_time = given->end_time,
+                               .tolerance = given->tolerance,
+                               .fixed_step = given->fixed_step,
+                               .approach_given = strcmp(given->closure, "approach") == 0,
+                               .reference_approach = reference_approach};
+    double shortest = fmin(histories_shortest_time(histories), given->end_time);
+
+    settings.first_step = isnan(given->fixed_step)
+                              ? fmin(sqrt(given->tolerance), 0.1) * fmin(shortest, 1)
+                              : given->fixed_step;
+    return settings;
+}
+
+contact_frame march_frame(const march_settings *settings, const ehd_histories *histories,
+                          double time, double load) {
+    double values[NUM_VARY];
+
+    histories_at(values, histories, time);
+    if (!settings->approach_given) return frame_at(time, values, NAN);
+    values[VARY_LOAD] = load;
+    return frame_at(time, values, values[VARY_APPROACH] * settings->reference_approach);
+}
+
+static void watch_trust(march *self, const march_step *outcome) {
+    if (outcome->status != EHD_UNTRUSTED || !isnan(self->state.untrusted_since)) return;
+    self->state.untrusted_since = outcome->frame.time;
+    snprintf(self->untrusted, sizeof self->untrusted, "%s", outcome->reason);
+}
+
+ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
+    march_settings *settings = &self->settings;
+    contact_frame frame = march_frame(settings, self->histories, 0, 1);
+    ehd_status status = self->solver.start(outcome, self->solver.self, &frame, error);
+
+    if (!status && outcome->status != EHD_NOT_CONVERGED && settings->approach_given &&
+        isnan(settings->reference_approach)) {
+        settings->reference_approach =
+            frame_to_reference(&outcome->scalars, &outcome->frame, self->kind).rigid_approach;
+        frame = march_frame(settings, self->histories, 0, 1);
+        if (frame.approach != settings->reference_approach)
+            status = self->solver.start(outcome, self->solver.self, &frame, error);
+    }
+    if (status) return status;
+    self->reason[0] = self->untrusted[0] = '\0';
+    self->state = (march_state){.step = settings->first_step, .untrusted_since = NAN};
+    self->state.load = outcome->scalars.load * outcome->frame.load;
+    outcome->step = 0;
+    watch_trust(self, outcome);
+    return EHD_OK;
+}
+
+double march_expected_load(double load, double load_rate, double step) {
+    return fmin(fmax(load + load_rate * step, 0.5 * load), 2 * load);
+}
+
+/* The next time: a step further, or where the histories have an event, a fixed step's multiple is or the
+ * march ends. *jump: the histories jump there. */
+static double next_time(bool *jump, const march *self) {
+    const double time = self->state.time, step = self->state.step;
+    double fixed = self->settings.fixed_step, end = self->settings.end_time;
+    double kink = histories_next_kink(self->histories, time, jump), event = fmin(kink, end);
+
+    // a multiple, not a sum, so that times do not drift and a step that was cut falls back into place
+    if (!isnan(fixed)) event = fmin(event, (floor(time / fixed + 1e-9) + 1) * fixed);
+    *jump = *jump && event == kink;
+    if (step >= (event - time) * (1 - 1e-9)) return event;
+    *jump = false;
+    // two equal steps rather than a whole one and a sliver
+    return step > 0.5 * (event - time) ? time + 0.5 * (event - time) : time + step;
+}
+
+static double next_step(const march *self, const march_step *outcome) {
+    if (!isnan(self->settings.fixed_step)) return self->settings.fixed_step;
+    double relative = outcome->local_error / self->settings.tolerance;
+    double factor = relative > 0 ? SAFETY * pow(relative, -1. / 3) : MOST_GROWTH;
+    return outcome->step * fmin(fmax(factor, LEAST_SHRINK), MOST_GROWTH);
+}
+
+static void take(march *self, const march_step *outcome) {
+    march_state *state = &self->state;
+    double load = outcome->scalars.load * outcome->frame.load;
+
+    state->load_rate = (load - state->load) / outcome->step;
+    state->load = load;
+    state->time = outcome->frame.time;
+    state->num_steps++;
+    watch_trust(self, outcome);
+}
+
+/* One attempt, accepted or not. */
+static ehd_status advance(march *self, ehd_error *error) {
+    march_state *state = &self->state;
+    bool adaptive = isnan(self->settings.fixed_step), jump;
+    double time = next_time(&jump, self), step = time - state->time;
+    march_step outcome;
+
+    contact_frame frame = march_frame(&self->settings, self->histories, time,
+                                      march_expected_load(state->load, state->load_rate, step));
+    ehd_status status = self->solver.attempt(&outcome, self->solver.self, &frame, step, error);
+    if (status) return status;
+    outcome.frame = frame;
+    outcome.step = step;
+    state->num_iterations += (double)outcome.iterations;
+
+    bool failed = outcome.status == EHD_NOT_CONVERGED;
+    if (failed || (adaptive && outcome.local_error > self->settings.tolerance)) {
+        state->num_rejected++;
+        state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, &outcome), 0.9 * step);
+        if ((adaptive || failed) && !(state->step > LEAST_STEP * self->settings.first_step))
+            snprintf(self->reason, sizeof self->reason,
+                     "found a step size of %.1e at T = %.10g (%s), expected above %.1e",
+                     state->step, state->time, failed ? outcome.reason : "local error",
+                     LEAST_STEP * self->settings.first_step);
+        return EHD_OK;
+    }
+    self->solver.accept(self->solver.self);
+    take(self, &outcome);
+    // a step cut short by an event says nothing about the length of the next one
+    if (adaptive)
+        state->step = fmax(next_step(self, &outcome), fmin(state->step, 2 * step));
+    else
+        state->step = self->settings.fixed_step;
+    if (jump) {
+        self->solver.restart(self->solver.self);
+        state->step = self->settings.first_step;
+    }
+    return self->store(self->sink, &outcome, (size_t)state->num_steps, error);
+}
+
+ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    while (!status && self->state.time < self->settings.end_time && !self->reason[0]) {
+        status = program_interrupted() ? ehd_fail(error, EHD_INTERRUPTED, "interrupted")
+                                       : advance(self, error);
+    }
+    *outcome = self->reason[0] ? EHD_NOT_CONVERGED : EHD_OK;
+    return status;
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The march through time, the same for the full and the reduced model: frames from histories, step
+ * sizes from the local error (or fixed), events, rejected steps. */
+#ifndef EHD_MARCH_H
+#define EHD_MARCH_H
+
+#include "common/program/status.h"
+#include "common/settings/scene.h"
+#include "common/time/frame.h"
+#include "common/time/history.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What one implicit step came to. */
+typedef struct march_step {
+    ehd_status status; // EHD_OK, EHD_NOT_CONVERGED, or EHD_UNTRUSTED: solved, but not to be trusted
+    const char *reason; // why it is not EHD_OK, or ""
+    contact_frame frame;
+    double step;             // 0 at the start
+    double local_error;      // largest of rho H, relative to the central film; 0: cannot be told
+    contact_scalars scalars; // in the current frame
+    size_t iterations;       // Newton
+    double residual;
+} march_step;
+
+/* The local error is looked at up to this far before the exit boundary, in half widths: nearer to it, the
+ * exit's moves by whole nodes make a noise that no shorter step takes away. */
+extern const double march_exit_margin;
+
+/* A solver that can take steps. `self` is its own. */
+typedef struct march_solver {
+    void *self;
+    /* Solves the state that is `step` later, in the frame given, from the accepted states. These do not
+     * change, so that a step can be repeated. Not converged is an outcome, not an error. */
+    ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
+                          ehd_error *error);
+    void (*accept)(void *self); // the state of the last attempt
+    void (*restart)(
+        void *self); // accepted states before the last one no longer count (after a jump)
+    /* The state to start from: stationary in the frame given, which outcome->frame scales anew where the
+     * approach is given; NaN stands for the approach that belongs to the load. It is accepted. */
+    ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
+                        ehd_error *error);
+    /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are none. */
+    size_t (*saved_size)(const void *self);
+    void (*save)(double *saved, const void *self);
+    ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
+    /* P and H of the last accepted state at all nodes, [num_nodes]. */
+    ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
+} march_solver;
+
+typedef struct march_settings {
+    double end_time;
+    double tolerance;  // on the local error of one step
+    double fixed_step; // NaN: steps by the local error
+    double first_step; // after the start and after a jump
+    bool approach_given;
+    double reference_approach; // H0 that a factor of 1 stands for; when the approach is given
+} march_settings;
+
+/* Where a march stands: everything that it needs to go on, with the solver's states. */
+typedef struct march_state {
+    double time, step; // of the next attempt
+    double load, load_rate;
+    double num_steps, num_rejected,
+        num_iterations;     // whole; all members are numbers of one type, so
+                            // that the struct can be saved as such
+    double untrusted_since; // time of the first step that was not to be trusted; NaN: none
+} march_state;
+
+enum { MARCH_REASON = 256 };
+
+typedef struct march {
+    march_settings settings;
+    const ehd_histories *histories;
+    const contact_kind *kind;
+    march_solver solver;
+    march_state state;
+    /* Takes an accepted step away; `index` counts from 1, the start being 0. */
+    ehd_status (*store)(void *sink, const march_step *step, size_t index, ehd_error *error);
+    void *sink;
+    char reason[MARCH_REASON];    // why it ended before end_time, or ""
+    char untrusted[MARCH_REASON]; // why the first untrusted step was not to be trusted, or ""
+} march;
+
+/* Settings of a transient scene. */
+march_settings march_settings_of(const scene *given, const ehd_histories *histories,
+                                 double reference_approach);
+
+/* The frame at `time`, scaled by `load` where the approach is given (and by the history where not). */
+contact_frame march_frame(const march_settings *settings, const ehd_histories *histories,
+                          double time, double load);
+
+/* The load to scale the next frame with where it is an outcome: any near it would do. */
+double march_expected_load(double load, double load_rate, double step);
+
+/* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow. In
+ * self->settings the reference approach NaN is replaced by that of the start. */
+ehd_status march_begin(march_step *outcome, march *self, ehd_error *error);
+
+/* Goes on to end_time. Where a step size underflows, the march ends there: *outcome is
+ * EHD_NOT_CONVERGED, self->reason says why and everything stored stands; EHD_OK else. EHD_INTERRUPTED and
+ * what the solver or `store` return are errors. */
+ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error);
+
+#endif

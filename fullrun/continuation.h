@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef EHD_CONTINUATION_H
+#define EHD_CONTINUATION_H
+
+#include "fullrun/full_solver.h"
+
+/* Hertz pressure, and the film that it leaves with `central_film` at X = 0. */
+void full_start_dry(
+    // output:
+    full_state *state,
+    // input:
+    full_solver *solver, const ehd_contact *contact, double central_film);
+
+#endif

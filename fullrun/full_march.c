@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fullrun/full_march.h"
+
+#include "common/time/bdf.h"
+#include "fullrun/continuation.h"
+#include "fullrun/earlier.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct full_march {
+    ehd_contact reference;
+    double start_film;
+    full_solver *solver;
+    earlier_state states[BDF_EARLIER + 1]; // in the places of the ring
+    bdf_ring ring;
+    double *nodes;             // [num_nodes] X
+    double *mass[BDF_EARLIER]; // [num_nodes] rho H of earlier states at the inner nodes
+    double *earlier;           // [num_nodes] their sum by the formula
+    full_march_effort effort;
+};
+
+full_march *full_march_free(full_march *self) {
+    if (self) {
+        full_solver_free(self->solver);
+        for (size_t i = 0; i <= BDF_EARLIER; i++)
+            earlier_free(&self->states[i]);
+        for (size_t i = 0; i < BDF_EARLIER; i++)
+            free(self->mass[i]);
+        free(self->nodes);
+        free(self->earlier);
+        free(self);
+    }
+    return NULL;
+}
+
+/* Central film at a hundredth of the speed and the same alpha p_H. */
+static double dry_start_film(const ehd_contact *reference) {
+    double slow = 10; // M grows with the root of it
+
+    return reference->kind->central_film(slow * reference->moes_M, reference->moes_L / sqrt(slow));
+}
+
+ehd_status full_march_create(full_march **created, const ehd_contact *reference,
+                             const full_settings *settings, double start_film, ehd_error *error) {
+    size_t num_nodes = reference->grid.num_nodes;
+    full_march *self = calloc(1, sizeof *self);
+    bool whole;
+
+    *created = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    self->reference = *reference;
+    self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;
+    self->ring = bdf_ring_empty();
+    self->nodes = malloc(num_nodes * sizeof(double));
+    self->earlier = malloc(num_nodes * sizeof(double));
+    whole = self->nodes && self->earlier;
+    for (size_t i = 0; i < BDF_EARLIER; i++) {
+        self->mass[i] = malloc(num_nodes * sizeof(double));
+        whole = whole && self->mass[i];
+    }
+    ehd_status status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid,
+                                                   settings, error)
+                              : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
+        status = earlier_init(&self->states[i], reference, error);
+    if (status) {
+        full_march_free(self);
+        return status;
+    }
+    for (size_t k = 0; k < num_nodes; k++)
+        self->nodes[k] = grid_x(&reference->grid, k);
+    *created = self;
+    return EHD_OK;
+}
+
+static earlier_state *state_before(full_march *self, size_t steps) {
+    return &self->states[self->ring.place[steps]];
+}
+
+static void add_effort(full_march *self, const full_info *info) {
+    self->effort.seconds_rows += info->seconds_rows;
+    self->effort.seconds_linear += info->seconds_linear;
+    self->effort.newton_iterations += info->newton_iterations;
+    self->effort.gmres_iterations += info->gmres_iterations;
+}
+
+// ---- the start
+
+/* Stationary solution for a given load, or the dry contact. */
+static ehd_status start_with_load(full_info *info, full_march *self, const contact_frame *frame,
+                                  ehd_error *error) {
+    full_state *state = &state_before(self, 0)->state;
+    ehd_contact contact;
+
+    frame_contact(&contact, frame, &self->reference);
+    contact.closure = contact_load_closure(contact.kind);
+    if (frame->speed > 0) {
+        contact.lambda *= contact.entrainment;
+        contact.entrainment = 1;
+        return full_solve_cold(info, state, self->solver, &contact, error);
+    }
+    full_start_dry(state, self->solver, &contact, self->start_film);
+    memset(info, 0, sizeof *info);
+    info->reason = "";
+    return EHD_OK;
+}
+
+/* Rigid approach of a state in the reference frame. */
+static double reference_approach(const full_march *self, const full_state *state,
+                                 const contact_frame *frame) {
+    contact_scalars scalars = full_evaluate_scalars(state, &self->reference);
+
+    return frame_to_reference(&scalars, frame, self->reference.kind).rigid_approach;
+}
+
+/* From the stationary solution of a load to that of an approach, in strides; the frame follows the load. */
+static ehd_status walk_to_approach(full_info *info, full_march *self, contact_frame *frame,
+                                   ehd_error *error) {
+    const double least_stride = 1. / 1024, settled = 1e-8;
+    const double wanted = frame->approach;
+    full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
+    double done = 0, stride = 0.25, load = 1;
+    double start = reference_approach(self, state, frame);
+    ehd_status status = EHD_OK;
+
+    full_state_copy(last, state, &self->reference.grid);
+    while (!status && stride >= least_stride && (done < 1 || fabs(load - 1) > settled)) {
+        ehd_contact contact;
+        double next = fmin(done + stride, 1);
+        contact_frame here = *frame;
+        here.approach = start + next * (wanted - start);
+        frame_contact(&contact, &here, &self->reference);
+        status = full_solve(info, state, self->solver, &contact, NULL, error);
+        if (status) break;
+        load = full_evaluate_scalars(state, &contact).load;
+        if (info->status == EHD_OK && load > 0.5 && load < 2) {
+            double values[NUM_VARY] = {[VARY_LOAD] = frame->load * load,
+                                       [VARY_SPEED] = frame->speed,
+                                       [VARY_RADIUS] = frame->radius,
+                                       [VARY_MODULUS] = frame->modulus};
+            *frame = frame_at(frame->time, values, wanted);
+            done = next;
+            stride *= 2;
+            full_state_copy(last, state, &self->reference.grid);
+        } else {
+            stride /= 2;
+            load = 1;
+            full_state_copy(state, last, &self->reference.grid);
+        }
+    }
+    if (!status && done < 1) {
+        info->status = EHD_NOT_CONVERGED;
+        info->reason = "approach out of reach";
+    }
+    return status;
+}
+
+static void accept(void *solver);
+
+static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
+                        ehd_error *error) {
+    full_march *self = solver;
+    earlier_state *first = state_before(self, 0);
+    full_info info;
+    ehd_status status = start_with_load(&info, self, frame, error);
+
+    first->frame = *frame;
+    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
+        status = walk_to_approach(&info, self, &first->frame, error);
+    if (status) return status;
+    add_effort(self, &info);
+    *outcome = (march_step){.status = info.status,
+                            .reason = info.reason,
+                            .frame = first->frame,
+                            .scalars = full_evaluate_scalars(&first->state, &self->reference),
+                            .iterations = info.newton_iterations,
+                            .residual = info.residual};
+    self->ring.num_earlier = 0;
+    accept(self);
+    return EHD_OK;
+}
+
+// ---- a step
+
+/* Pressure and approach go on as polynomials in time, in their frames; the zone stays where it was. */
+static void predict(full_march *self, const bdf_formula *formula) {
+    full_state *state = &state_before(self, 0)->state;
+
+    full_state_copy(state, &state_before(self, 1)->state, &self->reference.grid);
+    for (size_t k = state->entry; k < state->exit; k++) {
+        double pressure = 0;
+        for (size_t i = 0; i < self->ring.num_earlier; i++)
+            pressure += formula->predictor[i] * state_before(self, i + 1)->state.pressure[k];
+        state->pressure[k] = fmax(pressure, 0);
+    }
+    state->rigid_approach = 0;
+    for (size_t i = 0; i < self->ring.num_earlier; i++)
+        state->rigid_approach +=
+            formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
+}
+
+static void carry_over(full_march *self, const bdf_formula *formula, const contact_frame *frame) {
+    size_t num_inner = self->reference.grid.num_inner;
+
+    memset(self->earlier, 0, num_inner * sizeof(double));
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        earlier_mass(self->mass[i], state_before(self, i + 1), frame, &self->reference);
+        for (size_t r = 0; r < num_inner; r++)
+            self->earlier[r] += formula->weight[i] * self->mass[i][r];
+    }
+}
+
+/* Largest local error of rho H where there is pressure (march_exit_margin), relative to the central
+ * film. */
+static double local_error(const full_march *self, const bdf_formula *formula,
+                          const full_state *state, const ehd_contact *contact,
+                          double central_film) {
+    const density_law *law = contact->lubricant.density;
+    double largest = 0, ignored;
+
+    if (!(formula->error > 0)) return 0;
+    double end = grid_x(&contact->grid, state->exit) - march_exit_margin;
+    for (size_t k = state->entry; k < state->exit && self->nodes[k] < end; k++) {
+        double mass = state->film[k];
+        if (law)
+            mass *= law->relative_density(fmax(state->pressure[k], 0) * contact->hertz_pressure,
+                                          &ignored);
+        for (size_t i = 0; i < self->ring.num_earlier; i++)
+            mass -= formula->predictor[i] * self->mass[i][k - 1];
+        largest = fmax(largest, fabs(mass));
+    }
+    return formula->error * largest / central_film;
+}
+
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    full_march *self = solver;
+    earlier_state *next = state_before(self, 0);
+    bdf_formula formula = bdf_ring_formula(&self->ring, step);
+    reynolds_squeeze squeeze = {formula.rate, self->earlier};
+    ehd_contact contact;
+    full_info info;
+
+    next->frame = *frame;
+    frame_contact(&contact, frame, &self->reference);
+    carry_over(self, &formula, frame);
+    predict(self, &formula);
+    ehd_status status = full_solve(&info, &next->state, self->solver, &contact, &squeeze, error);
+    if (status) return status;
+    add_effort(self, &info);
+    *outcome = (march_step){.status = info.status,
+                            .reason = info.reason,
+                            .scalars = full_evaluate_scalars(&next->state, &contact),
+                            .iterations = info.newton_iterations,
+                            .residual = info.residual};
+    if (info.status == EHD_OK)
+        outcome->local_error = local_error(self, &formula, &next->state, &contact,
+                                           outcome->scalars.central_film_thickness);
+    return EHD_OK;
+}
+
+static void accept(void *solver) {
+    full_march *self = solver;
+    earlier_state *solved = state_before(self, 0);
+
+    earlier_prepare(solved, self->earlier, &self->reference, self->nodes);
+    bdf_ring_accept(&self->ring, solved->frame.time);
+}
+
+static void restart(void *solver) {
+    full_march *self = solver;
+
+    self->ring.num_earlier = 1;
+}
+
+const full_state *full_march_state(const full_march *self, const contact_frame **frame) {
+    const earlier_state *last = &self->states[self->ring.place[1]];
+
+    if (frame) *frame = &last->frame;
+    return &last->state;
+}
+
+full_march_effort full_march_effort_of(const full_march *self) {
+    return self->effort;
+}
+
+// ---- saving
+
+enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double), NUM_STATE_SCALARS = 3 };
+
+static size_t saved_state_size(const full_march *self) {
+    return NUM_FRAME + NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes;
+}
+
+static size_t saved_size(const void *solver) {
+    const full_march *self = solver;
+
+    return 1 + BDF_EARLIER * saved_state_size(self);
+}
+
+static void save(double *saved, const void *solver) {
+    const full_march *self = solver;
+    size_t num_nodes = self->reference.grid.num_nodes;
+
+    memset(saved, 0, saved_size(self) * sizeof *saved);
+    saved[0] = (double)self->ring.num_earlier;
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        const earlier_state *earlier = &self->states[self->ring.place[i + 1]];
+        double *target = saved + 1 + i * saved_state_size(self);
+        memcpy(target, &earlier->frame, sizeof earlier->frame);
+        target += NUM_FRAME;
+        target[0] = earlier->state.rigid_approach;
+        target[1] = (double)earlier->state.entry;
+        target[2] = (double)earlier->state.exit;
+        target += NUM_STATE_SCALARS;
+        memcpy(target, earlier->state.pressure, num_nodes * sizeof(double));
+        memcpy(target + num_nodes, earlier->state.film, num_nodes * sizeof(double));
+    }
+}
+
+static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
+    full_march *self = solver;
+    size_t num_nodes = self->reference.grid.num_nodes;
+
+    if (!(saved[0] >= 1 && saved[0] <= BDF_EARLIER))
+        return ehd_fail(error, EHD_DATA, "restart: found %g earlier states, expected 1 to %d",
+                        saved[0], BDF_EARLIER);
+    self->ring.num_earlier = (size_t)saved[0];
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        earlier_state *earlier = state_before(self, i + 1);
+        const double *source = saved + 1 + i * saved_state_size(self);
+        memcpy(&earlier->frame, source, sizeof earlier->frame);
+        self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
+        source += NUM_FRAME;
+        if (!(source[1] >= 1 && source[2] > source[1] && source[2] < (double)num_nodes))
+            return ehd_fail(error, EHD_DATA,
+                            "restart: found pressure from node %g to %g, expected both on the grid",
+                            source[1], source[2]);
+        earlier->state.rigid_approach = source[0];
+        earlier->state.entry = (size_t)source[1];
+        earlier->state.exit = (size_t)source[2];
+        source += NUM_STATE_SCALARS;
+        memcpy(earlier->state.pressure, source, num_nodes * sizeof(double));
+        memcpy(earlier->state.film, source + num_nodes, num_nodes * sizeof(double));
+        earlier_prepare(earlier, self->earlier, &self->reference, self->nodes);
+    }
+    return EHD_OK;
+}
+
+static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
+    const full_march *self = solver;
+    const full_state *state = full_march_state(self, NULL);
+    size_t bytes = self->reference.grid.num_nodes * sizeof(double);
+    (void)error;
+
+    memcpy(pressure, state->pressure, bytes);
+    memcpy(film, state->film, bytes);
+    return EHD_OK;
+}
+
+march_solver full_march_solver(full_march *self) {
+    return (march_solver){.self = self,
+                          .attempt = attempt,
+                          .accept = accept,
+                          .restart = restart,
+                          .start = start,
+                          .saved_size = saved_size,
+                          .save = save,
+                          .restore = restore,
+                          .fields = fields};
+}

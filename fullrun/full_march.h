@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The full model in time: BDF2 steps in the moving frame, for march_run. */
+#ifndef EHD_FULL_MARCH_H
+#define EHD_FULL_MARCH_H
+
+#include "common/time/march.h"
+#include "fullrun/full_solver.h"
+
+typedef struct full_march full_march;
+
+/* `reference`: the contact at all factors 1; must outlive it. EHD_MEMORY. */
+ehd_status full_march_create(
+    // output:
+    full_march **self, // free with full_march_free
+    // input:
+    const ehd_contact *reference, const full_settings *settings,
+    double
+        start_film, // dimensionless, of a dry start; NaN: the central film at a hundredth of the speed
+    ehd_error *error);
+full_march *full_march_free(full_march *self); // accepts and returns NULL
+
+/* Starts, saves and restores as march_solver says. Where the speed is zero the start is the dry contact
+ * with the central film `start_film` of full_march_create. */
+march_solver full_march_solver(full_march *self);
+
+/* The last accepted state, and its frame. */
+const full_state *full_march_state(const full_march *self, const contact_frame **frame);
+
+/* Effort so far, in seconds. */
+typedef struct full_march_effort {
+    double seconds_rows, seconds_linear;
+    size_t newton_iterations, gmres_iterations;
+} full_march_effort;
+full_march_effort full_march_effort_of(const full_march *self);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Film and pressure of earlier reduced states at any place, without anything of the size of the grid:
+ * the cubic splines of all modes are made once, and a state's spline is a combination of them (splines
+ * are linear in their values). What an earlier state's own exit takes away from the modes is added as
+ * splines of the kernel (model.md, section 5, item 5). */
+#ifndef EHD_FILM_SPLINES_H
+#define EHD_FILM_SPLINES_H
+
+#include "common/program/status.h"
+#include "common/time/frame.h"
+#include "romrun/reduced_model.h"
+
+/* Values and bends (second derivatives times step^2 / 6) at all nodes; read-only once made. */
+typedef struct film_splines {
+    size_t width;             // modes of the film
+    double *film, *film_bend; // [num_nodes, width] coupled: deflection of the
+                              // pressure modes cut at `cut_exit`
+    size_t cut_exit;          // amid the trained exits
+    const double *pressure;   // [num_nodes, num_pressure], the caller's
+    double *pressure_bend;    // [num_nodes, num_pressure] uncut
+    const double *kernel;     // [num_nodes], the model's
+    double *kernel_bend;      // [num_nodes]
+} film_splines;
+
+/* `pressure_basis` [num_nodes, num_pressure] and, independent, `deformation_basis` [num_nodes,
+ * num_deformation] must outlive the splines. EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+ehd_status film_splines_build(
+    // output:
+    film_splines *splines, // free with film_splines_free
+    // input:
+    const reduced_model *model, const double *pressure_basis, const double *deformation_basis,
+    ehd_error *error);
+void film_splines_free(film_splines *splines);
+
+enum { EXIT_WINDOW = 64 }; // nodes around an exit where the pressure's spline knows of the cut
+
+/* An accepted state, prepared for evaluation. */
+typedef struct earlier_film {
+    contact_frame frame;
+    double *coordinates; // [num_unknowns]
+    size_t exit;
+    double *cut_pressure;                          // [num_band] P from band_begin on, uncut
+    size_t window_begin;                           // first node of the window
+    double window[EXIT_WINDOW], bend[EXIT_WINDOW]; // P there, cut; compressible only
+} earlier_film;
+
+ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd_error *error);
+void earlier_film_free(earlier_film *self);
+
+/* Once frame, coordinates and exit are set. */
+void earlier_film_prepare(earlier_film *self, const reduced_model *model,
+                          const film_splines *splines, const ehd_contact *reference);
+
+/* rho H of an earlier state at node `node` of frame `now`. */
+double earlier_film_mass(const earlier_film *self, size_t node, const contact_frame *now,
+                         const reduced_model *model, const film_splines *splines,
+                         const ehd_contact *reference);
+
+#endif

@@ -1,0 +1,470 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/reduced_march.h"
+
+#include "common/program/program.h"
+#include "common/time/bdf.h"
+#include "romrun/fields.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct reduced_march {
+    const reduced_model *model;
+    const film_splines *splines;
+    ehd_contact reference;
+    trained_range *range;
+    reduced_solver *solver;
+    earlier_film states[BDF_EARLIER + 1]; // in the places of the ring
+    bdf_ring ring;
+    bdf_formula formula;             // of the attempt
+    double *mass[BDF_EARLIER];       // [num_rows] rho H of earlier states at the rows' nodes
+    double *earlier;                 // [num_rows] their sum by the formula
+    double *row_pressure, *row_mass; // [num_rows]
+    // what the solver's kept factors were made at, so that a restored march makes the same ones
+    struct {
+        bool valid;
+        contact_frame frame;
+        double rate;
+        double *coordinates; // [num_unknowns]
+        size_t exit;
+    } factors;
+    size_t last_iterations; // of the attempt
+    bool own_jacobian;      // the attempt made one
+    reduced_march_effort effort;
+};
+
+reduced_march *reduced_march_free(reduced_march *self) {
+    if (self) {
+        reduced_solver_free(self->solver);
+        trained_range_free(self->range);
+        for (size_t i = 0; i <= BDF_EARLIER; i++)
+            earlier_film_free(&self->states[i]);
+        for (size_t i = 0; i < BDF_EARLIER; i++)
+            free(self->mass[i]);
+        free(self->factors.coordinates);
+        free(self->earlier);
+        free(self->row_pressure);
+        free(self->row_mass);
+        free(self);
+    }
+    return NULL;
+}
+
+ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
+                                const film_splines *splines, const ehd_contact *reference,
+                                const reduced_settings *settings, ehd_error *error) {
+    size_t bytes = model->num_rows * sizeof(double);
+    reduced_march *self = calloc(1, sizeof *self);
+    bool whole;
+
+    *created = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->model = model;
+    self->splines = splines;
+    self->reference = *reference;
+    self->ring = bdf_ring_empty();
+    self->earlier = malloc(bytes);
+    self->row_pressure = malloc(bytes);
+    self->row_mass = malloc(bytes);
+    self->range = trained_range_create(model);
+    self->factors.coordinates = malloc(model->num_unknowns * sizeof(double));
+    whole = self->factors.coordinates && self->earlier && self->row_pressure && self->row_mass &&
+            self->range;
+    for (size_t i = 0; i < BDF_EARLIER; i++) {
+        self->mass[i] = malloc(bytes);
+        whole = whole && self->mass[i];
+    }
+    ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
+                              : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
+        status = earlier_film_init(&self->states[i], model, error);
+    if (status)
+        reduced_march_free(self);
+    else
+        *created = self;
+    return status;
+}
+
+reduced_solver *reduced_march_inner(reduced_march *self) {
+    return self->solver;
+}
+
+static earlier_film *state_before(reduced_march *self, size_t steps) {
+    return &self->states[self->ring.place[steps]];
+}
+
+static void add_effort(reduced_march *self, const reduced_info *info) {
+    self->effort.seconds_rows += info->seconds_rows;
+    self->effort.seconds_linear += info->seconds_linear;
+    self->effort.seconds_exit += info->seconds_exit;
+    self->effort.iterations += info->iterations;
+}
+
+// ---- trust
+
+/* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film that ruptures before the
+ * contact, where it has no boundary. */
+static void judge(march_step *outcome, const reduced_march *self, size_t exit,
+                  const ehd_contact *contact, double rate) {
+    const double rupture = -1e-4; // of the Hertz pressure
+    const reduced_model *model = self->model;
+
+    if (outcome->status) return;
+    outcome->reason = trained_range_check(self->range, contact->moes_M, contact->alpha_p_H, rate);
+    outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
+    if (!outcome->reason) outcome->reason = "";
+    if (exit <= model->least_exit || exit >= model->most_exit) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = "an exit boundary at the edge of the trained range";
+    }
+    for (size_t r = 0; r < model->num_rows; r++)
+        if (self->row_pressure[r] < rupture && model->row_node[r] < exit) {
+            outcome->status = EHD_UNTRUSTED;
+            outcome->reason = "a negative pressure before the exit boundary";
+        }
+}
+
+// ---- the start
+
+/* Solves the state being worked on, from where it stands. */
+static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
+                        const reduced_squeeze *squeeze, ehd_error *error) {
+    earlier_film *next = state_before(self, 0);
+    reduced_state state = {next->coordinates, next->exit};
+    ehd_status status = reduced_solve(info, &state, self->solver, contact, squeeze, error);
+
+    next->exit = state.exit;
+    add_effort(self, info);
+    return status;
+}
+
+/* Rescales the frame until the load of the given approach is the one that scales it: secants, for each of
+ * which the stationary problem with a given load is solved. */
+static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
+                            ehd_error *error) {
+    const size_t most_turns = 30;
+    double load = frame->load;
+    ehd_status status = EHD_OK;
+
+    for (size_t turn = 0; turn < most_turns; turn++) {
+        ehd_contact contact;
+        double values[NUM_VARY] = {[VARY_LOAD] = load,
+                                   [VARY_SPEED] = frame->speed,
+                                   [VARY_RADIUS] = frame->radius,
+                                   [VARY_MODULUS] = frame->modulus};
+        *frame = frame_at(frame->time, values, frame->approach);
+        frame_contact(&contact, frame, &self->reference);
+        status = solve(info, self, &contact, NULL, error);
+        if (status || info->status == EHD_NOT_CONVERGED) return status;
+        if (fabs(info->scalars.load - 1) < 1e-10) return EHD_OK;
+        load *= fmin(fmax(info->scalars.load, 0.8), 1.25);
+    }
+    info->status = EHD_NOT_CONVERGED;
+    info->reason = "approach out of reach";
+    return EHD_OK;
+}
+
+static void accept(void *solver);
+static void drop_factors(reduced_march *self);
+
+static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
+                        ehd_error *error) {
+    reduced_march *self = solver;
+    earlier_film *first = state_before(self, 0);
+    reduced_state state = {first->coordinates, 0};
+    reduced_info info = {.status = EHD_OK, .reason = ""};
+    ehd_contact contact;
+    ehd_status status = EHD_OK;
+
+    frame_contact(&contact, frame, &self->reference);
+    contact.closure = contact_load_closure(contact.kind);
+    reduced_guess(&state, self->model, contact.moes_M, contact.alpha_p_H);
+    first->exit = state.exit;
+    first->frame = *frame;
+    if (frame->speed > 0)
+        status = solve(&info, self, &contact, NULL, error);
+    else
+        info.scalars =
+            reduced_scalars(self->solver, &(reduced_state){first->coordinates, state.exit});
+    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
+        status = find_load(&info, self, &first->frame, error);
+    if (status) return status;
+    *outcome = (march_step){.status = info.status,
+                            .reason = info.reason,
+                            .frame = first->frame,
+                            .scalars = info.scalars,
+                            .iterations = info.iterations,
+                            .residual = info.residual};
+    if (info.status != EHD_NOT_CONVERGED) {
+        frame_contact(&contact, &first->frame, &self->reference);
+        reduced_row_values(self->row_pressure, NULL, self->solver, &contact);
+        judge(outcome, self, first->exit, &contact, 0);
+    }
+    self->ring.num_earlier = 0;
+    self->formula.rate = 0;
+    drop_factors(self);
+    accept(self);
+    return EHD_OK;
+}
+
+// ---- a step
+
+/* The coordinates go on as polynomials in time; the exit stays where it was. */
+static void predict(reduced_march *self) {
+    earlier_film *next = state_before(self, 0);
+
+    next->exit = state_before(self, 1)->exit;
+    memset(next->coordinates, 0, self->model->num_unknowns * sizeof(double));
+    for (size_t i = 0; i < self->ring.num_earlier; i++)
+        for (size_t j = 0; j < self->model->num_unknowns; j++)
+            next->coordinates[j] +=
+                self->formula.predictor[i] * state_before(self, i + 1)->coordinates[j];
+}
+
+static void carry_over(reduced_march *self, const contact_frame *frame) {
+    const reduced_model *model = self->model;
+    double start = program_seconds();
+
+    memset(self->earlier, 0, model->num_rows * sizeof(double));
+    for (size_t i = 0; i < self->ring.num_earlier; i++)
+        for (size_t r = 0; r < model->num_rows; r++) {
+            self->mass[i][r] = earlier_film_mass(state_before(self, i + 1), model->row_node[r],
+                                                 frame, model, self->splines, &self->reference);
+            self->earlier[r] += self->formula.weight[i] * self->mass[i][r];
+        }
+    self->effort.seconds_earlier += program_seconds() - start;
+}
+
+/* The formula's sum at a node of the band. */
+static double earlier_at(void *solver, size_t node) {
+    reduced_march *self = solver;
+    const contact_frame *now = &state_before(self, 0)->frame;
+    double sum = 0;
+
+    for (size_t i = 0; i < self->formula.order; i++)
+        sum += self->formula.weight[i] * earlier_film_mass(state_before(self, i + 1), node, now,
+                                                           self->model, self->splines,
+                                                           &self->reference);
+    return sum;
+}
+
+/* Largest local error of rho H at the rows' nodes with pressure (march_exit_margin), relative to the
+ * central film. */
+static double local_error(const reduced_march *self, size_t exit, double central_film) {
+    const ehd_grid *grid = &self->model->grid;
+    double largest = 0, end = grid_x(grid, exit) - march_exit_margin;
+
+    for (size_t r = 0; r < self->model->num_rows; r++) {
+        double mass = self->row_mass[r];
+        if (grid_x(grid, self->model->row_node[r]) >= end) continue;
+        for (size_t i = 0; i < self->ring.num_earlier; i++)
+            mass -= self->formula.predictor[i] * self->mass[i][r];
+        largest = fmax(largest, fabs(mass));
+    }
+    return self->formula.error * largest / central_film;
+}
+
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    reduced_march *self = solver;
+    earlier_film *next = state_before(self, 0);
+    double start = program_seconds();
+    ehd_contact contact;
+    reduced_info info;
+
+    self->formula = bdf_ring_formula(&self->ring, step);
+    next->frame = *frame;
+    frame_contact(&contact, frame, &self->reference);
+    carry_over(self, frame);
+    predict(self);
+    const reduced_squeeze squeeze = {self->formula.rate, self->earlier, earlier_at, self};
+    ehd_status status = solve(&info, self, &contact, &squeeze, error);
+    if (status) return status;
+    self->last_iterations = info.iterations;
+    self->own_jacobian = info.own_jacobian;
+    *outcome = (march_step){.status = info.status,
+                            .reason = info.reason,
+                            .scalars = info.scalars,
+                            .iterations = info.iterations,
+                            .residual = info.residual};
+    if (info.status != EHD_NOT_CONVERGED) {
+        reduced_row_values(self->row_pressure, self->row_mass, self->solver, &contact);
+        if (self->formula.error > 0)
+            outcome->local_error =
+                local_error(self, next->exit, info.scalars.central_film_thickness);
+        judge(outcome, self, next->exit, &contact,
+              frame_rate(frame, &state_before(self, 1)->frame));
+    }
+    self->effort.seconds += program_seconds() - start;
+    return EHD_OK;
+}
+
+// ---- kept factors
+
+/* Makes the factors at what self->factors says. */
+static void keep_factors(reduced_march *self) {
+    const reduced_state state = {self->factors.coordinates, self->factors.exit};
+    ehd_contact contact;
+
+    frame_contact(&contact, &self->factors.frame, &self->reference);
+    reduced_keep_factors(self->solver, &state, &contact, self->factors.rate);
+}
+
+/* Whether the factors still serve the next step, by how they did in this one. */
+static bool factors_serve(const reduced_march *self, size_t exit) {
+    const size_t most_iterations = 3;
+    const double most_rate_change = 0.25;
+
+    return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
+           exit == self->factors.exit &&
+           fabs(self->formula.rate / self->factors.rate - 1) < most_rate_change;
+}
+
+static void renew_factors(reduced_march *self, const earlier_film *solved) {
+    if (factors_serve(self, solved->exit)) return;
+    self->factors.valid = true;
+    self->factors.frame = solved->frame;
+    self->factors.rate = self->formula.rate;
+    self->factors.exit = solved->exit;
+    memcpy(self->factors.coordinates, solved->coordinates,
+           self->model->num_unknowns * sizeof(double));
+    keep_factors(self);
+}
+
+static void drop_factors(reduced_march *self) {
+    self->factors.valid = false;
+    reduced_drop_factors(self->solver);
+}
+
+static void accept(void *solver) {
+    reduced_march *self = solver;
+    earlier_film *solved = state_before(self, 0);
+    double start = program_seconds();
+
+    if (self->formula.rate > 0) renew_factors(self, solved);
+
+    earlier_film_prepare(solved, self->model, self->splines, &self->reference);
+    bdf_ring_accept(&self->ring, solved->frame.time);
+    self->effort.seconds += program_seconds() - start;
+}
+
+static void restart(void *solver) {
+    reduced_march *self = solver;
+
+    self->ring.num_earlier = 1;
+    drop_factors(self);
+}
+
+reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame) {
+    const earlier_film *last = &self->states[self->ring.place[1]];
+
+    if (frame) *frame = last->frame;
+    return (reduced_state){last->coordinates, last->exit};
+}
+
+reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
+    return self->effort;
+}
+
+// ---- saving
+
+enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
+
+static size_t saved_state_size(const reduced_march *self) {
+    return NUM_FRAME + 1 + self->model->num_unknowns;
+}
+
+/* Number of earlier states, they themselves, and what the kept factors were made at. */
+static size_t saved_size(const void *solver) {
+    const reduced_march *self = solver;
+
+    return 1 + BDF_EARLIER * saved_state_size(self) + 2 + saved_state_size(self);
+}
+
+static void save_state(double *target, const reduced_march *self, const contact_frame *frame,
+                       size_t exit, const double *coordinates) {
+    memcpy(target, frame, sizeof *frame);
+    target[NUM_FRAME] = (double)exit;
+    memcpy(target + NUM_FRAME + 1, coordinates, self->model->num_unknowns * sizeof(double));
+}
+
+static ehd_status restore_state(contact_frame *frame, size_t *exit, double *coordinates,
+                                const reduced_march *self, const double *source, ehd_error *error) {
+    const reduced_model *model = self->model;
+    double place = source[NUM_FRAME];
+
+    if (!(place >= (double)model->least_exit && place <= (double)model->most_exit))
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found the exit at node %g, expected %zu to %zu", place,
+                        model->least_exit, model->most_exit);
+    memcpy(frame, source, sizeof *frame);
+    *exit = (size_t)place;
+    memcpy(coordinates, source + NUM_FRAME + 1, model->num_unknowns * sizeof(double));
+    return EHD_OK;
+}
+
+static void save(double *saved, const void *solver) {
+    const reduced_march *self = solver;
+    double *factors = saved + 1 + BDF_EARLIER * saved_state_size(self);
+
+    memset(saved, 0, saved_size(self) * sizeof *saved);
+    saved[0] = (double)self->ring.num_earlier;
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        const earlier_film *earlier = &self->states[self->ring.place[i + 1]];
+        save_state(saved + 1 + i * saved_state_size(self), self, &earlier->frame, earlier->exit,
+                   earlier->coordinates);
+    }
+    factors[0] = self->factors.valid ? 1 : 0;
+    factors[1] = self->factors.rate;
+    if (self->factors.valid)
+        save_state(factors + 2, self, &self->factors.frame, self->factors.exit,
+                   self->factors.coordinates);
+}
+
+static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
+    reduced_march *self = solver;
+    const double *factors = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    ehd_status status = EHD_OK;
+
+    if (!(saved[0] >= 1 && saved[0] <= BDF_EARLIER))
+        return ehd_fail(error, EHD_DATA, "saved state: found %g earlier states, expected 1 to %d",
+                        saved[0], BDF_EARLIER);
+    for (size_t i = 0; i < (size_t)saved[0] && !status; i++) {
+        earlier_film *earlier = state_before(self, i + 1);
+        status = restore_state(&earlier->frame, &earlier->exit, earlier->coordinates, self,
+                               saved + 1 + i * saved_state_size(self), error);
+        if (status) break;
+        self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
+        earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
+    }
+    drop_factors(self);
+    if (!status && factors[0] == 1) {
+        status = restore_state(&self->factors.frame, &self->factors.exit, self->factors.coordinates,
+                               self, factors + 2, error);
+        self->factors.rate = factors[1];
+        self->factors.valid = !status;
+        if (!status) keep_factors(self);
+    }
+    self->ring.num_earlier = (size_t)saved[0];
+    return status;
+}
+
+static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
+    const reduced_march *self = solver;
+    reduced_state state = reduced_march_state(self, NULL);
+
+    return reduced_fields(pressure, film, &state, self->model, self->splines->pressure, error);
+}
+
+march_solver reduced_march_solver(reduced_march *self) {
+    return (march_solver){.self = self,
+                          .attempt = attempt,
+                          .accept = accept,
+                          .restart = restart,
+                          .start = start,
+                          .saved_size = saved_size,
+                          .save = save,
+                          .restore = restore,
+                          .fields = fields};
+}

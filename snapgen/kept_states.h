@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The few states of a trajectory that are kept as such, however many steps it has: at regular times, and
+ * where a quantity that limits the trained range is extreme. All others live on in compressed form. */
+#ifndef EHD_KEPT_STATES_H
+#define EHD_KEPT_STATES_H
+
+#include "common/time/march.h"
+#include <stdbool.h>
+
+enum {
+    KEPT_TIMES = 64,
+    KEPT_EXTREMES = 7, // least and most M, alpha p_H, exit; most rate
+    NUM_KEPT = KEPT_TIMES + KEPT_EXTREMES
+};
+
+typedef struct kept_state {
+    double time;
+    double rate; // frame_rate
+    double moes_M, moes_L, alpha_p_H, hertz_pressure;
+    contact_scalars scalars; // in the current frame
+    size_t exit;
+    size_t iterations;
+    double residual;
+    double *pressure, *film; // [num_nodes], NULL where no fields are kept
+} kept_state;
+
+typedef struct kept_states {
+    size_t num_nodes; // of the fields; 0: none are kept
+    double end_time;
+    size_t num_times; // regular ones so far
+    double extremes[KEPT_EXTREMES];
+    contact_frame last;
+    kept_state states[NUM_KEPT]; // the first one is the start
+} kept_states;
+
+ehd_status kept_states_init(kept_states *self, size_t num_nodes, double end_time,
+                            ehd_error *error); // free with kept_states_free
+void kept_states_free(kept_states *self);
+
+/* Looks at an accepted step, in order of time. */
+void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
+                          size_t exit, const double *pressure, const double *film);
+
+/* Fills the places that a march of few steps left empty with its last state. */
+void kept_states_complete(kept_states *self);
+
+#endif

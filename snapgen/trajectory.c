@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/trajectory.h"
+
+#include "fullrun/full_march.h"
+#include "romrun/reduced_march.h"
+#include "snapgen/pool.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const compressor_settings trajectory_compression = {.discarded_energy = 1e-22};
+
+/* The training on all trajectories. `model` NULL: by the full model. */
+typedef struct task {
+    const program *caller;
+    const training_set *set;
+    const reduced_model *model;
+    const film_splines *splines;
+    trajectories *result;
+    compressed_set *first, *second; // [num_trajectories] those that wait to be merged
+    bool *done;                     // [num_trajectories]
+    size_t num_merged;
+    snapshot_compressor *all_first, *all_second;
+    size_t num_done;
+    progress progress;
+} task;
+
+/* One trajectory under way. */
+typedef struct traveller {
+    const task *owner;
+    size_t number;
+    full_march *full;       // or
+    reduced_march *reduced; // the one of the two that is used
+    snapshot_compressor *first, *second;
+} traveller;
+
+void trajectories_free(trajectories *self) {
+    for (size_t t = 0; self->kept && t < self->num_trajectories; t++)
+        kept_states_free(&self->kept[t]);
+    free(self->kept);
+    free(self->failed);
+    compressed_set_free(&self->first);
+    compressed_set_free(&self->second);
+    memset(self, 0, sizeof *self);
+}
+
+static const ehd_contact *reference_of(const traveller *self) {
+    return &self->owner->set->trajectories[self->number].contact;
+}
+
+static ehd_status store_full(void *sink, const march_step *step, size_t index, ehd_error *error) {
+    traveller *self = sink;
+    const full_state *state = full_march_state(self->full, NULL);
+    (void)index;
+
+    kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
+                         state->exit, state->pressure, state->film);
+    return compressor_add(self->first, state->pressure, 1, error);
+}
+
+static ehd_status store_reduced(void *sink, const march_step *step, size_t index,
+                                ehd_error *error) {
+    traveller *self = sink;
+    (void)index, (void)error;
+
+    kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
+                         reduced_march_state(self->reduced, NULL).exit, NULL, NULL);
+    return EHD_OK;
+}
+
+static ehd_status observe(void *context, const double *residual, const double *step,
+                          ehd_error *error) {
+    traveller *self = context;
+    ehd_status status = compressor_add(self->first, residual, 1, error);
+
+    return status ? status : compressor_add(self->second, step, 1, error);
+}
+
+static ehd_status begin_full(traveller *self, const scene *given, ehd_error *error) {
+    full_settings settings = full_default_settings();
+    const ehd_contact *reference = reference_of(self);
+
+    settings.tolerance = 1e-12; // as for stationary points
+    ehd_status status =
+        full_march_create(&self->full, reference, &settings, given->start_film, error);
+    if (!status)
+        status = compressor_create(&self->first, reference->grid.num_nodes, &trajectory_compression,
+                                   error);
+    if (!status)
+        status = kept_states_init(&self->owner->result->kept[self->number],
+                                  reference->grid.num_nodes, given->end_time, error);
+    return status;
+}
+
+static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *error) {
+    const reduced_settings settings = reduced_default_settings();
+    const task *owner = self->owner;
+    size_t num_rows = owner->model->num_rows;
+    ehd_status status = reduced_march_create(&self->reduced, owner->model, owner->splines,
+                                             reference_of(self), &settings, error);
+
+    if (!status) status = compressor_create(&self->first, num_rows, &trajectory_compression, error);
+    if (!status)
+        status = compressor_create(&self->second, num_rows, &trajectory_compression, error);
+    if (!status)
+        status = kept_states_init(&owner->result->kept[self->number], 0, given->end_time, error);
+    if (!status) reduced_solver_observe(reduced_march_inner(self->reduced), observe, self);
+    return status;
+}
+
+static void end_traveller(traveller *self) {
+    full_march_free(self->full);
+    reduced_march_free(self->reduced);
+    compressor_free(self->first);
+    compressor_free(self->second);
+}
+
+static void name_trajectory(char name[POINT_NAME], const task *owner, size_t number) {
+    char point[POINT_NAME / 2];
+
+    snprintf(point, sizeof point, "M=%.6g L=%.6g", owner->set->trajectories[number].contact.moes_M,
+             owner->set->trajectories[number].contact.moes_L);
+    snprintf(name, POINT_NAME, "trajectory %zu (%s)", number + 1, point);
+}
+
+/* Marches to the end; *reason tells why it did not get there, "" when it did. */
+static ehd_status travel(char reason[MARCH_REASON], size_t *num_steps, traveller *self,
+                         const scene *given, ehd_error *error) {
+    march run = {.kind = reference_of(self)->kind,
+                 .solver = self->full ? full_march_solver(self->full)
+                                      : reduced_march_solver(self->reduced),
+                 .store = self->full ? store_full : store_reduced,
+                 .sink = self};
+    ehd_histories *histories = NULL;
+    march_step first;
+    ehd_status outcome = EHD_OK, status = histories_init(&histories, given, error);
+
+    reason[0] = '\0';
+    if (!status) {
+        run.histories = histories;
+        run.settings = march_settings_of(given, histories, given->approach);
+        status = march_begin(&first, &run, error);
+    }
+    if (!status && first.status == EHD_NOT_CONVERGED)
+        snprintf(reason, MARCH_REASON, "start: %s", first.reason);
+    if (!status && !reason[0]) status = run.store(self, &first, 0, error);
+    if (!status && !reason[0]) status = march_run(&outcome, &run, error);
+    if (!status && outcome) memcpy(reason, run.reason, MARCH_REASON);
+    *num_steps = (size_t)run.state.num_steps;
+    histories_free(histories);
+    return status;
+}
+
+static ehd_status solve_trajectory(void *shared, void *worker, size_t number, size_t parent,
+                                   ehd_error *error) {
+    task *owner = shared;
+    const scene *given = &owner->set->trajectories[number].scene;
+    traveller self = {.owner = owner, .number = number};
+    char reason[MARCH_REASON], name[POINT_NAME];
+    size_t num_steps = 0;
+    (void)worker, (void)parent;
+
+    ehd_status status =
+        owner->model ? begin_reduced(&self, given, error) : begin_full(&self, given, error);
+    if (!status) status = travel(reason, &num_steps, &self, given, error);
+    if (!status && reason[0]) {
+        name_trajectory(name, owner, number);
+        owner->result->failed[number] = true;
+        program_warn(owner->caller, "%s: not converged: %s", name, reason);
+    }
+    if (!status) {
+        kept_states_complete(&owner->result->kept[number]);
+        status = compressor_finish(&owner->first[number], self.first, error);
+    }
+    if (!status && self.second)
+        status = compressor_finish(&owner->second[number], self.second, error);
+    end_traveller(&self);
+    return status;
+}
+
+static ehd_status merge_one(snapshot_compressor *all, compressed_set *set, bool failed,
+                            ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (all && set->rank > 0 && !failed) status = compressor_merge(all, set, error);
+    compressed_set_free(set);
+    return status;
+}
+
+/* Merges those whose turn it is: in the order of the plan, so that threads change no result. */
+static ehd_status finish_trajectory(void *shared, void *worker, size_t number, size_t parent,
+                                    ehd_error *error) {
+    task *owner = shared;
+    trajectories *result = owner->result;
+    char name[POINT_NAME];
+    ehd_status status = EHD_OK;
+    (void)worker, (void)parent;
+
+    owner->done[number] = true;
+    result->num_failed += result->failed[number];
+    result->num_steps += owner->first[number].num_snapshots;
+    for (;
+         owner->num_merged < result->num_trajectories && owner->done[owner->num_merged] && !status;
+         owner->num_merged++) {
+        size_t t = owner->num_merged;
+        status = merge_one(owner->all_first, &owner->first[t], result->failed[t], error);
+        if (!status)
+            status = merge_one(owner->all_second, &owner->second[t], result->failed[t], error);
+    }
+    name_trajectory(name, owner, number);
+    progress_show(&owner->progress, ++owner->num_done, name);
+    return status;
+}
+
+static ehd_status begin_nothing(void **worker, void *shared, ehd_error *error) {
+    (void)shared, (void)error;
+    *worker = NULL;
+    return EHD_OK;
+}
+
+static void end_nothing(void *worker) {
+    (void)worker;
+}
+
+static ehd_status run_pool(task *self, size_t num_workers, ehd_error *error) {
+    size_t num = self->result->num_trajectories;
+    size_t *parent = malloc(num * sizeof *parent), *order = malloc(num * sizeof *order);
+    ehd_status status = EHD_OK;
+
+    if (!parent || !order) status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+    for (size_t t = 0; t < num && !status; t++) {
+        parent[t] = NO_PARENT;
+        order[t] = t;
+    }
+    if (!status) {
+        const pool_work work = {.num_points = num,
+                                .parent = parent,
+                                .order = order,
+                                .num_workers = num_workers,
+                                .shared = self,
+                                .begin = begin_nothing,
+                                .end = end_nothing,
+                                .solve = solve_trajectory,
+                                .finish = finish_trajectory};
+        progress_start(&self->progress, self->caller, num);
+        status = pool_run(&work, error);
+        progress_finish(&self->progress);
+    }
+    free(parent);
+    free(order);
+    return status;
+}
+
+static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_error *error) {
+    size_t num = self->set->num_trajectories;
+    size_t width = self->model ? self->model->num_rows : self->set->grid.num_nodes;
+    ehd_status status = EHD_OK;
+
+    memset(result, 0, sizeof *result);
+    self->result = result;
+    result->num_trajectories = num;
+    result->kept = calloc(num, sizeof *result->kept);
+    result->failed = calloc(num, sizeof *result->failed);
+    self->first = calloc(num, sizeof *self->first);
+    self->second = calloc(num, sizeof *self->second);
+    self->done = calloc(num, sizeof *self->done);
+    if (!result->kept || !result->failed || !self->first || !self->second || !self->done)
+        status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+    if (!status)
+        status = compressor_create(&self->all_first, width, &trajectory_compression, error);
+    if (!status && self->model)
+        status = compressor_create(&self->all_second, width, &trajectory_compression, error);
+    if (!status) status = run_pool(self, num_workers, error);
+    if (!status) status = compressor_finish(&result->first, self->all_first, error);
+    if (!status && self->model)
+        status = compressor_finish(&result->second, self->all_second, error);
+    for (size_t t = 0; t < num; t++) {
+        if (self->first) compressed_set_free(&self->first[t]);
+        if (self->second) compressed_set_free(&self->second[t]);
+    }
+    free(self->first);
+    free(self->second);
+    free(self->done);
+    compressor_free(self->all_first);
+    compressor_free(self->all_second);
+    if (status) trajectories_free(result);
+    return status;
+}
+
+ehd_status trajectories_train(trajectories *result, const program *caller, const training_set *set,
+                              size_t num_workers, ehd_error *error) {
+    task self = {.caller = caller, .set = set};
+
+    return run(result, &self, num_workers, error);
+}
+
+ehd_status trajectories_repeat(trajectories *result, const program *caller, const training_set *set,
+                               const reduced_model *model, const film_splines *splines,
+                               size_t num_workers, ehd_error *error) {
+    task self = {.caller = caller, .set = set, .model = model, .splines = splines};
+
+    return run(result, &self, num_workers, error);
+}

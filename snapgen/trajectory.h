@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Training on trajectories: every step of a transient scene is a snapshot, compressed as it comes, so
+ * that neither memory nor files grow with the number of steps. */
+#ifndef EHD_TRAJECTORY_H
+#define EHD_TRAJECTORY_H
+
+#include "common/program/program.h"
+#include "podbuild/compress.h"
+#include "romrun/film_splines.h"
+#include "romrun/reduced_solver.h"
+#include "snapgen/kept_states.h"
+#include "snapgen/training_set.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What trajectories leave behind. */
+typedef struct trajectories {
+    size_t num_trajectories, num_failed;
+    kept_states *kept; // [num_trajectories]
+    bool *failed;      // [num_trajectories]; nothing of a failed one is kept
+    size_t num_steps;
+    // merged in the order of the plan, whatever the number of threads
+    compressed_set first, second; // pressure and nothing; or D f and D J dz
+} trajectories;
+
+void trajectories_free(trajectories *self);
+
+/* Singular values below 1e-11 of the first are left out of the compressed snapshots. */
+extern const compressor_settings trajectory_compression;
+
+/* With the full model. A trajectory that does not reach its end is a warning and counted. */
+ehd_status trajectories_train(
+    // output:
+    trajectories *self, // free with trajectories_free
+    // input:
+    const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
+
+/* With the projected system: `model` has all rows. */
+ehd_status trajectories_repeat(trajectories *self, const program *caller, const training_set *set,
+                               const reduced_model *model, const film_splines *splines,
+                               size_t num_workers, ehd_error *error);
+
+#endif
