@@ -123,7 +123,7 @@ const setting scene_settings[] = {
     {"transient.end_time", REAL(end_time), NULL, NULL, 1e-9, 1e12, "1",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
     {"transient.tolerance", REAL(tolerance), "1e-4", NULL, 1e-12, 0.1, "1",
-     "Local error of a time step, relative to the central film", IN_TIME, false},
+     "Accuracy of the time steps: thirty times the local error of one, relative to the central film", IN_TIME, false},
     {"transient.fixed_step", REAL(fixed_step), NULL, NULL, 1e-9, 1e12, "1",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(start_film), NULL, NULL, 1e-9, 1, "1",
