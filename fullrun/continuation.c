@@ -16,7 +16,7 @@ void full_start_dry(full_state *state, full_solver *solver, const ehd_contact *c
     const ehd_grid *grid = &contact->grid;
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
-    state->entry = 1;
+    memset(state->ruptured, 0, grid->num_nodes * sizeof *state->ruptured);
     state->exit = grid->num_nodes - 1;
     for (size_t k = 1; k <= grid->num_inner; k++) {
         double x = grid_x(grid, k);

@@ -41,7 +41,7 @@ static double deflection_beyond(const earlier_state *self, const ehd_contact *re
     const ehd_grid *grid = &reference->grid;
     double sum = self->state.rigid_approach;
 
-    for (size_t k = self->state.entry; k < self->state.exit; k++)
+    for (size_t k = 1; k < self->state.exit; k++)
         sum += self->state.pressure[k] *
                reference->kind->kernel(fabs(x - grid_x(grid, k)), grid->step);
     return sum;

@@ -189,8 +189,9 @@ static void predict(full_march *self, const bdf_formula *formula) {
     full_state *state = &state_before(self, 0)->state;
 
     full_state_copy(state, &state_before(self, 1)->state, &self->reference.grid);
-    for (size_t k = state->entry; k < state->exit; k++) {
+    for (size_t k = 1; k < state->exit; k++) {
         double pressure = 0;
+        if (state->ruptured[k]) continue;
         for (size_t i = 0; i < self->ring.num_earlier; i++)
             pressure += formula->predictor[i] * state_before(self, i + 1)->state.pressure[k];
         state->pressure[k] = fmax(pressure, 0);
@@ -222,8 +223,9 @@ static double local_error(const full_march *self, const bdf_formula *formula,
 
     if (!(formula->error > 0)) return 0;
     double end = grid_x(&contact->grid, state->exit) - march_exit_margin;
-    for (size_t k = state->entry; k < state->exit && self->nodes[k] < end; k++) {
+    for (size_t k = 1; k < state->exit && self->nodes[k] < end; k++) {
         double mass = state->film[k];
+        if (state->ruptured[k]) continue;
         if (law)
             mass *= law->relative_density(fmax(state->pressure[k], 0) * contact->hertz_pressure,
                                           &ignored);
@@ -288,7 +290,9 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 // ---- saving
 
-enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double), NUM_STATE_SCALARS = 3 };
+enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double), NUM_STATE_SCALARS = 2 };
+
+static const double RUPTURED = -1; // in place of a pressure, which is never so low
 
 static size_t saved_state_size(const full_march *self) {
     return NUM_FRAME + NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes;
@@ -312,10 +316,10 @@ static void save(double *saved, const void *solver) {
         memcpy(target, &earlier->frame, sizeof earlier->frame);
         target += NUM_FRAME;
         target[0] = earlier->state.rigid_approach;
-        target[1] = (double)earlier->state.entry;
-        target[2] = (double)earlier->state.exit;
+        target[1] = (double)earlier->state.exit;
         target += NUM_STATE_SCALARS;
-        memcpy(target, earlier->state.pressure, num_nodes * sizeof(double));
+        for (size_t k = 0; k < num_nodes; k++)
+            target[k] = earlier->state.ruptured[k] ? RUPTURED : earlier->state.pressure[k];
         memcpy(target + num_nodes, earlier->state.film, num_nodes * sizeof(double));
     }
 }
@@ -334,15 +338,17 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
         memcpy(&earlier->frame, source, sizeof earlier->frame);
         self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
         source += NUM_FRAME;
-        if (!(source[1] >= 1 && source[2] > source[1] && source[2] < (double)num_nodes))
+        if (!(source[1] > 1 && source[1] < (double)num_nodes))
             return ehd_fail(error, EHD_DATA,
-                            "restart: found pressure from node %g to %g, expected both on the grid",
-                            source[1], source[2]);
+                            "restart: found the exit at node %g, expected it on the grid",
+                            source[1]);
         earlier->state.rigid_approach = source[0];
-        earlier->state.entry = (size_t)source[1];
-        earlier->state.exit = (size_t)source[2];
+        earlier->state.exit = (size_t)source[1];
         source += NUM_STATE_SCALARS;
-        memcpy(earlier->state.pressure, source, num_nodes * sizeof(double));
+        for (size_t k = 0; k < num_nodes; k++) {
+            earlier->state.ruptured[k] = source[k] == RUPTURED;
+            earlier->state.pressure[k] = earlier->state.ruptured[k] ? 0 : source[k];
+        }
         memcpy(earlier->state.film, source + num_nodes, num_nodes * sizeof(double));
         earlier_prepare(earlier, self->earlier, &self->reference, self->nodes);
     }

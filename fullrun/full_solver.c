@@ -20,7 +20,10 @@ struct full_solver {
     double *step;               // [num_nodes]
     double *step_film;          // [num_nodes]
     double *fluid_memory;       // [4, num_nodes]
-    reynolds_fluid fluid;       // views of fluid_memory
+    size_t num_unknowns;        // as in full_system
+    size_t *unknown, *place;    // [num_nodes]
+    unsigned char *flips; // [num_nodes] how often a node has lost or got pressure in this solve
+    reynolds_fluid fluid; // views of fluid_memory
 };
 
 full_settings full_default_settings(void) {
@@ -42,6 +45,9 @@ full_solver *full_solver_free(full_solver *self) {
         free(self->step);
         free(self->step_film);
         free(self->fluid_memory);
+        free(self->unknown);
+        free(self->place);
+        free(self->flips);
         free(self);
     }
     return NULL;
@@ -67,8 +73,12 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->step = malloc(num_nodes * sizeof(double));
     self->step_film = malloc(num_nodes * sizeof(double));
     self->fluid_memory = malloc(4 * num_nodes * sizeof(double));
+    self->unknown = malloc(num_nodes * sizeof *self->unknown);
+    self->place = malloc(num_nodes * sizeof *self->place);
+    self->flips = malloc(num_nodes * sizeof *self->flips);
     if (!self->deflection || !self->workspace || !self->stencils || !self->rows ||
-        !self->row_scale || !self->step || !self->step_film || !self->fluid_memory) {
+        !self->row_scale || !self->step || !self->step_film || !self->fluid_memory ||
+        !self->unknown || !self->place || !self->flips) {
         full_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
     }
@@ -86,9 +96,9 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
     memset(state, 0, sizeof *state);
     state->pressure = calloc(grid->num_nodes, sizeof(double));
     state->film = calloc(grid->num_nodes, sizeof(double));
-    state->entry = 1;
+    state->ruptured = calloc(grid->num_nodes, sizeof *state->ruptured);
     state->exit = grid->num_nodes - 1;
-    if (!state->pressure || !state->film) {
+    if (!state->pressure || !state->film || !state->ruptured) {
         full_state_free(state);
         return ehd_fail(error, EHD_MEMORY, "state: found no memory for %zu nodes", grid->num_nodes);
     }
@@ -98,15 +108,21 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
 void full_state_free(full_state *state) {
     free(state->pressure);
     free(state->film);
+    free(state->ruptured);
     state->pressure = state->film = NULL;
+    state->ruptured = NULL;
 }
 
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid) {
     memcpy(target->pressure, source->pressure, grid->num_nodes * sizeof(double));
     memcpy(target->film, source->film, grid->num_nodes * sizeof(double));
     target->rigid_approach = source->rigid_approach;
-    target->entry = source->entry;
     target->exit = source->exit;
+    memcpy(target->ruptured, source->ruptured, grid->num_nodes * sizeof *target->ruptured);
+}
+
+bool full_has_pressure(const full_state *state, size_t node) {
+    return node >= 1 && node < state->exit && !state->ruptured[node];
 }
 
 void full_film(full_state *state, full_solver *self) {
@@ -122,7 +138,7 @@ static double closure_residual(const full_solver *self, const full_state *state,
                                const contact_closure *closure) {
     double sum = 0, step = self->grid.step;
 
-    for (size_t k = state->entry; k < state->exit; k++)
+    for (size_t k = 1; k < state->exit; k++)
         sum += state->pressure[k];
     return closure->by_load * sum +
            (closure->by_approach * state->rigid_approach - closure->value) / step;
@@ -165,7 +181,7 @@ static double scale_rows(full_solver *self, const full_state *state,
 
     for (size_t r = 0; r < self->grid.num_inner; r++) {
         self->row_scale[r] = 1 / row_magnitude(self, r);
-        if (r + 1 >= state->entry && r + 1 < state->exit)
+        if (full_has_pressure(state, r + 1))
             largest = fmax(largest, fabs(self->rows[r].residual * self->row_scale[r]));
     }
     return largest;
@@ -207,15 +223,6 @@ static size_t first_negative(const full_solver *self, const full_state *state, d
     return node;
 }
 
-/* The same before the contact centre: the last node with negative pressure, or the one before `entry`. */
-static size_t last_negative(const full_solver *self, const full_state *state, double threshold) {
-    size_t node = (size_t)floor(-self->grid.x_min / self->grid.step) + 1;
-
-    while (node >= state->entry && state->pressure[node] >= -threshold)
-        node--;
-    return node;
-}
-
 static size_t longest_stride(const full_solver *self) {
     return (size_t)(LONGEST_STRIDE / self->grid.step) + 1;
 }
@@ -245,36 +252,8 @@ static size_t adapt_exit(const full_solver *self, const full_state *state, doubl
     return exit;
 }
 
-/* With a film that varies in time there is no such flux: both ends of the pressurised zone go by the
- * multiplier's and the pressure's sign at each node (primal-dual active set). */
-static size_t adapt_exit_in_time(const full_solver *self, const full_state *state) {
-    const double threshold = 0.1 * self->settings.tolerance;
-    size_t exit = state->exit, last = self->grid.num_nodes - 1;
-    size_t end = exit + longest_stride(self) < last ? exit + longest_stride(self) : last;
-    size_t negative = first_negative(self, state, threshold);
-
-    if (negative < exit) return negative;
-    while (exit < end && wants_pressure(self, exit, threshold))
-        exit++;
-    return exit;
-}
-
-static size_t adapt_entry_in_time(const full_solver *self, const full_state *state) {
-    const double threshold = 0.1 * self->settings.tolerance;
-    size_t entry = state->entry, stride = longest_stride(self);
-    size_t end = entry > stride ? entry - stride : 1;
-    size_t negative = last_negative(self, state, threshold);
-
-    if (negative >= entry) return negative + 1;
-    while (entry > end && wants_pressure(self, entry - 1, threshold))
-        entry--;
-    return entry;
-}
-
-static void set_zone(full_state *state, size_t entry, size_t exit, const ehd_grid *grid) {
-    state->entry = entry;
+static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
     state->exit = exit;
-    memset(state->pressure, 0, entry * sizeof(double));
     memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
 }
 
@@ -326,8 +305,9 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
     size_t iterations = 0;
     full_system system = {.grid = &self->grid,
                           .deflection = self->deflection,
-                          .entry = state->entry,
-                          .exit = state->exit,
+                          .num_unknowns = self->num_unknowns,
+                          .unknown = self->unknown,
+                          .place = self->place,
                           .stencils = self->stencils,
                           .rows = self->rows,
                           .row_scale = self->row_scale,
@@ -348,7 +328,7 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
         info->reason = "film driven to zero, as by too coarse a grid";
         return EHD_NOT_CONVERGED;
     }
-    for (size_t k = state->entry; k < state->exit; k++)
+    for (size_t k = 1; k < state->exit; k++) // without pressure there is no step
         state->pressure[k] += *factor * system.step[k];
     state->rigid_approach += *factor * system.step_approach;
     return EHD_OK;
@@ -359,34 +339,64 @@ static double complementarity(const full_solver *self, const full_state *state) 
     double worst = 0;
 
     for (size_t k = 1; k <= self->grid.num_inner; k++)
-        if (k >= state->entry && k < state->exit)
+        if (full_has_pressure(state, k))
             worst = fmax(worst, -state->pressure[k]);
         else
             worst = fmax(worst, self->rows[k - 1].residual * self->row_scale[k - 1]);
     return worst;
 }
 
-/* The pressurised zone and its watches. */
-typedef struct zone {
-    size_t entry, exit;
-    exit_watch entry_watch, exit_watch;
-    bool entry_settled, exit_settled;
-} zone;
+static const unsigned char MOST_FLIPS = 4;
+static const double IN_TIME_NOISE = 1e-9; // of the Hertz pressure, scaled multipliers being alike
 
-static void adapt_zone(zone *next, const full_solver *self, const full_state *state,
-                       const ehd_contact *contact, const reynolds_squeeze *squeeze) {
-    next->entry = state->entry;
-    next->exit = state->exit;
-    if (!next->exit_settled) {
-        next->exit = squeeze ? adapt_exit_in_time(self, state)
-                             : adapt_exit(self, state, contact->entrainment);
-        next->exit_settled = exit_cycles(&next->exit_watch, next->exit);
-        if (next->exit_settled && next->exit > state->exit) next->exit = state->exit;
+/* With a film that varies in time the flux is not one number, and the pressurised zone may have holes: each
+ * node goes by the sign of its pressure or multiplier (primal-dual active set). One that keeps changing
+ * is undecided by less than the grid can tell, and stays without pressure. */
+static bool adapt_nodes(full_solver *self, full_state *state) {
+    size_t last = 0;
+    bool changed = false;
+
+    for (size_t k = 1; k <= self->grid.num_inner; k++) {
+        bool open = full_has_pressure(state, k), wanted = open;
+        if (open)
+            wanted = state->pressure[k] >= -IN_TIME_NOISE;
+        else if (self->flips[k] < MOST_FLIPS)
+            wanted = wants_pressure(self, k, IN_TIME_NOISE);
+        if (wanted != open) {
+            self->flips[k]++;
+            changed = true;
+        }
+        self->place[k] = wanted; // the old zone is still asked for the nodes that follow
+        if (wanted) last = k;
     }
-    if (squeeze && !next->entry_settled) {
-        next->entry = adapt_entry_in_time(self, state);
-        next->entry_settled = exit_cycles(&next->entry_watch, next->entry);
-        if (next->entry_settled && next->entry < state->entry) next->entry = state->entry;
+    if (!changed) return false;
+    state->exit = last + 1;
+    for (size_t k = 1; k <= self->grid.num_inner; k++) {
+        state->ruptured[k] = k < state->exit && !self->place[k];
+        if (!self->place[k]) state->pressure[k] = 0;
+    }
+    return true;
+}
+
+/* Moves the boundaries of the pressurised zone; true where they moved. */
+static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
+                       const ehd_contact *contact, const reynolds_squeeze *squeeze) {
+    if (squeeze) return adapt_nodes(self, state);
+    if (*settled) return false;
+    size_t exit = adapt_exit(self, state, contact->entrainment);
+    *settled = exit_cycles(watch, exit);
+    if (*settled && exit > state->exit) exit = state->exit;
+    if (exit == state->exit) return false;
+    set_exit(state, exit, &self->grid);
+    return true;
+}
+
+static void list_unknowns(full_solver *self, const full_state *state) {
+    self->num_unknowns = 0;
+    for (size_t k = 0; k < self->grid.num_nodes; k++) {
+        bool open = full_has_pressure(state, k);
+        self->place[k] = open ? self->num_unknowns : NO_NODE;
+        if (open) self->unknown[self->num_unknowns++] = k;
     }
 }
 
@@ -399,11 +409,12 @@ static void evaluate(full_info *info, full_solver *self, const ehd_contact *cont
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
                          const ehd_contact *contact, const reynolds_squeeze *squeeze,
                          ehd_error *error) {
-    zone next = {.entry_watch = {state->entry, state->entry, 0},
-                 .exit_watch = {state->exit, state->exit, 0}};
+    exit_watch watch = {state->exit, state->exit, 0};
     double factor = 1;
+    bool settled = false;
     ehd_error ignored;
 
+    memset(self->flips, 0, self->grid.num_nodes * sizeof *self->flips);
     for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
         double before = program_seconds();
         evaluate(info, self, contact, squeeze, state);
@@ -412,9 +423,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             return EHD_OK;
         }
         // the zone follows the linearised pressure, so only once there was a step
-        if (iteration > 0) adapt_zone(&next, self, state, contact, squeeze);
-        if (iteration > 0 && (next.entry != state->entry || next.exit != state->exit)) {
-            set_zone(state, next.entry, next.exit, &self->grid);
+        if (iteration > 0 && adapt_zone(&watch, &settled, self, state, contact, squeeze)) {
             evaluate(info, self, contact, squeeze, state);
         } else if (iteration > 0 && info->residual < self->settings.tolerance) {
             info->status = EHD_OK;
@@ -427,6 +436,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         if (iteration == self->settings.max_iterations || program_interrupted()) break;
 
         before = program_seconds();
+        list_unknowns(self, state);
         ehd_status status = newton_step(&factor, info, state, self, &contact->closure, &ignored);
         info->seconds_linear += program_seconds() - before;
         info->newton_iterations++;

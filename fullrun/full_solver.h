@@ -13,12 +13,17 @@
 
 /* A state of the contact on its grid. */
 typedef struct full_state {
-    double *pressure; // [num_nodes], zero at the boundary nodes, before `entry` and from `exit` on
+    double *pressure; // [num_nodes], zero at the boundary nodes, where ruptured and from `exit` on
     double *film;     // [num_nodes]
     double rigid_approach;
-    size_t entry; // first node with pressure; 1 unless the contact shrinks faster than it entrains
-    size_t exit;  // node where the film ruptures: the first without pressure, at most num_nodes - 1
+    size_t exit; // node where the film ruptures: behind it none has pressure, at most num_nodes - 1
+    bool *
+        ruptured; // [num_nodes] nodes before the exit without pressure: there are some only in time,
+                  // where the contact shrinks faster than it entrains
 } full_state;
+
+/* Whether a node carries pressure. */
+bool full_has_pressure(const full_state *state, size_t node);
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
@@ -49,11 +54,13 @@ typedef struct full_settings {
 
 full_settings full_default_settings(void);
 
-/* The linearised problem of one Newton step: unknowns are P at nodes entry … exit-1, then H0. */
+/* The linearised problem of one Newton step: unknowns are P at the nodes with pressure, then H0. */
 struct full_system {
     const ehd_grid *grid;
     ehd_deflection *deflection;
-    size_t entry, exit;
+    size_t num_unknowns;   // nodes with pressure
+    const size_t *unknown; // [num_unknowns] they themselves, ascending
+    const size_t *place;   // [num_nodes] their places in `unknown`, NO_NODE for all others
     const reynolds_stencil *stencils; // [num_inner], row r belongs to node r + 1
     const reynolds_row *rows;         // [num_inner], those of the unknowns' nodes count
     const double *row_scale;          // [num_inner], 1 / largest entry of the row

@@ -30,6 +30,7 @@ struct gmres_workspace {
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
+    double *window; // [2 near_field + NUM_STENCIL] a row's values by node
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -46,6 +47,7 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
         free(self->row_start);
         free(self->column);
         free(self->value);
+        free(self->window);
         free(self->solve_work);
         free(self->solve_index);
         free(self);
@@ -68,11 +70,12 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     self->row_start = malloc((size + 1) * sizeof(int));
     self->column = malloc(self->capacity * sizeof(int));
     self->value = malloc(self->capacity * sizeof(double));
+    self->window = malloc((2 * near_field + NUM_STENCIL) * sizeof(double));
     self->solve_work = malloc(5 * size * sizeof(double));
     self->solve_index = malloc(size * sizeof(int));
     if (!self->krylov || !self->vector || !self->spread || !self->response || !self->approach ||
-        !self->border || !self->row_start || !self->column || !self->value || !self->solve_work ||
-        !self->solve_index)
+        !self->border || !self->row_start || !self->column || !self->value || !self->window ||
+        !self->solve_work || !self->solve_index)
         return gmres_workspace_free(self);
     return self;
 }
@@ -80,15 +83,16 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
 /* y = J x on the passive unknowns, exact: rows and one FFT convolution. */
 static void apply_jacobian(double *y, const double *x, full_system *system) {
     gmres_workspace *work = system->workspace;
-    size_t entry = system->entry, num_passive = system->exit - entry;
+    size_t num_passive = system->num_unknowns;
     double sum = 0;
 
     memset(work->spread, 0, system->grid->num_nodes * sizeof(double));
-    memcpy(work->spread + entry, x, num_passive * sizeof(double));
+    for (size_t i = 0; i < num_passive; i++)
+        work->spread[system->unknown[i]] = x[i];
     deflection_apply(work->response, system->deflection, work->spread);
     for (size_t i = 0; i < num_passive; i++) {
-        const reynolds_row *row = &system->rows[entry - 1 + i];
-        const reynolds_stencil *stencil = &system->stencils[entry - 1 + i];
+        const reynolds_row *row = &system->rows[system->unknown[i] - 1];
+        const reynolds_stencil *stencil = &system->stencils[system->unknown[i] - 1];
         double product = 0;
         for (int a = 0; a < NUM_STENCIL; a++) {
             size_t node = stencil->node[a];
@@ -96,7 +100,7 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
             product += row->by_pressure[a] * work->spread[node] +
                        row->by_film[a] * (work->response[node] + x[num_passive]);
         }
-        y[i] = product * system->row_scale[entry - 1 + i];
+        y[i] = product * system->row_scale[system->unknown[i] - 1];
         sum += x[i];
     }
     y[num_passive] = system->closure_approach * x[num_passive] + system->closure_load * sum;
@@ -109,18 +113,17 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
     const reynolds_stencil *stencil = &system->stencils[row_node - 1];
     const double *kernel = deflection_kernel(system->deflection);
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
-    const ptrdiff_t entry = (ptrdiff_t)system->entry, end = (ptrdiff_t)system->exit - 1;
+    const ptrdiff_t num_inner = (ptrdiff_t)system->grid->num_inner;
     const double far = kernel[system->near_field + 1];
     ptrdiff_t here = (ptrdiff_t)row_node;
-    ptrdiff_t first = here - 2 - m < entry ? entry : here - 2 - m;
-    ptrdiff_t last = here + 1 + m > end ? end : here + 1 + m;
+    ptrdiff_t first = here - 2 - m < 1 ? 1 : here - 2 - m;
+    ptrdiff_t last = here + 1 + m > num_inner ? num_inner : here + 1 + m;
+    double *window = ((gmres_workspace *)system->workspace)->window; // by node
+    int count = 0;
     double scale = system->row_scale[row_node - 1];
 
     *approach = 0;
-    for (ptrdiff_t node = first; node <= last; node++) {
-        column[node - first] = (int)(node - entry);
-        value[node - first] = 0;
-    }
+    memset(window, 0, (size_t)(last - first + 1) * sizeof *window);
     for (int a = 0; a < NUM_STENCIL; a++) {
         ptrdiff_t node = (ptrdiff_t)stencil->node[a];
         if (stencil->node[a] == NO_NODE) continue;
@@ -128,22 +131,27 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
         ptrdiff_t high = node + m > last ? last : node + m;
         double by_film = row->by_film[a] * scale;
         for (ptrdiff_t j = low; j <= high; j++)
-            value[j - first] += by_film * (kernel[labs(j - node)] - far);
-        if (node >= entry && node <= end) value[node - first] += row->by_pressure[a] * scale;
+            window[j - first] += by_film * (kernel[labs(j - node)] - far);
+        if (node >= 1 && node <= num_inner) window[node - first] += row->by_pressure[a] * scale;
         *approach += by_film;
     }
-    return (int)(last - first + 1);
+    for (ptrdiff_t node = first; node <= last; node++) {
+        if (system->place[node] == NO_NODE) continue;
+        column[count] = (int)system->place[node];
+        value[count++] = window[node - first];
+    }
+    return count;
 }
 
 static void assemble_near_field(full_system *system) {
     gmres_workspace *work = system->workspace;
-    size_t num_passive = system->exit - system->entry;
+    size_t num_passive = system->num_unknowns;
     int count = 0;
 
     for (size_t i = 0; i < num_passive; i++) {
         work->row_start[i] = count;
         count += fill_near_row(work->column + count, work->value + count, work->approach + i,
-                               system, system->entry + i);
+                               system, system->unknown[i]);
     }
     work->row_start[num_passive] = count;
 }
@@ -151,7 +159,7 @@ static void assemble_near_field(full_system *system) {
 /* Factors of the band; NULL when singular or out of memory. */
 static void *factorise(const full_system *system, double *control) {
     const gmres_workspace *work = system->workspace;
-    int size = (int)(system->exit - system->entry);
+    int size = (int)system->num_unknowns;
     void *symbolic = NULL, *numeric = NULL;
 
     umfpack_di_defaults(control);
@@ -185,7 +193,7 @@ static bool solve_border(const full_system *system, void *numeric, const double 
 
     if (!solve_band(work->border, work->approach, work, numeric, control)) return false;
     double sum = 0;
-    for (size_t i = 0; i < system->exit - system->entry; i++)
+    for (size_t i = 0; i < system->num_unknowns; i++)
         sum += work->border[i];
     work->border_pivot = system->closure_load * sum - system->closure_approach;
     return isfinite(work->border_pivot) && work->border_pivot != 0;
@@ -195,7 +203,7 @@ static bool solve_border(const full_system *system, void *numeric, const double 
 static void precondition(double *y, const double *x, const full_system *system, void *numeric,
                          const double *control) {
     gmres_workspace *work = system->workspace;
-    size_t num_passive = system->exit - system->entry;
+    size_t num_passive = system->num_unknowns;
     double sum = 0;
 
     solve_band(y, x, work, numeric, control);
@@ -246,8 +254,7 @@ static void extend_krylov(gmres_workspace *work, hessenberg *h, size_t k, size_t
 ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *iterations,
                             ehd_error *error) {
     gmres_workspace *work = system->workspace;
-    size_t entry = system->entry, num_passive = system->exit - entry;
-    size_t size = num_passive + 1, k = 0;
+    size_t num_passive = system->num_unknowns, size = num_passive + 1, k = 0;
     double control[UMFPACK_CONTROL];
     hessenberg h;
 
@@ -261,7 +268,8 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     // right preconditioning, so that the monitored residual is the true one
     double *first = work->krylov;
     for (size_t i = 0; i < num_passive; i++)
-        first[i] = -system->rows[entry - 1 + i].residual * system->row_scale[entry - 1 + i];
+        first[i] = -system->rows[system->unknown[i] - 1].residual *
+                   system->row_scale[system->unknown[i] - 1];
     first[num_passive] = -system->closure_residual;
     double start = cblas_dnrm2((int)size, first, 1);
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
@@ -288,7 +296,8 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     umfpack_di_free_numeric(&numeric);
 
     memset(system->step, 0, system->grid->num_nodes * sizeof(double));
-    memcpy(system->step + entry, work->vector, num_passive * sizeof(double));
+    for (size_t i = 0; i < num_passive; i++)
+        system->step[system->unknown[i]] = work->vector[i];
     system->step_approach = work->vector[num_passive];
     return EHD_OK;
 }

@@ -12,7 +12,7 @@ typedef struct film_row {
 } film_row;
 
 static void fill_film_rows(film_row *film, const full_system *system) {
-    for (size_t r = 0; r + 1 < system->exit; r++)
+    for (size_t r = 0; r < system->num_unknowns; r++)
         for (int a = 0; a < NUM_STENCIL; a++) {
             size_t node = system->stencils[r].node[a];
             film[r].weight[a] =
@@ -46,19 +46,19 @@ static void fill_pressure_columns(double *matrix, const film_row *film, const do
 }
 
 static void add_pressure_stencils(double *matrix, const full_system *system) {
-    size_t size = system->exit;
+    size_t size = system->num_unknowns + 1;
 
     for (size_t r = 0; r + 1 < size; r++)
         for (int a = 0; a < NUM_STENCIL; a++) {
             size_t node = system->stencils[r].node[a];
-            if (node == NO_NODE || node == 0 || node >= system->exit) continue;
+            if (node == NO_NODE || node == 0 || node >= system->num_unknowns + 1) continue;
             matrix[(node - 1) * size + r] += system->rows[r].by_pressure[a] * system->row_scale[r];
         }
 }
 
 /* Column of the rigid approach, which moves every film alike. */
 static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
-    size_t size = system->exit;
+    size_t size = system->num_unknowns + 1;
 
     for (size_t r = 0; r + 1 < size; r++) {
         column[r] = 0;
@@ -70,7 +70,7 @@ static void fill_approach_column(double *column, const film_row *film, const ful
 
 ehd_status dense_solve(full_system *system, double tolerance, size_t *iterations,
                        ehd_error *error) {
-    size_t size = system->exit, num_nodes = system->grid->num_nodes;
+    size_t size = system->num_unknowns + 1, num_nodes = system->grid->num_nodes;
     double *matrix = malloc(size * size * sizeof *matrix);
     double *right = malloc(size * sizeof *right);
     double *kernel = malloc((2 * num_nodes - 1) * sizeof *kernel);
