@@ -443,11 +443,11 @@ static void state_without_memory(void **state) {
     (void)state;
     ehd_contact contact = contact_of_case(0);
     full_state fields;
-    for (size_t call = 0; call < 3; call++) {
+    for (size_t call = 0; call < 4; call++) {
         allocation_fail_at(call);
         ehd_status status = full_state_init(&fields, &contact.grid, NULL);
         assert_int_equal(status, allocation_failed() ? EHD_MEMORY : EHD_OK);
-        assert_int_equal(status == EHD_OK, call == 2);
+        assert_int_equal(status == EHD_OK, call == 3);
         full_state_free(&fields);
     }
 }
