@@ -347,7 +347,7 @@ static double complementarity(const full_solver *self, const full_state *state) 
 }
 
 static const unsigned char MOST_FLIPS = 4;
-static const double IN_TIME_NOISE = 1e-9; // of the Hertz pressure, scaled multipliers being alike
+static const double IN_TIME_NOISE = 1e-7; // of the Hertz pressure, scaled multipliers being alike
 
 /* With a film that varies in time the flux is not one number, and the pressurised zone may have holes: each
  * node goes by the sign of its pressure or multiplier (primal-dual active set). One that keeps changing

@@ -113,7 +113,9 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
                             ehd_error *error) {
     size_t s = set->num_states, num_nodes = set->grid.num_nodes;
     double *pressure = set->pressure + s * num_nodes;
-    double sum = 0;
+    // columns of trajectories have no values where a state is none of theirs
+    bool in_time = states->trajectory[i] >= 0;
+    double rate = in_time ? states->rate[i] : 0, sum = rate;
 
     memset(pressure, 0, num_nodes * sizeof(double));
     ehd_status status = artefact_get_part(file, "pressure", i, 1, pressure + 1, error);
@@ -128,8 +130,8 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     set->alpha_p_H[s] = states->alpha_p_H[i];
     set->central_film_thickness[s] = states->central_film_thickness[i];
     set->exit[s] = exit_of(pressure, &set->grid);
-    set->stationary[s] = states->trajectory[i] < 0 || states->time[i] == 0;
-    set->rate[s] = states->rate[i];
+    set->stationary[s] = !in_time || states->time[i] == 0;
+    set->rate[s] = rate;
     set->num_states++;
     return EHD_OK;
 }

@@ -167,6 +167,8 @@ struct ehdrom_transient {
     const ehdrom_model *model;
     ehd_contact reference;
     reduced_march *march;
+    bool started;           // there is an accepted state
+    bool solved;            // and a step after it that can be accepted
     march_step last;        // solved
     double load, load_rate; // accepted, to scale the next frame with where the approach is given
     double time;            // accepted
@@ -245,23 +247,24 @@ static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
 
 static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditions *conditions,
                               double step) {
-    bool load_given = isnan(conditions->approach);
-    double values[NUM_VARY] = {
-        [VARY_LOAD] =
-            load_given ? conditions->load : march_expected_load(self->load, self->load_rate, step),
-        [VARY_SPEED] = conditions->speed,
-        [VARY_RADIUS] = conditions->radius,
-        [VARY_MODULUS] = conditions->modulus};
+    double values[NUM_VARY] = {[VARY_LOAD] =
+                                   isnan(conditions->load)
+                                       ? march_expected_load(self->load, self->load_rate, step)
+                                       : conditions->load,
+                               [VARY_SPEED] = conditions->speed,
+                               [VARY_RADIUS] = conditions->radius,
+                               [VARY_MODULUS] = conditions->modulus};
 
     return frame_at(self->time + step, values, conditions->approach);
 }
 
 static ehd_status check_conditions(const ehdrom_conditions *conditions, ehd_error *error) {
+    bool expected = isnan(conditions->load) && !isnan(conditions->approach);
     const struct {
         const char *name;
         double value;
         bool zero_allowed;
-    } values[] = {{"load", isnan(conditions->approach) ? conditions->load : 1, false},
+    } values[] = {{"load", expected ? 1 : conditions->load, false},
                   {"speed", conditions->speed, true},
                   {"radius", conditions->radius, false},
                   {"modulus", conditions->modulus, false}};
@@ -271,6 +274,11 @@ static ehd_status check_conditions(const ehdrom_conditions *conditions, ehd_erro
             (values[i].value == 0 && !values[i].zero_allowed))
             return ehd_fail(error, EHD_DATA, "%s: found %g, expected a number %s", values[i].name,
                             values[i].value, values[i].zero_allowed ? "of at least 0" : "above 0");
+    if (isinf(conditions->approach))
+        return ehd_fail(
+            error, EHD_DATA,
+            "approach: found %g, expected a finite number, or nan where the load is given",
+            conditions->approach);
     return EHD_OK;
 }
 
@@ -280,12 +288,14 @@ ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
     ehd_status status = check_conditions(conditions, error);
 
     if (status) return status;
+    self->started = self->solved = false;
     self->time = 0;
     self->load = 1;
     self->load_rate = 0;
     contact_frame frame = frame_of(self, conditions, 0);
     status = solver.start(&self->last, solver.self, &frame, error);
     if (status) return status;
+    self->started = self->last.status != EHD_NOT_CONVERGED;
     self->load = self->last.scalars.load * self->last.frame.load;
     fill_state(state, self);
     return EHD_OK;
@@ -298,10 +308,16 @@ ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
 
     if (!status && !(step > 0 && isfinite(step)))
         status = ehd_fail(error, EHD_DATA, "step: found %g, expected a number above 0", step);
+    if (!status && !self->started)
+        status = ehd_fail(error, EHD_INTERNAL,
+                          "step: found no accepted state, expected ehdrom_transient_start or "
+                          "ehdrom_restore before");
+    self->solved = false;
     if (status) return status;
     contact_frame frame = frame_of(self, conditions, step);
     status = solver.attempt(&self->last, solver.self, &frame, step, error);
     if (status) return status;
+    self->solved = self->last.status != EHD_NOT_CONVERGED;
     self->last.frame = frame;
     self->last.step = step;
     fill_state(state, self);
@@ -312,6 +328,8 @@ void ehdrom_accept(ehdrom_transient *self) {
     march_solver solver = reduced_march_solver(self->march);
     double load = self->last.scalars.load * self->last.frame.load;
 
+    if (!self->solved) return;
+    self->solved = false;
     solver.accept(solver.self);
     self->load_rate = (load - self->load) / self->last.step;
     self->load = load;
@@ -343,9 +361,17 @@ void ehdrom_save(double *saved, const ehdrom_transient *self) {
 
 ehd_status ehdrom_restore(ehdrom_transient *self, const double *saved, ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
-    ehd_status status = solver.restore(solver.self, saved + NUM_OWN, error);
+    ehd_status status = EHD_OK;
 
+    self->started = self->solved = false;
+    if (!(saved[0] >= 0 && saved[1] > 0 && isfinite(saved[2])))
+        status = ehd_fail(error, EHD_DATA,
+                          "saved state: found time %g, load %g and its rate %g, expected a time, a "
+                          "load above 0 and a finite rate",
+                          saved[0], saved[1], saved[2]);
+    if (!status) status = solver.restore(solver.self, saved + NUM_OWN, error);
     if (status) return status;
+    self->started = true;
     self->time = saved[0];
     self->load = saved[1];
     self->load_rate = saved[2];

@@ -102,10 +102,11 @@ typedef struct ehdrom_transient ehdrom_transient;
 
 /* What holds at the end of a step, relative to the reference. */
 typedef struct ehdrom_conditions {
-    double load; // given, where approach is NaN
-    double
-        approach; // given: H0 in the reference frame, for a line with the reference half width as the
-                  // kernel's length; the load is then what comes out
+    /* Given, where the approach is NaN. Else an outcome, and this is any value near it to scale the frame
+     * with; NaN: that of the last steps goes on. */
+    double load;
+    /* Given: H0 in the reference frame, for a line with the reference half width as the kernel's length. */
+    double approach;
     double speed; // entrainment, not negative
     double radius, modulus;
 } ehdrom_conditions;
@@ -131,22 +132,25 @@ ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_mo
                                    const ehd_contact *reference, ehd_error *error);
 ehdrom_transient *ehdrom_transient_free(ehdrom_transient *transient); // accepts and returns NULL
 
-/* Stationary state of the conditions, time 0, accepted. EHD_DATA: conditions out of range. */
+/* Stationary state of the conditions, time 0, accepted; where it did not converge, no step can follow.
+ * EHD_DATA: conditions out of range. */
 ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *transient,
                                   const ehdrom_conditions *conditions, ehd_error *error);
 
-/* Solves the state a step (in T) after the last accepted one. EHD_DATA as before. */
+/* Solves the state a step (in T) after the last accepted one. Allocates nothing. EHD_DATA as before;
+ * EHD_INTERNAL: neither started nor restored. */
 ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *transient,
                        const ehdrom_conditions *conditions, double step, ehd_error *error);
 
-/* The last solved step counts, once. */
+/* The last step counts, once; one that did not converge or was refused does not. */
 void ehdrom_accept(ehdrom_transient *transient);
 
 /* Conditions jump: states before the last one no longer count for the next step. */
 void ehdrom_restart(ehdrom_transient *transient);
 
 /* The accepted state as numbers, [ehdrom_saved_size], and back, in the same or another object of the same
- * model and reference: what follows is the same to the last bit. EHD_DATA when they are none. */
+ * model and reference: what follows is the same to the last bit. EHD_DATA when they are none; the object
+ * must then be started or restored anew. */
 size_t ehdrom_saved_size(const ehdrom_transient *transient);
 void ehdrom_save(double *saved, const ehdrom_transient *transient);
 ehd_status ehdrom_restore(ehdrom_transient *transient, const double *saved, ehd_error *error);
@@ -156,7 +160,8 @@ ehd_status ehdrom_restore(ehdrom_transient *transient, const double *saved, ehd_
 ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *transient,
                                    ehd_error *error);
 
-/* As a solver for march_run, which chooses the steps itself, and its effort so far in seconds. */
+/* As a solver for march_run, which chooses the steps itself, and its effort so far in seconds. Either that
+ * or the calls above, not both in turn. */
 march_solver ehdrom_march(ehdrom_transient *transient);
 void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver);
 

@@ -13,14 +13,12 @@
 // ---- bends of natural cubic splines
 
 /* Solves bend[k-1] + 4 bend[k] + bend[k+1] = second difference of the values, for `width` splines at
- * once; the first and last bends are given in `bends` (zero: natural). */
-static ehd_status solve_bends(double *bends, const double *values, size_t num, size_t width,
-                              ehd_error *error) {
+ * once; the first and last bends are given in `bends` (zero: natural). `diagonal` is work of
+ * [2, num - 2]. Returns what dptsv does. */
+static lapack_int solve_bends(double *bends, double *diagonal, const double *values, size_t num,
+                              size_t width) {
     size_t inner = num - 2;
-    double *diagonal = malloc(2 * inner * sizeof *diagonal);
-    ehd_status status = EHD_OK;
 
-    if (!diagonal) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
     for (size_t k = 0; k < inner; k++) {
         diagonal[k] = 4;
         diagonal[inner + k] = 1;
@@ -33,18 +31,22 @@ static ehd_status solve_bends(double *bends, const double *values, size_t num, s
         bends[width + j] -= bends[j];
         bends[inner * width + j] -= bends[(inner + 1) * width + j];
     }
-    if (LAPACKE_dptsv(LAPACK_ROW_MAJOR, (lapack_int)inner, (lapack_int)width, diagonal,
-                      diagonal + inner, bends + width, (lapack_int)width))
-        status = ehd_fail(error, EHD_INTERNAL, "splines: dptsv failed");
-    free(diagonal);
-    return status;
+    return LAPACKE_dptsv(LAPACK_ROW_MAJOR, (lapack_int)inner, (lapack_int)width, diagonal,
+                         diagonal + inner, bends + width, (lapack_int)width);
 }
 
 static ehd_status make_bends(double **bends, const double *values, size_t num, size_t width,
                              ehd_error *error) {
+    double *diagonal = malloc(2 * num * sizeof *diagonal);
+    ehd_status status = EHD_OK;
+
     *bends = calloc(num * width, sizeof **bends);
-    if (!*bends) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    return solve_bends(*bends, values, num, width, error);
+    if (!*bends || !diagonal)
+        status = ehd_fail(error, EHD_MEMORY, "splines: found no memory");
+    else if (solve_bends(*bends, diagonal, values, num, width))
+        status = ehd_fail(error, EHD_INTERNAL, "splines: dptsv failed");
+    free(diagonal);
+    return status;
 }
 
 /* Bends of the kernel's spline by distance, on a line that reaches twice as far as the grid, so that its
@@ -159,7 +161,7 @@ static void prepare_window(earlier_film *self, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_pressure = model->num_pressure, num_nodes = model->grid.num_nodes;
     size_t begin = self->exit > EXIT_WINDOW * 2 / 3 ? self->exit - EXIT_WINDOW * 2 / 3 : 0;
-    ehd_error ignored;
+    double diagonal[2 * EXIT_WINDOW];
 
     if (begin + EXIT_WINDOW > num_nodes) begin = num_nodes - EXIT_WINDOW;
     self->window_begin = begin;
@@ -172,7 +174,7 @@ static void prepare_window(earlier_film *self, const reduced_model *model,
     memset(self->bend, 0, sizeof self->bend);
     self->bend[0] = cblas_ddot((int)num_pressure, splines->pressure_bend + begin * num_pressure, 1,
                                self->coordinates, 1);
-    solve_bends(self->bend, self->window, EXIT_WINDOW, 1, &ignored);
+    solve_bends(self->bend, diagonal, self->window, EXIT_WINDOW, 1);
 }
 
 void earlier_film_prepare(earlier_film *self, const reduced_model *model,

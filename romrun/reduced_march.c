@@ -29,8 +29,10 @@ struct reduced_march {
         double *coordinates; // [num_unknowns]
         size_t exit;
     } factors;
-    size_t last_iterations; // of the attempt
-    bool own_jacobian;      // the attempt made one
+    // frames of the solved loads, where the approach is given not the ones that were solved in
+    contact_frame loaded, last_loaded; // of the attempt; of the last accepted state
+    size_t last_iterations;            // of the attempt
+    bool own_jacobian;                 // the attempt made one
     reduced_march_effort effort;
 };
 
@@ -105,13 +107,18 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 /* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film that ruptures before the
  * contact, where it has no boundary. */
-static void judge(march_step *outcome, const reduced_march *self, size_t exit,
-                  const ehd_contact *contact, double rate) {
-    const double rupture = -1e-4; // of the Hertz pressure
+static void judge(march_step *outcome, reduced_march *self, size_t exit,
+                  const contact_frame *frame) {
+    const double rupture = -1e-3; // of the Hertz pressure; truncated bases show a tenth of it
     const reduced_model *model = self->model;
 
+    ehd_contact contact;
+
+    self->loaded = frame_of_load(frame, outcome->scalars.load);
     if (outcome->status) return;
-    outcome->reason = trained_range_check(self->range, contact->moes_M, contact->alpha_p_H, rate);
+    frame_contact(&contact, &self->loaded, &self->reference);
+    double rate = self->ring.num_earlier > 0 ? frame_rate(&self->loaded, &self->last_loaded) : 0;
+    outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
     if (exit <= model->least_exit || exit >= model->most_exit) {
@@ -119,9 +126,9 @@ static void judge(march_step *outcome, const reduced_march *self, size_t exit,
         outcome->reason = "an exit boundary at the edge of the trained range";
     }
     for (size_t r = 0; r < model->num_rows; r++)
-        if (self->row_pressure[r] < rupture && model->row_node[r] < exit) {
+        if (self->row_pressure[r] < rupture && grid_x(&model->grid, model->row_node[r]) < 0) {
             outcome->status = EHD_UNTRUSTED;
-            outcome->reason = "a negative pressure before the exit boundary";
+            outcome->reason = "a negative pressure before the contact";
         }
 }
 
@@ -196,12 +203,12 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .scalars = info.scalars,
                             .iterations = info.iterations,
                             .residual = info.residual};
+    self->ring.num_earlier = 0;
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
         reduced_row_values(self->row_pressure, NULL, self->solver, &contact);
-        judge(outcome, self, first->exit, &contact, 0);
+        judge(outcome, self, first->exit, &first->frame);
     }
-    self->ring.num_earlier = 0;
     self->formula.rate = 0;
     drop_factors(self);
     accept(self);
@@ -293,8 +300,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         if (self->formula.error > 0)
             outcome->local_error =
                 local_error(self, next->exit, info.scalars.central_film_thickness);
-        judge(outcome, self, next->exit, &contact,
-              frame_rate(frame, &state_before(self, 1)->frame));
+        judge(outcome, self, next->exit, frame);
     }
     self->effort.seconds += program_seconds() - start;
     return EHD_OK;
@@ -346,6 +352,7 @@ static void accept(void *solver) {
 
     earlier_film_prepare(solved, self->model, self->splines, &self->reference);
     bdf_ring_accept(&self->ring, solved->frame.time);
+    self->last_loaded = self->loaded;
     self->effort.seconds += program_seconds() - start;
 }
 
@@ -375,11 +382,12 @@ static size_t saved_state_size(const reduced_march *self) {
     return NUM_FRAME + 1 + self->model->num_unknowns;
 }
 
-/* Number of earlier states, they themselves, and what the kept factors were made at. */
+/* Number of earlier states, they themselves, the last frame of a solved load, and what the kept factors were
+ * made at. */
 static size_t saved_size(const void *solver) {
     const reduced_march *self = solver;
 
-    return 1 + BDF_EARLIER * saved_state_size(self) + 2 + saved_state_size(self);
+    return 1 + BDF_EARLIER * saved_state_size(self) + NUM_FRAME + 2 + saved_state_size(self);
 }
 
 static void save_state(double *target, const reduced_march *self, const contact_frame *frame,
@@ -406,7 +414,8 @@ static ehd_status restore_state(contact_frame *frame, size_t *exit, double *coor
 
 static void save(double *saved, const void *solver) {
     const reduced_march *self = solver;
-    double *factors = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    double *loaded = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    double *factors = loaded + NUM_FRAME;
 
     memset(saved, 0, saved_size(self) * sizeof *saved);
     saved[0] = (double)self->ring.num_earlier;
@@ -415,6 +424,7 @@ static void save(double *saved, const void *solver) {
         save_state(saved + 1 + i * saved_state_size(self), self, &earlier->frame, earlier->exit,
                    earlier->coordinates);
     }
+    memcpy(loaded, &self->last_loaded, sizeof self->last_loaded);
     factors[0] = self->factors.valid ? 1 : 0;
     factors[1] = self->factors.rate;
     if (self->factors.valid)
@@ -424,7 +434,8 @@ static void save(double *saved, const void *solver) {
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     reduced_march *self = solver;
-    const double *factors = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    const double *loaded = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    const double *factors = loaded + NUM_FRAME;
     ehd_status status = EHD_OK;
 
     if (!(saved[0] >= 1 && saved[0] <= BDF_EARLIER))
@@ -438,6 +449,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
         self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
         earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
     }
+    memcpy(&self->last_loaded, loaded, sizeof self->last_loaded);
     drop_factors(self);
     if (!status && factors[0] == 1) {
         status = restore_state(&self->factors.frame, &self->factors.exit, self->factors.coordinates,

@@ -592,7 +592,8 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
             bool settled = exit_settled(self->model, exit, wanted);
-            info->status = settled ? EHD_OK : EHD_UNTRUSTED;
+            // in time, a shorter step may settle it
+            info->status = settled ? EHD_OK : squeeze ? EHD_NOT_CONVERGED : EHD_UNTRUSTED;
             info->reason = settled ? "" : "an exit boundary that does not settle";
             return EHD_OK;
         }
@@ -692,9 +693,10 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
             most_distance)
             return false;
         if (exit == state->exit && at.converged) {
-            info->status = exit_settled(self->model, exit, wanted) ? EHD_OK : EHD_UNTRUSTED;
-            info->reason = info->status ? "an exit boundary that does not settle" : "";
-            return true;
+            info->status = EHD_OK;
+            info->reason = "";
+            info->own_jacobian = false;
+            return exit_settled(self->model, exit, wanted);
         }
         if (exit != state->exit) at.change = NAN; // another problem
         state->exit = exit;
@@ -711,6 +713,7 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
     if (squeeze && self->has_kept && !self->observer) {
         memcpy(self->start, state->coordinates, bytes);
         if (newton_with_kept(info, state, self, contact, squeeze)) return EHD_OK;
+        info->status = EHD_NOT_CONVERGED;
         memcpy(state->coordinates, self->start, bytes);
         state->exit = exit;
     }

@@ -46,10 +46,11 @@ static void keep(kept_states *self, size_t place, const kept_state *state, const
 
 void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
                           size_t exit, const double *pressure, const double *film) {
+    contact_frame frame = frame_of_load(&step->frame, step->scalars.load);
     ehd_contact contact;
-    frame_contact(&contact, &step->frame, reference);
+    frame_contact(&contact, &frame, reference);
     const kept_state state = {.time = step->frame.time,
-                              .rate = step->step > 0 ? frame_rate(&step->frame, &self->last) : 0,
+                              .rate = step->step > 0 ? frame_rate(&frame, &self->last) : 0,
                               .moes_M = contact.moes_M,
                               .moes_L = contact.moes_L,
                               .alpha_p_H = contact.alpha_p_H,
@@ -62,7 +63,7 @@ void kept_states_consider(kept_states *self, const march_step *step, const ehd_c
     const double now[KEPT_EXTREMES] = {
         -state.moes_M, state.moes_M, -state.alpha_p_H, state.alpha_p_H, -place, place, state.rate};
 
-    self->last = step->frame;
+    self->last = frame;
     while (self->num_times < KEPT_TIMES &&
            state.time >= self->end_time * (double)self->num_times / (KEPT_TIMES - 1) * (1 - 1e-12))
         keep(self, self->num_times++, &state, pressure, film);

@@ -21,6 +21,15 @@ contact_frame frame_at(double time, const double *values, double approach) {
     return frame;
 }
 
+contact_frame frame_of_load(const contact_frame *frame, double ratio) {
+    const double values[NUM_VARY] = {[VARY_LOAD] = frame->load * ratio,
+                                     [VARY_SPEED] = frame->speed,
+                                     [VARY_RADIUS] = frame->radius,
+                                     [VARY_MODULUS] = frame->modulus};
+
+    return ratio == 1 ? *frame : frame_at(frame->time, values, frame->approach);
+}
+
 /* The closure by a given approach, whose reference length is the reference half width. */
 static contact_closure approach_closure(const contact_frame *frame, const contact_kind *kind) {
     return (contact_closure){.by_approach = 1,

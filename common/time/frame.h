@@ -36,6 +36,10 @@ void frame_contact(
 double frame_stretch(const contact_frame *now, const contact_frame *then);
 double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 
+/* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach is
+ * given, a frame is scaled by an expected load, and `ratio` is the solution's. */
+contact_frame frame_of_load(const contact_frame *frame, double ratio);
+
 /* How fast a contact changes between two frames: |d ln a/dT| + |d(u/u_ref)/dT|. */
 double frame_rate(const contact_frame *now, const contact_frame *before);
 

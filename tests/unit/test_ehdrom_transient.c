@@ -1,0 +1,763 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stepping interface of the library, as the force element of somebody else's integrator. */
+#include "fullrun/full_march.h"
+#include "podbuild/bases.h"
+#include "romrun/ehdrom.h"
+#include "romrun/model_file.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A contact of 121 nodes whose load swings by 10 %; steps are a power of two, so that times are exact. */
+static const char scene_of_training[] =
+    "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\ngrid: {step: 0.05}\n"
+    "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
+    "transient: {end_time: 2, fixed_step: 0.015625, load: {law: sine, amplitude: 0.1, period: "
+    "1}}\n";
+static const double STEP = 0.015625;
+enum { NUM_STEPS = 128, NUM_STATES = NUM_STEPS + 1, NUM_MODES = 40 };
+
+static scene given;
+static ehd_contact reference;
+static ehd_histories *histories;
+static ehdrom_model *models[2]; // coupled, independent
+static char folder[64];
+static ehd_error error;
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+// ---- the model: trained on one trajectory
+
+typedef struct training {
+    full_march *march;
+    snapshot_set set;
+    contact_frame last;
+} training;
+
+static ehd_status keep_step(void *sink, const march_step *step, size_t index, ehd_error *ignored) {
+    training *self = sink;
+    snapshot_set *set = &self->set;
+    const full_state *state = full_march_state(self->march, NULL);
+    size_t bytes = set->grid.num_nodes * sizeof(double);
+    ehd_contact contact;
+    (void)ignored;
+
+    frame_contact(&contact, &step->frame, &reference);
+    memcpy(set->pressure + index * set->grid.num_nodes, state->pressure, bytes);
+    memcpy(set->snapshots + index * set->grid.num_nodes, state->pressure, bytes);
+    set->rigid_approach[index] = state->rigid_approach;
+    set->exit[index] = state->exit;
+    set->moes_M[index] = contact.moes_M;
+    set->alpha_p_H[index] = contact.alpha_p_H;
+    set->central_film_thickness[index] = step->scalars.central_film_thickness;
+    set->stationary[index] = index == 0;
+    set->rate[index] = index ? frame_rate(&step->frame, &self->last) : 0;
+    self->last = step->frame;
+    return EHD_OK;
+}
+
+static void training_init(training *self) {
+    const full_settings settings = full_default_settings();
+    snapshot_set *set = &self->set;
+    size_t num_nodes = reference.grid.num_nodes;
+    double **const numbers[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
+                                &set->central_film_thickness, &set->rate};
+
+    memset(self, 0, sizeof *self);
+    set->kind = reference.kind;
+    set->grid = reference.grid;
+    set->num_states = set->num_snapshots = NUM_STATES;
+    set->pressure = calloc(NUM_STATES * num_nodes, sizeof(double));
+    set->snapshots = calloc(NUM_STATES * num_nodes, sizeof(double));
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        *numbers[i] = calloc(NUM_STATES, sizeof(double));
+    set->exit = calloc(NUM_STATES, sizeof *set->exit);
+    set->stationary = calloc(NUM_STATES, sizeof *set->stationary);
+    check_ok(full_march_create(&self->march, &reference, &settings, NAN, &error));
+}
+
+static void training_run(training *self) {
+    march run = {.histories = histories,
+                 .settings = march_settings_of(&given, histories, NAN),
+                 .kind = reference.kind,
+                 .solver = full_march_solver(self->march),
+                 .store = keep_step,
+                 .sink = self};
+    march_step first;
+    ehd_status outcome;
+
+    check_ok(march_begin(&first, &run, &error));
+    check_ok(keep_step(self, &first, 0, &error));
+    check_ok(march_run(&outcome, &run, &error));
+    assert_int_equal(outcome, EHD_OK);
+    assert_int_equal((size_t)run.state.num_steps, NUM_STEPS);
+}
+
+/* Writes a model with all rows, and opens it. */
+static ehdrom_model *make_model(const snapshot_set *set, deformation_kind kind, const char *path) {
+    static char *words[] = {"deimselect", NULL};
+    const program writer = {
+        .name = "deimselect", .argc = 1, .argv = words, .force = true, .output = path};
+    const bases_settings settings = {{NUM_MODES, 0}, {NUM_MODES, 0}, kind};
+    const double sigmas[NUM_STATES] = {1};
+    const model_origin origin = {"joint", "0123", 1, 1, 1, sigmas};
+    reduced_basis basis;
+    reduced_model built;
+    pod_basis pressure, deformation;
+    ehdrom_model *opened;
+
+    check_ok(bases_build(&basis, &pressure, &deformation, set, &settings, &error));
+    check_ok(reduced_model_build(&built, &basis, NULL, 0, &error));
+    check_ok(model_write(&built, &basis, &origin, &writer, "rows: all\n", NULL, &error));
+    check_ok(ehdrom_open(&opened, path, NULL, &error));
+    reduced_model_free(&built);
+    reduced_basis_free(&basis);
+    pod_free(&pressure);
+    pod_free(&deformation);
+    return opened;
+}
+
+static int set_up(void **state) {
+    (void)state;
+    training self;
+    char path[128];
+
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-transient-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/model.h5", folder);
+    check_ok(scene_parse(&given, scene_of_training, strlen(scene_of_training), "scene", NULL, 0,
+                         &error));
+    check_ok(contact_init(&reference, &given, &error));
+    check_ok(histories_init(&histories, &given, &error));
+    training_init(&self);
+    training_run(&self);
+    models[0] = make_model(&self.set, DEFORMATION_COUPLED, path);
+    check_ok(ehdrom_prepare_transient(models[0], &error)); // before the file is another one
+    models[1] = make_model(&self.set, DEFORMATION_INDEPENDENT, path);
+    check_ok(ehdrom_prepare_transient(models[1], &error));
+    full_march_free(self.march);
+    snapshot_set_free(&self.set);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[128];
+
+    ehdrom_close(models[0]);
+    ehdrom_close(models[1]);
+    histories_free(histories);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+// ---- helpers
+
+static ehdrom_transient *create(const ehdrom_model *model) {
+    ehdrom_transient *contact;
+
+    check_ok(ehdrom_transient_create(&contact, model, &reference, &error));
+    return contact;
+}
+
+/* What the trained history says at a time, with the load given. */
+static ehdrom_conditions conditions_at(double time) {
+    double values[NUM_VARY];
+
+    histories_at(values, histories, time);
+    return (ehdrom_conditions){.load = values[VARY_LOAD],
+                               .approach = NAN,
+                               .speed = values[VARY_SPEED],
+                               .radius = values[VARY_RADIUS],
+                               .modulus = values[VARY_MODULUS]};
+}
+
+static ehdrom_state start(ehdrom_transient *contact) {
+    const ehdrom_conditions conditions = conditions_at(0);
+    ehdrom_state state;
+
+    check_ok(ehdrom_transient_start(&state, contact, &conditions, &error));
+    assert_string_equal(state.reason, "");
+    assert_int_equal(state.status, EHD_OK);
+    return state;
+}
+
+/* One step along the history, not accepted. */
+static ehdrom_state step_from(ehdrom_transient *contact, double time, double step) {
+    const ehdrom_conditions conditions = conditions_at(time + step);
+    ehdrom_state state;
+
+    check_ok(ehdrom_step(&state, contact, &conditions, step, &error));
+    return state;
+}
+
+/* Goes on along the history; states[i] is what came of the i-th step. */
+static void go(ehdrom_state *states, ehdrom_transient *contact, size_t first, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        states[i] = step_from(contact, (double)(first + i) * STEP, STEP);
+        assert_string_equal(states[i].reason, "");
+        assert_int_equal(states[i].status, EHD_OK);
+        ehdrom_accept(contact);
+    }
+}
+
+static void check_same(const ehdrom_state *found, const ehdrom_state *expected) {
+    const double numbers[2][10] = {
+        {found->time, found->scalars.central_film_thickness, found->scalars.minimum_film_thickness,
+         found->scalars.central_pressure, found->scalars.rigid_approach,
+         found->scalars.exit_position, found->scalars.load, found->half_width, found->local_error,
+         found->residual},
+        {expected->time, expected->scalars.central_film_thickness,
+         expected->scalars.minimum_film_thickness, expected->scalars.central_pressure,
+         expected->scalars.rigid_approach, expected->scalars.exit_position, expected->scalars.load,
+         expected->half_width, expected->local_error, expected->residual}};
+
+    check_close_array(numbers[0], numbers[1], 10, 0, 0);
+    assert_int_equal(found->status, expected->status);
+    assert_string_equal(found->reason, expected->reason);
+    assert_int_equal(found->iterations, expected->iterations);
+}
+
+static void check_all_same(const ehdrom_state *found, const ehdrom_state *expected, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        check_same(&found[i], &expected[i]);
+}
+
+#define for_both_models for (size_t m = 0; m < 2; m++)
+
+// ---- what a step is
+
+/* The conditions stay, so does the state. */
+static void a_constant_contact_stays(void **unused) {
+    (void)unused;
+    for_both_models {
+        ehdrom_transient *contact = create(models[m]);
+        const ehdrom_conditions conditions = conditions_at(0);
+        ehdrom_state first = start(contact), state = first;
+        check_close(first.time, 0, 0, 0);
+        check_close(first.scalars.load, 1, 1e-6, 0);
+        for (int i = 1; i <= 20; i++) {
+            check_ok(ehdrom_step(&state, contact, &conditions, 0.25, &error));
+            assert_string_equal(state.reason, "");
+            ehdrom_accept(contact);
+            check_close(state.time, 0.25 * i, 0, 0);
+        }
+        check_close(state.scalars.central_film_thickness, first.scalars.central_film_thickness,
+                    1e-6, 0);
+        check_close(state.scalars.rigid_approach, first.scalars.rigid_approach, 1e-6, 0);
+        ehdrom_transient_free(contact);
+    }
+}
+
+static void a_step_can_be_repeated(void **unused) {
+    (void)unused;
+    const size_t before = 10, count = 20; // by then there are kept factors
+    for_both_models {
+        ehdrom_transient *straight = create(models[m]), *repeating = create(models[m]);
+        ehdrom_state expected[20], first, again;
+        start(straight);
+        start(repeating);
+        go(expected, straight, 0, before);
+        go(expected, repeating, 0, before);
+        go(expected, straight, before, count);
+        for (size_t i = 0; i < count; i++) {
+            double time = (double)(before + i) * STEP;
+            first = step_from(repeating, time, STEP);
+            again = step_from(repeating, time, STEP);
+            check_same(&first, &expected[i]);
+            check_same(&again, &expected[i]);
+            step_from(repeating, time, 3 * STEP); // rejected
+            again = step_from(repeating, time, STEP);
+            check_same(&again, &expected[i]);
+            ehdrom_accept(repeating);
+        }
+        ehdrom_transient_free(straight);
+        ehdrom_transient_free(repeating);
+    }
+}
+
+/* Without a step there is nothing to accept. */
+static void a_step_counts_once(void **unused) {
+    (void)unused;
+    ehdrom_transient *once = create(models[0]), *often = create(models[0]);
+    ehdrom_state expected, found;
+
+    start(once);
+    start(often);
+    ehdrom_accept(often);
+    for (size_t i = 0; i < 5; i++) {
+        go(&expected, once, i, 1);
+        go(&found, often, i, 1);
+        ehdrom_accept(often);
+        check_same(&found, &expected);
+    }
+    ehdrom_transient_free(once);
+    ehdrom_transient_free(often);
+}
+
+static void after_a_jump_the_past_does_not_count(void **unused) {
+    (void)unused;
+    ehdrom_transient *contact = create(models[0]);
+    ehdrom_state states[10], state;
+
+    start(contact);
+    go(states, contact, 0, 10);
+    assert_true(states[9].local_error > 0);
+    state = step_from(contact, 10 * STEP, STEP);
+    assert_true(state.local_error > 0);
+    ehdrom_restart(contact);
+    state = step_from(contact, 10 * STEP, STEP);
+    check_close(state.local_error, 0, 0, 0); // one earlier state tells none
+    ehdrom_transient_free(contact);
+}
+
+static void fields_are_those_of_the_accepted_state(void **unused) {
+    (void)unused;
+    const ehd_grid *grid = &reference.grid;
+    double *pressure = malloc(2 * grid->num_nodes * sizeof *pressure),
+           *film = pressure + grid->num_nodes;
+    size_t centre = 81; // X = 0
+
+    assert_non_null(pressure);
+    check_close(grid_x(grid, centre), 0, 0, 1e-12);
+    for_both_models {
+        ehdrom_transient *contact = create(models[m]);
+        ehdrom_state states[10];
+        double load = 0;
+        start(contact);
+        go(states, contact, 0, 10);
+        step_from(contact, 10 * STEP, 4 * STEP); // does not count
+        check_ok(ehdrom_transient_fields(pressure, film, contact, &error));
+        const ehdrom_state *last = &states[9];
+        double width = last->half_width, film_scale = width * width; // radius 1
+        for (size_t k = 0; k < grid->num_nodes; k++)
+            load += pressure[k] * grid->step;
+        check_close(load / reference.kind->load * width * width, last->scalars.load, 1e-9, 0);
+        // of an independent basis too it is the deflection of the pressure, not that of its modes
+        check_close(film[centre] * film_scale, last->scalars.central_film_thickness,
+                    m == 0 ? 1e-9 : 1e-6, 0);
+        // p_H / p_H,ref = load / half width
+        check_close(pressure[centre] * conditions_at(10 * STEP).load / width,
+                    last->scalars.central_pressure, 1e-9, 0);
+        ehdrom_transient_free(contact);
+    }
+    free(pressure);
+}
+
+// ---- saving
+
+static void a_saved_state_goes_on_to_the_bit(void **unused) {
+    (void)unused;
+    const size_t before = 12, count = 20;
+    for_both_models {
+        ehdrom_transient *one = create(models[m]), *other = create(models[m]);
+        double *saved = calloc(ehdrom_saved_size(one), sizeof *saved);
+        ehdrom_state expected[20], found[20];
+        assert_non_null(saved);
+        assert_int_equal(ehdrom_saved_size(other), ehdrom_saved_size(one));
+        start(one);
+        go(expected, one, 0, before);
+        ehdrom_save(saved, one);
+        go(expected, one, before, count);
+        // in the same object, further on
+        check_ok(ehdrom_restore(one, saved, &error));
+        go(found, one, before, count);
+        check_all_same(found, expected, count);
+        // in a fresh one, with steps that do not count around it
+        check_ok(ehdrom_restore(other, saved, &error));
+        step_from(other, (double)before * STEP, 2 * STEP);
+        go(found, other, before, count);
+        check_all_same(found, expected, count);
+        // the state saved there once more is the same
+        check_ok(ehdrom_restore(one, saved, &error));
+        double *again = calloc(ehdrom_saved_size(one), sizeof *again);
+        assert_non_null(again);
+        step_from(one, (double)before * STEP, STEP);
+        ehdrom_save(again, one);
+        assert_memory_equal(again, saved, ehdrom_saved_size(one) * sizeof *saved);
+        free(again);
+        free(saved);
+        ehdrom_transient_free(one);
+        ehdrom_transient_free(other);
+    }
+}
+
+/* Saved at any step of the start and of kept factors that are renewed. */
+static void any_state_can_be_saved(void **unused) {
+    (void)unused;
+    for_both_models {
+        ehdrom_transient *one = create(models[m]), *other = create(models[m]);
+        double *saved = calloc(ehdrom_saved_size(one), sizeof *saved);
+        ehdrom_state expected, found;
+        assert_non_null(saved);
+        start(one);
+        for (size_t i = 0; i < 40; i++) {
+            ehdrom_save(saved, one);
+            check_ok(ehdrom_restore(other, saved, &error));
+            go(&expected, one, i, 1);
+            go(&found, other, i, 1);
+            check_same(&found, &expected);
+        }
+        free(saved);
+        ehdrom_transient_free(one);
+        ehdrom_transient_free(other);
+    }
+}
+
+static void no_state_is_refused(void **unused) {
+    (void)unused;
+    ehdrom_transient *contact = create(models[0]);
+    size_t size = ehdrom_saved_size(contact);
+    double *saved = calloc(size, sizeof *saved), *wrong = calloc(size, sizeof *wrong);
+    const ehdrom_conditions conditions = conditions_at(STEP);
+    ehdrom_state states[5], state;
+
+    assert_non_null(saved);
+    assert_non_null(wrong);
+    assert_int_equal(ehdrom_restore(contact, wrong, &error), EHD_DATA);
+    start(contact);
+    go(states, contact, 0, 5);
+    ehdrom_save(saved, contact);
+    for (size_t i = 0; i < 4; i++) { // time, load, load rate, number of states
+        memcpy(wrong, saved, size * sizeof *saved);
+        wrong[i] = NAN;
+        assert_int_equal(ehdrom_restore(contact, wrong, &error), EHD_DATA);
+        assert_non_null(strstr(error.text, "saved state: found"));
+        // and what may be half of it is not gone on from
+        assert_int_equal(ehdrom_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
+    }
+    check_ok(ehdrom_restore(contact, saved, &error));
+    go(states, contact, 5, 1);
+    free(saved);
+    free(wrong);
+    ehdrom_transient_free(contact);
+}
+
+// ---- threads
+
+enum { THREAD_STEPS = 60 };
+
+typedef struct element {
+    ehdrom_transient *contact;
+    size_t first; // step of the history at which it starts
+    ehdrom_state states[THREAD_STEPS];
+} element;
+
+/* Only ehdrom calls: cmocka's checks are not for threads. */
+static void *run_element(void *argument) {
+    element *self = argument;
+    ehd_error own = {""};
+
+    for (size_t i = 0; i <= THREAD_STEPS; i++) {
+        double time = (double)(self->first + i) * STEP;
+        const ehdrom_conditions conditions = conditions_at(time);
+        ehdrom_state state;
+        if (i == 0 && ehdrom_transient_start(&state, self->contact, &conditions, &own)) break;
+        if (i == 0) continue;
+        if (ehdrom_step(&self->states[i - 1], self->contact, &conditions, STEP, &own)) break;
+        ehdrom_accept(self->contact);
+    }
+    return NULL;
+}
+
+static void two_threads_agree_with_one(void **unused) {
+    (void)unused;
+    for_both_models {
+        static element alone[2], beside[2];
+        pthread_t threads[2];
+        memset(alone, 0, sizeof alone);
+        memset(beside, 0, sizeof beside);
+        for (size_t i = 0; i < 2; i++) {
+            alone[i].first = beside[i].first = 7 * i;
+            alone[i].contact = create(models[m]);
+            beside[i].contact = create(models[m]);
+        }
+        for (size_t i = 0; i < 2; i++)
+            run_element(&alone[i]);
+        for (size_t i = 0; i < 2; i++)
+            assert_int_equal(pthread_create(&threads[i], NULL, run_element, &beside[i]), 0);
+        for (size_t i = 0; i < 2; i++)
+            assert_int_equal(pthread_join(threads[i], NULL), 0);
+        for (size_t i = 0; i < 2; i++) {
+            check_close(alone[i].states[THREAD_STEPS - 1].time, THREAD_STEPS * STEP, 0, 0);
+            check_all_same(beside[i].states, alone[i].states, THREAD_STEPS);
+            ehdrom_transient_free(alone[i].contact);
+            ehdrom_transient_free(beside[i].contact);
+        }
+    }
+}
+
+// ---- beside march_run
+
+typedef struct march_trace {
+    march_step steps[NUM_STEPS];
+    size_t count;
+} march_trace;
+
+static ehd_status trace_step(void *sink, const march_step *step, size_t index, ehd_error *ignored) {
+    march_trace *self = sink;
+    (void)index, (void)ignored;
+
+    self->steps[self->count++] = *step;
+    return EHD_OK;
+}
+
+static void march_run_takes_the_same_steps(void **unused) {
+    (void)unused;
+    for_both_models {
+        static march_trace trace;
+        ehdrom_transient *by_hand = create(models[m]), *marching = create(models[m]);
+        march run = {.histories = histories,
+                     .settings = march_settings_of(&given, histories, NAN),
+                     .kind = reference.kind,
+                     .solver = ehdrom_march(marching),
+                     .store = trace_step,
+                     .sink = &trace};
+        march_step first;
+        ehdrom_state state = start(by_hand);
+        ehd_status outcome;
+        trace.count = 0;
+        check_ok(march_begin(&first, &run, &error));
+        check_ok(march_run(&outcome, &run, &error));
+        assert_int_equal(trace.count, NUM_STEPS);
+        check_close(state.scalars.central_film_thickness, first.scalars.central_film_thickness, 0,
+                    0);
+        for (size_t i = 0; i < NUM_STEPS; i++) {
+            const march_step *step = &trace.steps[i];
+            go(&state, by_hand, i, 1);
+            contact_scalars expected =
+                frame_to_reference(&step->scalars, &step->frame, reference.kind);
+            check_close(state.time, step->frame.time, 0, 0);
+            check_close(state.scalars.central_film_thickness, expected.central_film_thickness, 0,
+                        0);
+            check_close(state.scalars.rigid_approach, expected.rigid_approach, 0, 0);
+            check_close(state.scalars.load, expected.load, 0, 0);
+            check_close(state.local_error, step->local_error, 0, 0);
+            assert_int_equal(state.iterations, step->iterations);
+        }
+        ehdrom_transient_free(by_hand);
+        ehdrom_transient_free(marching);
+    }
+}
+
+// ---- approach and force
+
+/* The approaches of a run with the load given lead to that load. */
+static void follow_approach(const ehdrom_state *by_load, ehdrom_transient *contact, bool known,
+                            double tolerance) {
+    const size_t before = known ? 0 : 10; // until the load's rate is known
+    ehdrom_state states[10];
+
+    start(contact);
+    go(states, contact, 0, before);
+    for (size_t i = before; i < NUM_STEPS; i++) {
+        const ehdrom_state *expected = &by_load[i];
+        ehdrom_conditions conditions = conditions_at(expected->time);
+        conditions.load = known ? conditions.load : NAN;
+        conditions.approach = expected->scalars.rigid_approach;
+        check_ok(ehdrom_step(&states[0], contact, &conditions, STEP, &error));
+        assert_string_equal(states[0].reason, "");
+        ehdrom_accept(contact);
+        check_close(states[0].scalars.rigid_approach, conditions.approach, 1e-7, 0);
+        check_close(states[0].scalars.load, expected->scalars.load, tolerance, 0);
+        check_close(states[0].scalars.central_film_thickness,
+                    expected->scalars.central_film_thickness, tolerance, 0);
+    }
+}
+
+/* In frames of its own a contact on this coarse grid differs a little more. */
+static void the_approach_gives_the_load_back(void **unused) {
+    (void)unused;
+    for_both_models {
+        static ehdrom_state by_load[NUM_STEPS];
+        ehdrom_transient *contact = create(models[m]);
+        start(contact);
+        go(by_load, contact, 0, NUM_STEPS);
+        follow_approach(by_load, contact, true, 1e-5);
+        follow_approach(by_load, contact, false, 3e-4);
+        ehdrom_transient_free(contact);
+    }
+}
+
+/* A start from an approach finds the load whose stationary contact has it. */
+static void a_start_from_an_approach_finds_its_load(void **unused) {
+    (void)unused;
+    for_both_models {
+        ehdrom_transient *contact = create(models[m]);
+        ehdrom_conditions conditions = {
+            .load = 1.05, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
+        ehdrom_state by_load, by_approach;
+        check_ok(ehdrom_transient_start(&by_load, contact, &conditions, &error));
+        assert_string_equal(by_load.reason, "");
+        conditions.load = NAN;
+        conditions.approach = by_load.scalars.rigid_approach;
+        check_ok(ehdrom_transient_start(&by_approach, contact, &conditions, &error));
+        assert_string_equal(by_approach.reason, "");
+        check_close(by_approach.scalars.load, 1.05, 1e-7, 0);
+        check_close(by_approach.half_width, sqrt(1.05), 1e-7, 0);
+        check_close(by_approach.scalars.central_film_thickness,
+                    by_load.scalars.central_film_thickness, 1e-6, 0);
+        ehdrom_transient_free(contact);
+    }
+}
+
+// ---- what is refused or not trusted
+
+static void conditions_out_of_range_are_refused(void **unused) {
+    (void)unused;
+    const struct {
+        ehdrom_conditions conditions;
+        double step;
+        const char *words;
+    } cases[] = {
+        {{0, NAN, 1, 1, 1}, STEP, "load: found 0, expected a number above 0"},
+        {{-1, NAN, 1, 1, 1}, STEP, "load: found -1, expected"},
+        {{NAN, NAN, 1, 1, 1}, STEP, "load: found nan, expected"},
+        {{INFINITY, NAN, 1, 1, 1}, STEP, "load: found inf, expected"},
+        {{0, -0.5, 1, 1, 1}, STEP, "load: found 0, expected"},
+        {{1, INFINITY, 1, 1, 1}, STEP, "approach: found inf, expected a finite number"},
+        {{1, NAN, -1e-9, 1, 1}, STEP, "speed: found -1e-09, expected a number of at least 0"},
+        {{1, NAN, NAN, 1, 1}, STEP, "speed: found nan, expected"},
+        {{1, NAN, 1, 0, 1}, STEP, "radius: found 0, expected a number above 0"},
+        {{1, NAN, 1, 1, 0}, STEP, "modulus: found 0, expected a number above 0"},
+        {{1, NAN, 1, 1, 1}, 0, "step: found 0, expected a number above 0"},
+        {{1, NAN, 1, 1, 1}, -STEP, "step: found -0.015625, expected"},
+        {{1, NAN, 1, 1, 1}, NAN, "step: found nan, expected"},
+        {{1, NAN, 1, 1, 1}, INFINITY, "step: found inf, expected"},
+    };
+    ehdrom_transient *contact = create(models[0]), *undisturbed = create(models[0]);
+    ehdrom_state expected, found;
+
+    start(contact);
+    start(undisturbed);
+    go(&found, contact, 0, 1);
+    go(&expected, undisturbed, 0, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_status status =
+            ehdrom_step(&found, contact, &cases[i].conditions, cases[i].step, &error);
+        if (status != EHD_DATA || !strstr(error.text, cases[i].words) || strchr(error.text, '\n'))
+            fail_msg("found %d \"%s\", expected \"%s\"", (int)status, error.text, cases[i].words);
+        if (cases[i].step == STEP)
+            assert_int_equal(ehdrom_transient_start(&found, contact, &cases[i].conditions, &error),
+                             EHD_DATA);
+        ehdrom_accept(contact); // nothing was solved
+    }
+    go(&found, contact, 1, 1);
+    go(&expected, undisturbed, 1, 1);
+    check_same(&found, &expected);
+    ehdrom_transient_free(contact);
+    ehdrom_transient_free(undisturbed);
+}
+
+static void calls_out_of_order_are_refused(void **unused) {
+    (void)unused;
+    char path[128];
+    ehdrom_model *unprepared;
+    ehdrom_transient *contact;
+    ehd_contact other = reference;
+    const ehdrom_conditions conditions = conditions_at(STEP);
+    ehdrom_state state;
+
+    snprintf(path, sizeof path, "%s/model.h5", folder);
+    check_ok(ehdrom_open(&unprepared, path, NULL, &error));
+    assert_int_equal(ehdrom_transient_create(&contact, unprepared, &reference, &error),
+                     EHD_INTERNAL);
+    assert_null(contact);
+    assert_non_null(strstr(error.text, "expected ehdrom_prepare_transient before"));
+    ehdrom_close(unprepared);
+    other.grid.step *= 2;
+    assert_int_equal(ehdrom_transient_create(&contact, models[0], &other, &error), EHD_DATA);
+    assert_null(contact);
+    contact = create(models[0]);
+    assert_int_equal(ehdrom_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
+    assert_non_null(strstr(error.text, "expected ehdrom_transient_start"));
+    assert_null(ehdrom_transient_free(contact));
+    assert_null(ehdrom_transient_free(NULL));
+}
+
+static void what_was_not_trained_is_not_trusted(void **unused) {
+    (void)unused;
+    const struct {
+        ehdrom_conditions conditions;
+        double step;
+    } cases[] = {{{1.2, NAN, 1, 1, 1}, 0.5},    // load
+                 {{1, NAN, 1.1, 1, 1}, 0.5},    // speed
+                 {{1.05, NAN, 1, 1, 1}, 0.01}}; // rate
+    for_both_models for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehdrom_transient *contact = create(models[m]);
+        ehdrom_state state;
+        start(contact);
+        check_ok(ehdrom_step(&state, contact, &cases[i].conditions, cases[i].step, &error));
+        assert_int_equal(state.status, EHD_UNTRUSTED);
+        assert_true(strlen(state.reason) > 0);
+        ehdrom_transient_free(contact);
+    }
+}
+
+// ---- memory
+
+static void a_step_allocates_nothing(void **unused) {
+    (void)unused;
+    for_both_models {
+        ehdrom_transient *contact = create(models[m]);
+        double *saved = malloc(ehdrom_saved_size(contact) * sizeof *saved);
+        ehdrom_state states[30];
+        assert_non_null(saved);
+        allocation_fail_at(0);
+        start(contact);
+        go(states, contact, 0, 30);
+        ehdrom_save(saved, contact);
+        check_ok(ehdrom_restore(contact, saved, &error));
+        ehdrom_restart(contact);
+        assert_false(allocation_failed());
+        free(saved);
+        ehdrom_transient_free(contact);
+    }
+}
+
+static void memory_may_fail(void **unused) {
+    (void)unused;
+    ehdrom_transient *contact = NULL;
+    ehd_status status;
+    size_t call = 0;
+
+    do {
+        allocation_fail_at(call);
+        status = ehdrom_transient_create(&contact, models[0], &reference, &error);
+        if (!allocation_failed()) break;
+        assert_int_equal(status, EHD_MEMORY);
+        assert_null(contact);
+    } while (call++ < 1000);
+    assert_int_equal(status, EHD_OK);
+    assert_true(call > 10);
+    ehdrom_transient_free(contact);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_constant_contact_stays),
+        cmocka_unit_test(a_step_can_be_repeated),
+        cmocka_unit_test(a_step_counts_once),
+        cmocka_unit_test(after_a_jump_the_past_does_not_count),
+        cmocka_unit_test(fields_are_those_of_the_accepted_state),
+        cmocka_unit_test(a_saved_state_goes_on_to_the_bit),
+        cmocka_unit_test(any_state_can_be_saved),
+        cmocka_unit_test(no_state_is_refused),
+        cmocka_unit_test(two_threads_agree_with_one),
+        cmocka_unit_test(march_run_takes_the_same_steps),
+        cmocka_unit_test(the_approach_gives_the_load_back),
+        cmocka_unit_test(a_start_from_an_approach_finds_its_load),
+        cmocka_unit_test(conditions_out_of_range_are_refused),
+        cmocka_unit_test(calls_out_of_order_are_refused),
+        cmocka_unit_test(what_was_not_trained_is_not_trusted),
+        cmocka_unit_test(a_step_allocates_nothing),
+        cmocka_unit_test(memory_may_fail),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
