@@ -391,6 +391,13 @@ static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full
     return true;
 }
 
+/* The equations also have solutions that mean nothing, which too long a time step may lead to. */
+static bool film_is_positive(const full_solver *self, const full_state *state) {
+    for (size_t k = 0; k < self->grid.num_nodes; k++)
+        if (!(state->film[k] > 0)) return false;
+    return true;
+}
+
 static void list_unknowns(full_solver *self, const full_state *state) {
     self->num_unknowns = 0;
     for (size_t k = 0; k < self->grid.num_nodes; k++) {
@@ -426,6 +433,10 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         if (iteration > 0 && adapt_zone(&watch, &settled, self, state, contact, squeeze)) {
             evaluate(info, self, contact, squeeze, state);
         } else if (iteration > 0 && info->residual < self->settings.tolerance) {
+            if (!film_is_positive(self, state)) {
+                info->reason = "a film that is not positive";
+                return EHD_OK;
+            }
             info->status = EHD_OK;
             info->complementarity = complementarity(self, state);
             info->seconds_rows += program_seconds() - before;

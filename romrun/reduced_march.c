@@ -272,6 +272,16 @@ static double local_error(const reduced_march *self, size_t exit, double central
     return self->formula.error * largest / central_film;
 }
 
+/* Whether an exit boundary that did not settle may do so in a shorter step: when this one is not yet much
+ * shorter than the last one. */
+static bool shorter_may_settle(const reduced_march *self, double step) {
+    const double much_shorter = 0.05;
+    const size_t *place = self->ring.place;
+
+    return self->ring.num_earlier > 1 &&
+           step > much_shorter * (self->ring.time[place[1]] - self->ring.time[place[2]]);
+}
+
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     reduced_march *self = solver;
@@ -288,6 +298,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     const reduced_squeeze squeeze = {self->formula.rate, self->earlier, earlier_at, self};
     ehd_status status = solve(&info, self, &contact, &squeeze, error);
     if (status) return status;
+    if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
+        info.status = EHD_NOT_CONVERGED;
     self->last_iterations = info.iterations;
     self->own_jacobian = info.own_jacobian;
     *outcome = (march_step){.status = info.status,
@@ -320,10 +332,11 @@ static void keep_factors(reduced_march *self) {
 /* Whether the factors still serve the next step, by how they did in this one. */
 static bool factors_serve(const reduced_march *self, size_t exit) {
     const size_t most_iterations = 3;
-    const double most_rate_change = 0.25;
+    const double most_rate_change = 0.25, most_exit_change = 0.008; // relative; half widths
 
     return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
-           exit == self->factors.exit &&
+           fabs((double)exit - (double)self->factors.exit) * self->model->grid.step <
+               most_exit_change &&
            fabs(self->formula.rate / self->factors.rate - 1) < most_rate_change;
 }
 

@@ -592,8 +592,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
             bool settled = exit_settled(self->model, exit, wanted);
-            // in time, a shorter step may settle it
-            info->status = settled ? EHD_OK : squeeze ? EHD_NOT_CONVERGED : EHD_UNTRUSTED;
+            info->status = settled ? EHD_OK : EHD_UNTRUSTED;
             info->reason = settled ? "" : "an exit boundary that does not settle";
             return EHD_OK;
         }
@@ -772,6 +771,11 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     info->reason = "";
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
     if (!status) info->scalars = reduced_scalars(solver, state);
+    if (!status && info->status != EHD_NOT_CONVERGED &&
+        !(info->scalars.minimum_film_thickness > 0)) {
+        info->status = EHD_NOT_CONVERGED;
+        info->reason = "a film that is not positive";
+    }
     info->seconds = program_seconds() - start;
     return status;
 }

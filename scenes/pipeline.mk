@@ -1,44 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From a plan to reduced models, and from cases to tables and pictures. Included by the Makefile of each
-# scene, which says what its models are; settings of any scene can be given as SET='--set key=value ...'.
+# Reduced models of a plan, and from cases to tables and pictures. Included by the Makefile of each
+# stationary scene, which says what its models are (training.mk).
 
-SHARED := $(dir $(lastword $(MAKEFILE_LIST)))
-BIN    ?= $(SHARED)../build/release/bin
-OUT    ?= out
-SET    ?=
-V      ?= 0
+include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
 
-# Points of the plan that may fail; times an online solution is repeated for its median time.
-ALLOW_FAILURES ?= 0
-REPEAT         ?= 21
+# Times an online solution is repeated for its median time.
+REPEAT ?= 21
 
-# More options of snapgen that change no result, such as --resume after an interruption.
-SNAPGEN_OPTIONS ?=
-
-MODELS ?= model
-CASES  := $(shell awk -f $(SHARED)case.awk cases.csv)
-MODEL  := $(firstword $(MODELS))
+CASES := $(shell awk -f $(SHARED)case.awk cases.csv)
 ifeq ($(CASES),)
   $(error cases.csv: found no cases, expected a line each below the header)
 endif
 
-ifeq ($(V),0)
-  quiet = @echo '  $1 $2';
-endif
-MAKEFLAGS += --no-builtin-rules --no-print-directory
-.DELETE_ON_ERROR:
-
-$(shell mkdir -p $(OUT))
-
-# $(call options,NAME,TEXT): a file that changes with its text only, so that what other options made is
-# made again.
-options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2)),$(file >$(OUT)/$1.options,$(strip $1 $2)))
-differs = $(subst |$(file <$1)|,,|$2|)
-
 # ---- Targets for people
-
-models: $(MODELS:%=$(OUT)/%.h5) ## all models (the default)
-.DEFAULT_GOAL := models
 
 demo: $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/case-%-full.h5) $(CASES:%=$(OUT)/case-%-$(MODEL).h5) \
       $(OUT)/profiles.png ## train, solve all cases, compare, draw
@@ -53,41 +27,7 @@ figures: $(OUT)/tables.txt $(OUT)/profiles.png $(if $(FIGURE3_CASE),$(OUT)/figur
 list: ## names of the cases
 	@printf '%s\n' $(CASES)
 
-clean: ## remove what was made
-	rm -rf $(OUT)
-
-help: ## this list
-	@sed -n -e ':join' -e '/\\$$/ { N; s/\\\n//; b join' -e '}' -e 's/^\([a-z-]*\):.* ## \(.*\)/  \1\t\2/p' $(SHARED)pipeline.mk | expand -t 12
-
-.PHONY: models demo figures list clean help
-
-# ---- Training and models
-
-$(OUT)/snapshots.h5: plan.yml scene.yml $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
-                     $(call options,snapshots,$(SET) $(ALLOW_FAILURES))
-	$(call quiet,snapgen   ,$@)$(BIN)/snapgen plan.yml -o $@ --force --allow-failures $(ALLOW_FAILURES) $(SNAPGEN_OPTIONS) $(SET)
-
-podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
-                     $($1.PRESSURE_MODES:%=--pressure-modes %) \
-                     $($1.DEFORMATION_MODES:%=--deformation-modes %) \
-                     $($1.ENERGY:%=--energy %)
-deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) $($1.WEIGHTS:%=--weights %)
-
-# $(call model_rules,model-NAME,-NAME)
-define model_rules
-$(OUT)/basis$2.h5: $(OUT)/snapshots.h5 $(BIN)/podbuild $(call options,basis$2,$(call podbuild_options,$1))
-	$$(call quiet,podbuild  ,$$@)$(BIN)/podbuild $$< -o $$@ --force $(strip $(call podbuild_options,$1))
-
-$(OUT)/residuals$2.h5: $(OUT)/basis$2.h5 $(OUT)/snapshots.h5
-	$$(call quiet,snapgen   ,$$@)$(BIN)/snapgen plan.yml --basis $$< -o $$@ --force $(SET)
-
-$(OUT)/$1.h5: $(OUT)/residuals$2.h5 $(OUT)/basis$2.h5 $(BIN)/deimselect $(call options,$1,$(call deimselect_options,$1))
-	$$(call quiet,deimselect,$$@)$(BIN)/deimselect $$< --basis $(OUT)/basis$2.h5 -o $$@ --force $(strip $(call deimselect_options,$1))
-
-$(OUT)/case-%-$1.h5: scene.yml $(OUT)/$1.h5 $(BIN)/romrun $(call options,case-romrun,$(SET) $(REPEAT))
-	$$(call quiet,romrun    ,$$@)$$(call case_run,$(BIN)/romrun,--model $(OUT)/$1.h5 --repeat $(REPEAT) --set output.fields=true)
-endef
-$(foreach model,$(MODELS),$(eval $(call model_rules,$(model),$(model:model%=%))))
+.PHONY: demo figures list
 
 # ---- Cases
 
@@ -95,6 +35,13 @@ $(foreach model,$(MODELS),$(eval $(call model_rules,$(model),$(model:model%=%)))
 # and the tables show it.
 case_run = $1 scene.yml -o $@ --force $2 $(SET) $$(awk -f $(SHARED)case.awk -v want='$*' cases.csv) >/dev/null || \
            [ $$? -eq 3 -o $$? -eq 4 ]
+
+# $(call case_rule,model-NAME)
+define case_rule
+$(OUT)/case-%-$1.h5: scene.yml $(OUT)/$1.h5 $(BIN)/romrun $(call options,case-romrun,$(SET) $(REPEAT))
+	$$(call quiet,romrun    ,$$@)$$(call case_run,$(BIN)/romrun,--model $(OUT)/$1.h5 --repeat $(REPEAT) --set output.fields=true)
+endef
+$(foreach model,$(MODELS),$(eval $(call case_rule,$(model))))
 
 $(OUT)/case-%-full.h5: scene.yml $(BIN)/fullrun $(call options,case-fullrun,$(SET))
 	$(call quiet,fullrun   ,$@)$(call case_run,$(BIN)/fullrun,)

@@ -2,6 +2,7 @@
 #include "common/time/march.h"
 
 #include "common/program/program.h"
+#include "common/time/bdf.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,6 +19,7 @@ static const double MOST_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is s
 static const double LEAST_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
 static const double SAFETY = 0.85;
+enum { WATCHED_ATTEMPTS = 3000 };
 static const double LEAST_STEP = 1e-9; // relative to the first one
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
@@ -78,19 +80,35 @@ double march_expected_load(double load, double load_rate, double step) {
 }
 
 /* The next time: a step further, or where the histories have an event, a fixed step's multiple is or the
- * march ends. *jump: the histories jump there. */
-static double next_time(bool *jump, const march *self) {
+ * march ends. *is_kink: it is that of an event; *jump: the histories jump there. */
+static double next_time(bool *is_kink, bool *jump, const march *self) {
     const double time = self->state.time, step = self->state.step;
     double fixed = self->settings.fixed_step, end = self->settings.end_time;
     double kink = histories_next_kink(self->histories, time, jump), event = fmin(kink, end);
 
     // a multiple, not a sum, so that times do not drift and a step that was cut falls back into place
     if (!isnan(fixed)) event = fmin(event, (floor(time / fixed + 1e-9) + 1) * fixed);
-    *jump = *jump && event == kink;
+    *is_kink = event == kink;
+    *jump = *jump && *is_kink;
     if (step >= (event - time) * (1 - 1e-9)) return event;
-    *jump = false;
+    *is_kink = *jump = false;
     // two equal steps rather than a whole one and a sliver
     return step > 0.5 * (event - time) ? time + 0.5 * (event - time) : time + step;
+}
+
+/* The solvers take the solution for smooth. Right after a kink its second derivative has jumped, by J say:
+ * then J step^2 / 2 is what the prediction misses, and the part last_step / (2 step + last_step) of that
+ * is what BDF2 does. After long steps that is much more than in a smooth solution. A step as short as
+ * the first one of all is taken as that one is, because the first derivative may have jumped too, which
+ * is harmless. */
+static double error_after_kink(const march *self, double step, double local_error) {
+    const march_state *state = &self->state;
+    const double intervals[] = {state->last_step, state->step_before};
+    size_t num_earlier = state->step_before > 0 ? 3 : state->last_step > 0 ? 2 : 1;
+    double smooth = bdf_step(step, intervals, num_earlier).error;
+
+    if (!(smooth > 0) || step <= self->settings.first_step) return local_error;
+    return local_error * fmax(state->last_step / (2 * step + state->last_step) / smooth, 1);
 }
 
 static double next_step(const march *self, const march_step *outcome) {
@@ -104,6 +122,8 @@ static void take(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double load = outcome->scalars.load * outcome->frame.load;
 
+    state->step_before = state->last_step;
+    state->last_step = outcome->step;
     state->load_rate = (load - state->load) / outcome->step;
     state->load = load;
     state->time = outcome->frame.time;
@@ -114,8 +134,8 @@ static void take(march *self, const march_step *outcome) {
 /* One attempt, accepted or not. */
 static ehd_status advance(march *self, ehd_error *error) {
     march_state *state = &self->state;
-    bool adaptive = isnan(self->settings.fixed_step), jump;
-    double time = next_time(&jump, self), step = time - state->time;
+    bool adaptive = isnan(self->settings.fixed_step), is_kink, jump;
+    double time = next_time(&is_kink, &jump, self), step = time - state->time;
     march_step outcome;
 
     contact_frame frame = march_frame(&self->settings, self->histories, time,
@@ -124,6 +144,7 @@ static ehd_status advance(march *self, ehd_error *error) {
     if (status) return status;
     outcome.frame = frame;
     outcome.step = step;
+    if (state->at_kink > 0) outcome.local_error = error_after_kink(self, step, outcome.local_error);
     state->num_iterations += (double)outcome.iterations;
 
     bool failed = outcome.status == EHD_NOT_CONVERGED;
@@ -139,6 +160,7 @@ static ehd_status advance(march *self, ehd_error *error) {
     }
     self->solver.accept(self->solver.self);
     take(self, &outcome);
+    state->at_kink = is_kink;
     // a step cut short by an event says nothing about the length of the next one
     if (adaptive)
         state->step = fmax(next_step(self, &outcome), fmin(state->step, 2 * step));
@@ -146,17 +168,37 @@ static ehd_status advance(march *self, ehd_error *error) {
         state->step = self->settings.fixed_step;
     if (jump) {
         self->solver.restart(self->solver.self);
+        state->last_step = state->step_before = 0;
         state->step = self->settings.first_step;
     }
     return self->store(self->sink, &outcome, (size_t)state->num_steps, error);
 }
 
+/* Ends a march that crawls: where a model's own noise is above the tolerance, steps get shorter until the noise
+ * of a step is, and the end is out of reach. */
+static void watch_progress(march *self, double *mark, double shortest) {
+    const double least_progress = 0.01; // of the shortest time, in so many attempts
+
+    if (!(self->state.time - *mark > least_progress * shortest))
+        snprintf(self->reason, sizeof self->reason,
+                 "found %d attempts between T = %.8g and %.8g, expected them to get further (step "
+                 "%.1e)",
+                 WATCHED_ATTEMPTS, *mark, self->state.time, self->state.step);
+    *mark = self->state.time;
+}
+
 ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error) {
+    double shortest = fmin(histories_shortest_time(self->histories), self->settings.end_time);
+    double mark = self->state.time;
+    bool adaptive = isnan(self->settings.fixed_step);
     ehd_status status = EHD_OK;
 
-    while (!status && self->state.time < self->settings.end_time && !self->reason[0]) {
+    for (size_t attempts = 1;
+         !status && self->state.time < self->settings.end_time && !self->reason[0]; attempts++) {
         status = program_interrupted() ? ehd_fail(error, EHD_INTERRUPTED, "interrupted")
                                        : advance(self, error);
+        if (adaptive && !status && !self->reason[0] && attempts % WATCHED_ATTEMPTS == 0)
+            watch_progress(self, &mark, shortest);
     }
     *outcome = self->reason[0] ? EHD_NOT_CONVERGED : EHD_OK;
     return status;

@@ -122,3 +122,145 @@ makes_nothing() {
     [ "$status" -eq 2 ]
     [[ $output == *"cases.csv: found no cases"* ]]
 }
+
+# Two short trajectories on the small grid.
+small_transient() {
+    copy_scene transient-load
+    sed -i 's/end_time: .*/end_time: 0.2/' scene.yml
+    sed -i 's/period: \[.*/period: [0.5, 1]/' plan.yml
+    printf '%s\n' "$(head -n 1 cases.csv)" 0.5,0.2,0.005,5010,4192,3949,119 0.75,0.2,0.005,,,, >few.csv
+    mv few.csv cases.csv
+    sizes=(model.PRESSURE_MODES=32 model.ROWS=60 model-paper.PRESSURE_MODES=25
+        model-paper.DEFORMATION_MODES=20 model-paper.ROWS=50 FIGURE5_TIME=0.15
+        EXTREME_AMPLITUDES=0.1 EXTREME_PERIODS='0.5 1' SNAPGEN_OPTIONS='--jobs 1')
+}
+
+@test "the transient load: tables and figures, and then nothing is left to do" {
+    small_transient
+    run_make tables figures "${sizes[@]}"
+    [ "$status" -eq 0 ]
+    for table in 'Table 6' 'Table 7' 'Largest deviations' published worst; do grep -q "$table" out/tables.txt; done
+    [[ ! $output =~ nan|\* ]]
+    # the film at the centre does not change before what enters has reached it: $7 may print as zero
+    awk '/^worst/ { found = 1; for (i = 2; i <= 6; i++) if (!($i > 0 && $i < 1)) bad = 1 } END { exit bad || !found }' out/tables.txt
+    for picture in figure4 figure5; do
+        [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]
+        grep -q '</svg>' out/$picture.svg
+    done
+    # all nodes, and the pressure of the time asked for, in its own frame: p_H goes with the root of the load
+    [ "$(wc -l <out/profile-full.dat)" -eq 301 ]
+    close_to "$(awk '$1 * $1 < 1e-12 { print $2 }' out/profile-full.dat)" \
+        "$(awk '$1 > 0.1499 && $1 < 0.1501 { print $3 / sqrt($2) }' out/run-fixed-0.5-full.dat)" 1e-6
+    run_make -n tables figures "${sizes[@]}"
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ trajectory.sh ]]
+
+    # the comparison over time is that of romrun
+    run -0 --separate-stderr romrun scene.yml --quiet --model out/model.h5 --set transient.load.period=0.75 \
+        --set transient.fixed_step=0.005 --against out/run-fixed-0.75-full.h5
+    close_to "$(awk -f ../deviation.awk -v largest=1 out/run-fixed-0.75-{full,model}.dat | cut -d ' ' -f 3)" \
+        "$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' <<<"$output")" 0.01
+}
+
+@test "the transient load: beyond the published range, and with the published basis" {
+    small_transient
+    run_make extremes paper-size "${sizes[@]}"
+    [ "$status" -eq 0 ]
+    [ "$(grep -c '^ *10 %' out/extremes.txt)" -eq 2 ]
+    grep -q 'full runs that did not complete: 0' out/extremes.txt
+    [ "$(grep -c model-paper out/tables-paper.txt)" -eq 2 ]
+}
+
+@test "a run that stops early or is not trusted is shown as far as it came" {
+    small_transient
+    # stands for a program that stops with an exit code of its own
+    cat >stops <<'SH'
+#!/bin/sh
+scene=$1
+while [ "$1" != -o ]; do shift; done
+"$BIN/fullrun" "$scene" -o "$2" --force --quiet >/dev/null
+[ "$CODE" -ne 3 ] || mv "$2" "$2.partial"
+echo "stops: no further" >&2
+exit "$CODE"
+SH
+    chmod +x stops
+    for code in 3 4; do
+        CODE=$code BIN=$BIN run -0 --separate-stderr ../trajectory.sh "$PWD/short.h5" ./stops scene.yml
+        [[ ${lines[0]} == "# code $code steps "[1-9]* && ${lines[1]} == "# message stops: no further" ]]
+        [[ ${lines[2]} == "0 1 "* && ${lines[-1]} == "0.2 "* ]]
+        rm -f short.h5*
+    done
+    CODE=70 BIN=$BIN run -70 --separate-stderr ../trajectory.sh "$PWD/short.h5" ./stops scene.yml
+    [[ -z $output && $stderr == "stops: no further" ]]
+}
+
+@test "deviations over time are exact for cubics, at the same times and between them" {
+    cd "$BATS_TEST_TMPDIR"
+    awk 'BEGIN { OFMT = "%.17g"; print "# code 0"; for (i = 0; i <= 10; i++) { t = i * i / 100; p = 1 + t ^ 3; print t, 1, p, 2 + t - t ^ 2 } }' >one.dat
+    awk 'BEGIN { OFMT = "%.17g"; for (i = 0; i <= 12; i++) { t = i / 11; p = 1 + t ^ 3; print t, 1, 1.01 * p, (2 + t - t ^ 2) * (1 - 0.02 * (i == 5)) } }' >two.dat
+    run -0 awk -f "$BATS_TEST_DIRNAME/../../scenes/deviation.awk" one.dat two.dat
+    [ "${#lines[@]}" -eq 12 ] # the last time lies behind the end
+    awk '{ d = $2 - 1; e = $3 + 2 * (NR == 6); if (d * d > 1e-20 || e * e > 1e-20) exit 1 }' <<<"$output"
+    run -0 awk -f "$BATS_TEST_DIRNAME/../../scenes/deviation.awk" -v largest=1 one.dat two.dat
+    awk '{ d = $4 - 5 / 11; exit !($1 > 0.999999 && $1 < 1.000001 && $3 > 1.999999 && $3 < 2.000001 && d * d < 1e-10 && $5 == 12) }' <<<"$output"
+}
+
+@test "the cam: its history keeps the speed above zero, and the lift is solved full and reduced" {
+    copy_scene cam-tappet
+    run_make history
+    [ "$status" -eq 0 ]
+    awk -F, 'NR > 1 { for (i = 2; i <= 5; i++) if (!($i > 0)) exit 1 } NR == 2 || $6 == 120 { if ($2 != 1 || $3 != 1 || $4 != 1 || $5 != 1) exit 1; ends++ }
+        $6 == 0 { nose = $7 } END { exit !(ends == 2 && nose == 6) }' out/history.csv
+    # speed and radius from the lift, by differences in the angle
+    awk -F, 'NR > 1 { s[NR] = $7; u[NR] = $3; r[NR] = $4 } END {
+        step = 0.5 * atan2(0, -1) / 180
+        for (i = 3; i < NR; i++) {
+            curvature = (s[i + 1] - 2 * s[i] + s[i - 1]) / step ^ 2
+            d = u[i] - (18 + s[i] + 2 * curvature) / 18
+            e = r[i] - (18 + s[i] + curvature) / 18
+            if (d * d > 1e-6 || e * e > 1e-6) exit 1
+        } }' out/history.csv
+
+    sed -i 's/end_time: .*/end_time: 20/' scene.yml
+    sed -i 's/viscosity: \[.*/viscosity: [0.0085, 0.0118]/' plan.yml
+    run_make demo model.PRESSURE_MODES=40 model.ROWS=90
+    [ "$status" -eq 0 ]
+    [[ $output == *"reduced from full, at most: "* && ! $output =~ nan ]]
+    [ "$(head -c 4 out/cam.png | tail -c 3)" = PNG ]
+    # film in the unit of the reference: a^2/R = 8 w/(pi E) = 1.12666 um
+    close_to "$(awk 'NR == 1 { print $3 }' out/film-full.dat)" \
+        "$(awk '!/^#/ { print $4 * 8 * 100e3 / (atan2(0, -1) * 226e9) * 1e6; exit }' out/lift-full.dat)" 1e-4
+}
+
+# A coarse grid has few modes to offer.
+small_oscillator() {
+    copy_scene oscillator
+    sed -i -e 's/^model.PRESSURE_MODES.*/model.PRESSURE_MODES = 40/' -e 's/^model.ROWS.*/model.ROWS = 64/' Makefile
+}
+
+@test "the oscillator: the library as a force element agrees with the full model" {
+    small_oscillator
+    run_make figures
+    [ "$status" -eq 0 ]
+    [[ $output == *"reduced model: 1200 steps"*"full model: 1200 steps"* ]]
+    [[ $output =~ "force "([0-9.e-]+)" % of its mean, approach "([0-9.e-]+)" % of its swing, central film "([0-9.e-]+)" %" ]]
+    awk -v force="${BASH_REMATCH[1]}" -v approach="${BASH_REMATCH[2]}" -v film="${BASH_REMATCH[3]}" \
+        'BEGIN { exit !(force < 0.1 && approach < 1 && film < 0.5) }'
+    # shaken at a period of 1 for as long as it takes; the force swings, but stays in the trained range
+    awk -F, 'NR == 1 { exit !($0 == "time,approach,force,central_film_thickness") }' out/reduced.csv
+    awk -F, 'NR > 1 { if ($3 > most) most = $3 } END { exit !(NR == 1202 && $1 == 12 && most > 1.06 && most < 1.1) }' out/reduced.csv
+    [ "$(cut -d, -f 1 out/full.csv)" = "$(cut -d, -f 1 out/reduced.csv)" ]
+    [ "$(head -c 4 out/oscillator.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/oscillator.svg
+    run_make -n figures
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ out/oscillator\ scene ]]
+
+    # its own command line
+    PATH=$PWD/out:$PATH
+    run --separate-stderr oscillator scene.yml
+    [[ $status == 64 && $stderr == usage:* ]]
+    refused 66 "none.h5" oscillator scene.yml none.h5 x.csv
+    sed 's/step: 0.02/step: 0.04/' scene.yml >coarse.yml
+    refused 65 "grid: found" oscillator coarse.yml out/model.h5 x.csv
+    refused 73 "no/x.csv" oscillator scene.yml out/model.h5 no/x.csv
+    [ ! -e x.csv ]
+}

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# From a plan to reduced models: training, bases, row selection. Included by the Makefile of each scene,
+# or by pipeline.mk for it; the Makefile says what its models are. Settings of any scene can be given as
+# SET='--set key=value ...'.
+
+SHARED := $(dir $(lastword $(MAKEFILE_LIST)))
+BIN    ?= $(SHARED)../build/release/bin
+OUT    ?= out
+SET    ?=
+V      ?= 0
+
+# Points of the plan that may fail.
+ALLOW_FAILURES ?= 0
+
+# More options of snapgen that change no result, such as --resume after an interruption.
+SNAPGEN_OPTIONS ?=
+
+MODELS ?= model
+MODEL  := $(firstword $(MODELS))
+
+ifeq ($(V),0)
+  quiet = @echo '  $1 $2';
+endif
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+.DELETE_ON_ERROR:
+
+$(shell mkdir -p $(OUT))
+
+# $(call options,NAME,TEXT): a file that changes with its text only, so that what other options made is
+# made again.
+options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2)),$(file >$(OUT)/$1.options,$(strip $1 $2)))
+differs = $(subst |$(file <$1)|,,|$2|)
+
+# ---- Targets for people
+
+models: $(MODELS:%=$(OUT)/%.h5) ## all models (the default)
+.DEFAULT_GOAL := models
+
+clean: ## remove what was made
+	rm -rf $(OUT)
+
+# Of the Makefile and of what it includes.
+help: ## this list
+	@sed -n -e ':join' -e '/\\$$/ { N; s/\\\n//; b join' -e '}' -e 's/^\([a-z-]*\):.* ## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
+
+.PHONY: models clean help
+
+# ---- Training and models
+
+$(OUT)/snapshots.h5: plan.yml scene.yml $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
+                     $(call options,snapshots,$(SET) $(ALLOW_FAILURES))
+	$(call quiet,snapgen   ,$@)$(BIN)/snapgen plan.yml -o $@ --force --allow-failures $(ALLOW_FAILURES) $(SNAPGEN_OPTIONS) $(SET)
+
+podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
+                     $($1.PRESSURE_MODES:%=--pressure-modes %) \
+                     $($1.DEFORMATION_MODES:%=--deformation-modes %) \
+                     $($1.ENERGY:%=--energy %)
+deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) $($1.WEIGHTS:%=--weights %)
+
+# $(call model_rules,model-NAME,-NAME)
+define model_rules
+$(OUT)/basis$2.h5: $(OUT)/snapshots.h5 $(BIN)/podbuild $(call options,basis$2,$(call podbuild_options,$1))
+	$$(call quiet,podbuild  ,$$@)$(BIN)/podbuild $$< -o $$@ --force $(strip $(call podbuild_options,$1))
+
+$(OUT)/residuals$2.h5: $(OUT)/basis$2.h5 $(OUT)/snapshots.h5 $(call options,residuals$2,$($1.REPETITION))
+	$$(call quiet,snapgen   ,$$@)$(BIN)/snapgen plan.yml --basis $$< -o $$@ --force $(SET) $($1.REPETITION)
+
+$(OUT)/$1.h5: $(OUT)/residuals$2.h5 $(OUT)/basis$2.h5 $(BIN)/deimselect $(call options,$1,$(call deimselect_options,$1))
+	$$(call quiet,deimselect,$$@)$(BIN)/deimselect $$< --basis $(OUT)/basis$2.h5 -o $$@ --force $(strip $(call deimselect_options,$1))
+endef
+$(foreach model,$(MODELS),$(eval $(call model_rules,$(model),$(model:model%=%))))
