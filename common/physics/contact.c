@@ -103,6 +103,10 @@ static ehd_status contact_from_physical(ehd_contact *contact, const scene *given
 
 ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *error) {
     memset(contact, 0, sizeof *contact);
+    if (strcmp(given->regime, "stationary") == 0 && strcmp(given->closure, "approach") == 0)
+        return ehd_fail(error, EHD_DATA,
+                        "closure: found approach in a stationary scene, expected load; a transient "
+                        "scene finds the load of an approach");
     contact->kind = &contact_line;
     contact->entrainment = 1;
     contact->closure = contact_load_closure(contact->kind);

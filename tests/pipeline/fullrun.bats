@@ -201,6 +201,7 @@ bad_value() {
     bad_value contact sphere "contact: found sphere, expected line"
     bad_value regime moving "regime"
     bad_value closure gap "closure"
+    bad_value closure approach "closure: found approach in a stationary scene"
     bad_value lubricant.viscosity.law honey "barus.roelands.wlf"
     bad_value lubricant.density.law lead "incompressible.dowson-higginson"
     bad_value lubricant.viscosity.preset no1 "preset"
