@@ -4,6 +4,7 @@
 #include "common/time/bdf.h"
 #include "fullrun/continuation.h"
 #include "fullrun/earlier.h"
+#include "fullrun/judge.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,9 +17,11 @@ struct full_march {
     earlier_state states[BDF_EARLIER + 1]; // in the places of the ring
     bdf_ring ring;
     double *nodes;             // [num_nodes] X
+    bool *noisy;               // [num_nodes] where the local error says nothing
     double *mass[BDF_EARLIER]; // [num_nodes] rho H of earlier states at the inner nodes
     double *earlier;           // [num_nodes] their sum by the formula
     full_march_effort effort;
+    char reason[JUDGE_REASON];
 };
 
 full_march *full_march_free(full_march *self) {
@@ -29,6 +32,7 @@ full_march *full_march_free(full_march *self) {
         for (size_t i = 0; i < BDF_EARLIER; i++)
             free(self->mass[i]);
         free(self->nodes);
+        free(self->noisy);
         free(self->earlier);
         free(self);
     }
@@ -55,7 +59,8 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->ring = bdf_ring_empty();
     self->nodes = malloc(num_nodes * sizeof(double));
     self->earlier = malloc(num_nodes * sizeof(double));
-    whole = self->nodes && self->earlier;
+    self->noisy = calloc(num_nodes, sizeof *self->noisy);
+    whole = self->nodes && self->earlier && self->noisy;
     for (size_t i = 0; i < BDF_EARLIER; i++) {
         self->mass[i] = malloc(num_nodes * sizeof(double));
         whole = whole && self->mass[i];
@@ -157,6 +162,16 @@ static ehd_status walk_to_approach(full_info *info, full_march *self, contact_fr
     return status;
 }
 
+/* A stationary start is held to what a stationary result is (judge.h). */
+static void judge_start(full_info *info, full_march *self, const earlier_state *first) {
+    ehd_contact contact;
+
+    frame_contact(&contact, &first->frame, &self->reference);
+    if (info->status || first->frame.speed == 0) return;
+    info->status = full_judge(self->reason, info, &first->state, &contact);
+    if (info->status) info->reason = self->reason;
+}
+
 static void accept(void *solver);
 
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
@@ -171,6 +186,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         status = walk_to_approach(&info, self, &first->frame, error);
     if (status) return status;
     add_effort(self, &info);
+    judge_start(&info, self, first);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .frame = first->frame,
@@ -213,19 +229,45 @@ static void carry_over(full_march *self, const bdf_formula *formula, const conta
     }
 }
 
-/* Largest local error of rho H where there is pressure (march_exit_margin), relative to the central
- * film. */
-static double local_error(const full_march *self, const bdf_formula *formula,
-                          const full_state *state, const ehd_contact *contact,
-                          double central_film) {
+/* Marks the nodes near which the film is not smooth in time on the grid's scale: where a state among those
+ * that the step looks at has pressure and another one has not. */
+static void mark_noisy(full_march *self, const full_state *state) {
+    size_t num_inner = self->reference.grid.num_inner;
+    size_t margin = (size_t)ceil(march_exit_margin / self->reference.grid.step);
+    size_t since = margin;
+
+    // first by the distance to the last change before, then by that to the next one behind
+    for (size_t k = 1; k <= num_inner; k++) {
+        bool changes = false;
+        for (size_t i = 1; i <= self->ring.num_earlier; i++)
+            changes = changes || full_has_pressure(&state_before(self, i)->state, k) !=
+                                     full_has_pressure(state, k);
+        since = changes ? 0 : since + 1;
+        self->noisy[k] = since < margin;
+    }
+    for (size_t k = num_inner, left = 0; k >= 1; k--) {
+        bool start = self->noisy[k] && (k == 1 || !self->noisy[k - 1]);
+        if (!self->noisy[k] && left > 0) {
+            self->noisy[k] = true;
+            left--;
+        }
+        if (start) left = margin;
+    }
+}
+
+/* Largest local error of rho H where there is pressure, away from where the film ruptures
+ * (march_exit_margin), relative to the central film. */
+static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
+                          const ehd_contact *contact, double central_film) {
     const density_law *law = contact->lubricant.density;
     double largest = 0, ignored;
 
     if (!(formula->error > 0)) return 0;
+    mark_noisy(self, state);
     double end = grid_x(&contact->grid, state->exit) - march_exit_margin;
     for (size_t k = 1; k < state->exit && self->nodes[k] < end; k++) {
         double mass = state->film[k];
-        if (state->ruptured[k]) continue;
+        if (state->ruptured[k] || self->noisy[k]) continue;
         if (law)
             mass *= law->relative_density(fmax(state->pressure[k], 0) * contact->hertz_pressure,
                                           &ignored);
@@ -252,6 +294,10 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     ehd_status status = full_solve(&info, &next->state, self->solver, &contact, &squeeze, error);
     if (status) return status;
     add_effort(self, &info);
+    if (info.status == EHD_OK && full_beyond_law(&next->state, &contact)) {
+        info.status = EHD_NOT_CONVERGED;
+        info.reason = "a pressure beyond the viscosity law's limit";
+    }
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .scalars = full_evaluate_scalars(&next->state, &contact),

@@ -13,6 +13,10 @@ static double highest_pressure(const full_state *state, const ehd_contact *conta
     return highest;
 }
 
+bool full_beyond_law(const full_state *state, const ehd_contact *contact) {
+    return highest_pressure(state, contact) > contact->lubricant.pressure_limit;
+}
+
 ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const full_state *state,
                       const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
@@ -30,7 +34,7 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
                           "(grid.x_max)",
                           grid_x(grid, grid->num_inner));
     // also of an iteration that failed, because this is then likely why
-    if (highest > lubricant->pressure_limit)
+    if (full_beyond_law(state, contact))
         length += snprintf(reason + length, JUDGE_REASON - (size_t)length,
                            "%sfound a pressure of %.4g GPa, expected at most %.4g GPa, the limit "
                            "of the %s law",

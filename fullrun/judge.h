@@ -15,4 +15,7 @@ ehd_status full_judge(
     // input:
     const full_info *info, const full_state *state, const ehd_contact *contact);
 
+/* Whether a pressure lies beyond the viscosity law's limit. */
+bool full_beyond_law(const full_state *state, const ehd_contact *contact);
+
 #endif

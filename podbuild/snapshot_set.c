@@ -179,6 +179,12 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
 
     if (!status && !artefact_has(file, "pressure"))
         status = ehd_fail(error, EHD_DATA, "%s: found no dataset pressure, expected fields", path);
+    if (!status && artefact_kind(file) == &schema_result && artefact_length(file, "time") > 1)
+        status =
+            ehd_fail(error, EHD_DATA,
+                     "%s: time: found %zu entries, expected 1, of a stationary result; snapgen "
+                     "trains on transient scenes",
+                     path, artefact_length(file, "time"));
     if (!status) status = grid_read(&grid, &set->kind, file, error);
     if (!status && path == first) set->grid = grid;
     if (!status) status = grid_check(&grid, path, &set->grid, first, error);

@@ -332,11 +332,10 @@ static void keep_factors(reduced_march *self) {
 /* Whether the factors still serve the next step, by how they did in this one. */
 static bool factors_serve(const reduced_march *self, size_t exit) {
     const size_t most_iterations = 3;
-    const double most_rate_change = 0.25, most_exit_change = 0.008; // relative; half widths
+    const double most_rate_change = 0.25;
 
     return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
-           fabs((double)exit - (double)self->factors.exit) * self->model->grid.step <
-               most_exit_change &&
+           exit == self->factors.exit &&
            fabs(self->formula.rate / self->factors.rate - 1) < most_rate_change;
 }
 

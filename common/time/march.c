@@ -148,7 +148,7 @@ static ehd_status advance(march *self, ehd_error *error) {
     state->num_iterations += (double)outcome.iterations;
 
     bool failed = outcome.status == EHD_NOT_CONVERGED;
-    if (failed || (adaptive && outcome.local_error > self->settings.tolerance)) {
+    if (failed || (adaptive && !(outcome.local_error <= self->settings.tolerance))) {
         state->num_rejected++;
         state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, &outcome), 0.9 * step);
         if ((adaptive || failed) && !(state->step > LEAST_STEP * self->settings.first_step))

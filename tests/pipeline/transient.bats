@@ -1,0 +1,418 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+load common
+
+# A scene of 121 nodes over one period of the load, and a plan with points and trajectories around it.
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cat >base.yml <<'YAML'
+contact: line
+regime: stationary
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {step: 0.05}
+YAML
+    (sed 's/stationary/transient/' base.yml && cat <<'YAML') >scene.yml
+moes: {M: 14, L: 4}
+transient:
+  load: {law: sine, amplitude: 0.1, period: 1}
+  end_time: 1
+  fixed_step: 0.02
+YAML
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [11, 14, 17], moes.L: [3, 4, 5]}
+  - scene: scene.yml
+    vary: {transient.load.period: [0.7, 1.4]}
+YAML
+}
+
+# ---- what it is for
+
+@test "runs a scene in time and prints the answer" {
+    run --separate-stderr fullrun scene.yml -o result.h5 --quiet
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
+    [[ $output == *"T = 0 to 1 in 50 steps"* ]]
+    [ ! -e result.h5.partial ]
+    fullrun --check result.h5
+    # the start is the stationary solution
+    (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
+    fullrun still.yml -o still.h5
+    close_to "$(number result.h5 central_film_thickness)" \
+        "$(number still.h5 central_film_thickness)" 1e-8
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("result.h5") as file:
+    time, load = file["time"][...], file["load"][...]
+    numpy.testing.assert_allclose(time, 0.02 * numpy.arange(51), rtol=1e-12)
+    numpy.testing.assert_allclose(load, 1 + 0.1 * numpy.sin(2 * numpy.pi * time), rtol=1e-8)
+    numpy.testing.assert_allclose(file["contact_half_width"][...], load ** 0.5, rtol=1e-8)
+    # the fields are those of the current frame, the scalars of the reference
+    numpy.testing.assert_allclose(file["pressure"][...].sum(axis=1) * 0.05, numpy.pi / 2, rtol=1e-8)
+    centre = numpy.argmin(abs(file["x"][...]))
+    numpy.testing.assert_allclose(file["film_thickness"][:, centre] * load,
+                                  file["central_film_thickness"][...], rtol=1e-8)
+    assert file.attrs["complete"] == 1 and (file["status"][...] == 0).all()
+PYTHON
+}
+
+@test "its file opens with h5py, xarray and ncdump" {
+    fullrun scene.yml -o result.h5 --quiet --set output.fields_every=3
+    run "$BATS_TEST_DIRNAME/open_elsewhere.py" result.h5
+    echo "$output"
+    [ "$status" -ne 2 ] || skip "a reader is not installed"
+    [ "$status" -eq 0 ]
+}
+
+# scalars_equal A B: time and scalars are the same to the last bit
+scalars_equal() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
+    for name in ["time", "central_film_thickness", "minimum_film_thickness", "rigid_approach",
+                 "central_pressure", "load", "exit_position", "time_step"]:
+        assert left[name][...].tobytes() == right[name][...].tobytes(), name
+PYTHON
+}
+
+@test "what is written changes nothing of the solution" {
+    adaptive=(scene.yml --quiet --set transient.tolerance=1e-3)
+    sed -i '/fixed_step/d' scene.yml
+    fullrun "${adaptive[@]}" -o all.h5
+    fullrun "${adaptive[@]}" -o some.h5 --set output.fields_every=7
+    fullrun "${adaptive[@]}" -o none.h5 --set output.fields=false
+    scalars_equal all.h5 some.h5
+    scalars_equal all.h5 none.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("all.h5") as every, h5py.File("some.h5") as some, h5py.File("none.h5") as none:
+    assert "pressure" not in none
+    kept = numpy.isfinite(some["pressure"][:, 0])
+    assert (numpy.flatnonzero(kept) % 7 == 0).all() and kept.sum() == (len(kept) + 6) // 7
+    assert (some["pressure"][...][kept] == every["pressure"][...][kept]).all()
+    assert numpy.isfinite(every["pressure"][...]).all()
+PYTHON
+}
+
+@test "the approach that a load led to leads to that load" {
+    fullrun scene.yml -o loaded.h5 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("loaded.h5") as file, h5py.File("history.h5", "w") as history:
+    history["time"] = file["time"][...]
+    history["approach"] = file["rigid_approach"][...] / file["rigid_approach"][0]
+PYTHON
+    sed -e '/load:/d' -e 's/^transient:/closure: approach\ntransient:\
+  approach: {law: table, file: history.h5, column: approach, interpolation: linear}/' \
+        scene.yml >approach.yml
+    fullrun approach.yml -o back.h5 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("loaded.h5") as loaded, h5py.File("back.h5") as back:
+    for name in ["time", "rigid_approach"]:
+        numpy.testing.assert_allclose(back[name][...], loaded[name][...], rtol=1e-8)
+    for name in ["load", "central_film_thickness"]:
+        numpy.testing.assert_allclose(back[name][...], loaded[name][...], rtol=2e-4)
+PYTHON
+}
+
+# ---- training
+
+@test "points and trajectories of one plan are trained, reduced and run" {
+    snapgen plan.yml -o s.h5 --jobs 1 --quiet >log
+    grep -q "11 points, 11 converged" log
+    snapgen plan.yml -o s2.h5 --jobs 2 --quiet
+    same_data s.h5 s2.h5
+    fullrun scene.yml -o full.h5 --quiet
+    for kind in coupled independent; do
+        podbuild s.h5 -o b.h5 --deformation $kind --force
+        snapgen plan.yml --basis b.h5 -o r.h5 --jobs 1 --quiet --force
+        snapgen plan.yml --basis b.h5 -o r2.h5 --jobs 2 --quiet --force
+        same_data r.h5 r2.h5
+        deimselect r.h5 --basis b.h5 -o m.h5 --force
+        for file in s b r m; do
+            fullrun --check $file.h5
+        done
+        # a period between those of the training
+        romrun scene.yml --model m.h5 -o red.h5 --against full.h5 --quiet --force >log
+        grep -q "central film thickness *at most" log
+        /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("red.h5") as reduced, h5py.File("full.h5") as full:
+    assert (reduced["status"][...] == 0).all()
+    for name, limit in [("time", 1e-12), ("load", 1e-5), ("central_film_thickness", 7e-5),
+                        ("minimum_film_thickness", 7e-4), ("central_pressure", 3e-4)]:
+        numpy.testing.assert_allclose(reduced[name][...], full[name][...], rtol=limit, err_msg=name)
+PYTHON
+    done
+}
+
+@test "a model of trajectories alone, and outside of what it was made for" {
+    cat >only.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    vary: {transient.load.period: [0.7, 1.4]}
+YAML
+    snapgen only.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    snapgen only.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5 --rows 50
+    romrun scene.yml --model m.h5 -o good.h5 --quiet
+    run --separate-stderr romrun scene.yml --model m.h5 -o far.h5 --quiet \
+        --set transient.load.amplitude=0.4
+    echo "$stderr"
+    [ "$status" -eq 4 ] || [ "$status" -eq 3 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $stderr == "romrun: scene.yml: "*"T = "* ]]
+    [ "$status" -eq 3 ] || /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("far.h5") as file:
+    assert (file["status"][...] == 4).any() and file.attrs["complete"] == 1
+PYTHON
+}
+
+@test "shards of a mixed plan have all of it, once" {
+    for k in 1 2 3; do
+        snapgen plan.yml -o "s$k.h5" --shard "$k/3" --quiet
+    done
+    podbuild s1.h5 s2.h5 s3.h5 -o b.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+stationary, moving = 0, 0
+for k in 1, 2, 3:
+    with h5py.File(f"s{k}.h5") as file:
+        of = file["trajectory"][...] if "trajectory" in file else [-1] * len(file["status"])
+        stationary += sum(t < 0 for t in of)
+        moving += len({t for t in of if t >= 0})
+assert (stationary, moving) == (9, 2), (stationary, moving)
+PYTHON
+}
+
+# ---- bad histories
+
+# bad_history PATTERN SETTING...: refused before any work
+bad_history() {
+    local pattern=$1 arguments=() setting
+    shift
+    for setting; do
+        arguments+=(--set "$setting")
+    done
+    refused 65 "$pattern" fullrun scene.yml -o r.h5 "${arguments[@]}"
+    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+}
+
+@test "values that no contact can follow are refused before any work" {
+    bad_history "transient.load: found 0 at T = 0.75, expected more than 0" \
+        transient.load.amplitude=1
+    bad_history "transient.load: found -0.5 at T = 0.25" transient.load.amplitude=-1.5
+    bad_history "transient.radius: found -1 at T = 1, expected more than 0" \
+        transient.radius.law=ramp transient.radius.to=-1 transient.radius.duration=1
+    bad_history "transient.modulus: found 0 at T" \
+        transient.modulus.law=step transient.modulus.to=0 transient.modulus.at=0.5
+    bad_history "transient.speed: found -0.5 .*reversal of the entrainment" \
+        transient.speed.law=sine transient.speed.amplitude=1.5 transient.speed.period=1
+}
+
+@test "missing and misplaced keys are refused" {
+    sed '/end_time/d' scene.yml >bad.yml
+    refused 65 "bad.yml:.*transient.end_time: found nothing, expected" fullrun bad.yml -o r.h5
+    (cat base.yml && echo 'moes: {M: 14, L: 4}' && echo 'transient: {end_time: 1}') >bad.yml
+    refused 65 "bad.yml:.*transient.end_time: found a value, expected none with .*stationary" \
+        fullrun bad.yml -o r.h5
+    (cat base.yml && echo 'moes: {M: 14, L: 4}') | sed 's/regime.*/regime: transient/' >bad.yml
+    refused 65 "bad.yml:.*transient.end_time" fullrun bad.yml -o r.h5
+    bad_history "transient.load.period" transient.load.period=
+    bad_history "transient.load.from: found a value, expected none" transient.load.from=1
+    bad_history "transient.approach" transient.approach.law=constant
+    bad_history "transient.fixed_step" transient.fixed_step=0
+    bad_history "transient.end_time" transient.end_time=nan
+}
+
+# bad_table PATTERN, the table on stdin
+bad_table() {
+    cat >table.csv
+    sed 's/load:.*/load: {law: table, file: table.csv, column: load}/' scene.yml >bad.yml
+    refused 65 "$1" fullrun bad.yml -o r.h5
+    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+}
+
+@test "bad tables are refused with file and row" {
+    printf 'time,load\n0,1\n0.5,1.1\n2,1\n' >table.csv
+    sed 's/load:.*/load: {law: table, file: table.csv, column: load}/' scene.yml >good.yml
+    fullrun good.yml -o good.h5 --quiet
+    printf 'time,load\n0,1\n0.5,1.1\n0.9,1\n' |
+        bad_table "table.csv: found 0.9 as last time, expected transient.end_time = 1 or after"
+    printf 'time,load\n0.1,1\n0.5,1.1\n2,1\n' | bad_table "table.csv: found 0.1 as first time"
+    printf 'time,load\n0,1\n0.6,1.1\n0.5,1\n2,1\n' |
+        bad_table "table.csv: found the time 0.5 in row 3, expected .* after 0.6"
+    printf 'time,load\n0,1\n0.5,nan\n2,1\n' | bad_table "table.csv:.*nan"
+    printf 'time,load\n0,1\n0.5,1e999\n2,1\n' | bad_table "table.csv:.*1e999"
+    printf 'time,load\n0,1\n0.5,x\n2,1\n' | bad_table "table.csv:.*x"
+    printf 'time,force\n0,1\n0.5,1.1\n2,1\n' | bad_table "table.csv:.*load"
+    printf 'time,load\n0,1\n0.5\n2,1\n' | bad_table "table.csv:"
+    printf 'time,load\n0,1\n0.5,-1\n2,1\n' | bad_table "transient.load: found -1.48.* at T = 0.88"
+    printf '' | bad_table "table.csv:"
+    rm table.csv
+    refused 66 "table.csv: found" fullrun bad.yml -o r.h5
+}
+
+@test "misuse is one line and exit 64" {
+    fullrun scene.yml -o full.h5 --quiet
+    refused 64 "--start: found with a transient scene" \
+        fullrun scene.yml -o r.h5 --start full.h5
+    (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
+    refused 64 "--resume: found with a stationary scene" fullrun still.yml -o r.h5 --resume
+    refused 65 "full.h5: .*51.*stationary" fullrun still.yml -o r.h5 --start full.h5
+}
+
+# ---- runs that end early
+
+@test "a step size that underflows is exit 3, and what was found stays" {
+    sed -e '/load:/d' -e '/fixed_step/d' -e 's/^transient:/closure: approach\ntransient:\
+  approach: {law: step, to: 100, at: 0.5}/' scene.yml >bad.yml
+    run --separate-stderr fullrun bad.yml -o r.h5 --quiet
+    echo "$stderr"
+    [ "$status" -eq 3 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $stderr == "fullrun: bad.yml: not converged: found a step size of "*" at T = 0.5 ("*"), \
+expected above "*"; results up to there are in r.h5.partial" ]]
+    [ ! -e r.h5 ]
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("r.h5.partial") as file:
+    assert file.attrs["complete"] == 0
+    assert file["time"][-1] == 0.5 and (numpy.diff(file["time"][...]) > 0).all()
+    for name in ["central_film_thickness", "load", "rigid_approach"]:
+        assert len(file[name]) == len(file["time"]) and numpy.isfinite(file[name][...]).all()
+PYTHON
+    run fullrun --check r.h5.partial
+    [ "$status" -eq 65 ]
+}
+
+# A run of some seconds.
+long_scene() {
+    sed -e 's/step: 0.05/step: 0.1/' -e 's/end_time: 1/end_time: 20/' \
+        -e 's/fixed_step: 0.02/fixed_step: 0.001/' scene.yml >long.yml
+    echo 'output: {fields_every: 500}' >>long.yml
+}
+
+# follow FILE CONDITION: reads a growing file until the condition, of file, time and checkpoint, holds
+follow() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import os, sys, time as clock
+os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
+import h5py, numpy
+path, wanted = sys.argv[1:]
+before = 0
+for attempt in range(6000):
+    clock.sleep(0.01)
+    try:
+        with h5py.File(path, "r", libver="latest", swmr=True) as file:
+            time = file["time"][...]
+            film = file["central_film_thickness"][...][:len(time)]
+            checkpoint = file["restart_entries"][...].max()
+    except (OSError, KeyError):
+        continue  # not there yet, or just being written
+    assert len(film) == len(time) >= before
+    assert numpy.isfinite(time).all() and numpy.isfinite(film).all()
+    before = len(time)
+    if eval(wanted):
+        sys.exit(0)
+sys.exit(1)
+PYTHON
+}
+
+@test "a run can be followed, killed and resumed: the same numbers" {
+    long_scene
+    fullrun long.yml -o whole.h5 --quiet
+    fullrun long.yml -o r.h5 --quiet &
+    pid=$!
+    follow r.h5.partial "checkpoint > 0 and len(time) > checkpoint"
+    kill -KILL $pid
+    wait $pid || true
+    [ ! -e r.h5 ]
+    # another scene, also where only the end differs, does not go on from it
+    refused 65 "r.h5.partial" fullrun long.yml -o r.h5 --resume --set transient.end_time=21
+    run --separate-stderr fullrun long.yml -o r.h5 --resume
+    [ "$status" -eq 0 ]
+    [[ ${stderr_lines[0]} == "fullrun: r.h5.partial: goes on at T = "* ]]
+    [ ! -e r.h5.partial ]
+    fullrun --check r.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("whole.h5") as whole, h5py.File("r.h5") as resumed:
+    assert set(whole) == set(resumed)
+    for name in whole:
+        if not name.startswith("restart"):
+            assert whole[name][...].tobytes() == resumed[name][...].tobytes(), name
+PYTHON
+}
+
+@test "Ctrl-C is 130, and the run can be resumed" {
+    long_scene
+    fullrun long.yml -o r.h5 2>log >out &
+    pid=$!
+    follow r.h5.partial "len(time) > 100"
+    kill -INT $pid
+    code=0
+    wait $pid || code=$?
+    [ "$code" -eq 130 ]
+    [ ! -s out ]
+    grep -qx "fullrun: interrupted at T = .*; --resume goes on" log
+    [ ! -e r.h5 ]
+    entries=$(/usr/bin/python3 -c "import h5py; print(len(h5py.File('r.h5.partial')['time']))")
+    fullrun long.yml -o r.h5 --resume --quiet >out
+    grep -q "T = 0 to 20 in 20000 steps" out
+    fullrun long.yml -o whole.h5 --quiet
+    scalars_equal r.h5 whole.h5
+    [ "$entries" -lt 20001 ]
+}
+
+@test "--resume without an interrupted run starts one" {
+    fullrun scene.yml -o a.h5 --quiet
+    fullrun scene.yml -o b.h5 --quiet --resume
+    scalars_equal a.h5 b.h5
+    refused 73 "a.h5: found an existing file" fullrun scene.yml -o a.h5 --resume
+}
+
+@test "an interrupted romrun goes on" {
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5
+    long_scene
+    sed -i 's/step: 0.1}/step: 0.05}/' long.yml
+    romrun long.yml --model m.h5 -o whole.h5 --quiet
+    romrun long.yml --model m.h5 -o x.h5 --quiet &
+    pid=$!
+    follow x.h5.partial "len(time) > 100"
+    kill -INT $pid
+    code=0
+    wait $pid || code=$?
+    [ "$code" -eq 130 ]
+    romrun long.yml --model m.h5 -o x.h5 --resume --quiet
+    scalars_equal x.h5 whole.h5
+    romrun long.yml --model m.h5 --against whole.h5 --quiet >log
+    grep -q "central film thickness *at most 0 % off" log
+    refused 64 "--repeat: found with a transient scene" \
+        romrun scene.yml --model m.h5 --repeat 2
+    refused 65 "whole.h5: found a result of M = 14" \
+        romrun scene.yml --model m.h5 --set moes.M=15 --against whole.h5
+}
+
+@test "a full disk is 74, and an existing output stays" {
+    echo precious >r.h5
+    limited() {
+        (ulimit -f 64 && fullrun "$@")
+    }
+    run --separate-stderr limited scene.yml -o r.h5 --force --quiet
+    echo "$status $stderr"
+    [ "$status" -eq 74 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $stderr == "fullrun: r.h5"* ]]
+    [ "$(cat r.h5)" = precious ]
+}

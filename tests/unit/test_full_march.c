@@ -1,0 +1,450 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The full model in time, on a coarse grid. */
+#include "tests/unit/allocation.h"
+#include "tests/unit/marched.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Usual contact: M = 20, L = 6 on 121 nodes. */
+static void run_usual(marched *self, const char *transient) {
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05, transient);
+    marched_all(self, &of);
+}
+
+static double last_of(const marched *self, const double *values) {
+    return values[self->count - 1];
+}
+
+static marched first, second, third;
+
+// ---- constant histories
+
+/* The stationary solution stays as it is, however long; also in a frame that is not the reference's. */
+static void constant_histories_stay_stationary(void **state) {
+    static const char *const transients[] = {
+        "end_time: 1e4, tolerance: 1e-4", "end_time: 20, fixed_step: 0.5",
+        "end_time: 10, fixed_step: 0.25, load: {law: sine, amplitude: 0, period: 1}, "
+        "speed: {law: ramp, from: 1.5, to: 1.5, start: 2, duration: 1}, "
+        "radius: {law: ramp, from: 0.8, to: 0.8, start: 2.1, duration: 1}, "
+        "modulus: {law: ramp, from: 1.2, to: 1.2, start: 2, duration: 1}",
+        "end_time: 10, fixed_step: 0.25, approach: {law: constant}"};
+    (void)state;
+    for (size_t i = 0; i < sizeof transients / sizeof *transients; i++) {
+        run_usual(&first, transients[i]);
+        for (size_t k = 0; k < first.count; k++) {
+            check_close(first.film[k], first.film[0], 1e-9, 0);
+            check_close(first.least_film[k], first.least_film[0], 1e-9, 0);
+            check_close(first.pressure[k], first.pressure[0], 1e-9, 0);
+            check_close(first.approach[k], first.approach[0], 1e-9, 0);
+            check_close(first.load[k], first.load[0], 1e-9, 0);
+        }
+        marched_end(&first);
+    }
+}
+
+/* The start in any frame is the stationary contact of its values. */
+static void start_is_the_stationary_contact(void **state) {
+    (void)state;
+    scene physical = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
+    full_settings settings = full_default_settings();
+    full_solver *solver;
+    full_state stationary;
+    full_info info;
+    ehd_contact contact;
+    contact_frame frame;
+
+    physical.vary[VARY_LOAD] = (history_settings){.law = "step", .from = 1.3, .to = 1, .at = 0.5};
+    physical.vary[VARY_SPEED] = (history_settings){.law = "step", .from = 0.6, .to = 1, .at = 0.5};
+    marched_begin(&first, &physical);
+    frame = first.first.frame;
+    // M of load/sqrt(speed), lubricant and modulus alone make L
+    contact = first.reference;
+    contact_set_moes(&contact, 20 * 1.3 / sqrt(0.6), 6 * pow(0.6, 0.25));
+    check_close(contact.hertz_pressure, first.reference.hertz_pressure * sqrt(1.3), 1e-12, 0);
+    assert_int_equal(full_solver_create(&solver, contact.kind, &contact.grid, &settings, NULL),
+                     EHD_OK);
+    assert_int_equal(full_state_init(&stationary, &contact.grid, NULL), EHD_OK);
+    assert_int_equal(full_solve_cold(&info, &stationary, solver, &contact, NULL), EHD_OK);
+    check_close_array(full_march_state(first.full, NULL)->pressure, stationary.pressure,
+                      contact.grid.num_nodes, 0, 1e-8);
+    check_close_array(full_march_state(first.full, NULL)->film, stationary.film,
+                      contact.grid.num_nodes, 1e-8, 0);
+    check_close(frame.half_width, sqrt(1.3), 1e-14, 0);
+    full_state_free(&stationary);
+    full_solver_free(solver);
+    marched_end(&first);
+}
+
+// ---- accuracy in time
+
+/* Largest difference of the central film at the times of the coarser run, whose steps are twice as long. */
+static double film_difference(const marched *coarse, const marched *fine) {
+    double largest = 0;
+
+    for (size_t k = 0; k < coarse->count; k++) {
+        check_close(fine->time[2 * k], coarse->time[k], 1e-12, 0);
+        largest = fmax(largest, fabs(fine->film[2 * k] - coarse->film[k]));
+    }
+    return largest;
+}
+
+static void run_fixed(marched *self, const char *law, double step) {
+    char transient[512];
+
+    snprintf(transient, sizeof transient, "end_time: 1.2, fixed_step: %.17g, %s", step, law);
+    run_usual(self, transient);
+}
+
+/* Halved steps: differences go as their square. */
+static void fixed_steps_are_of_second_order(void **state) {
+    static const char *const laws[] = {
+        "load: {law: sine, amplitude: 0.2, period: 2, phase: 1.5707963267948966}",
+        "speed: {law: sine, amplitude: 0.3, period: 2, phase: 1.5707963267948966}",
+        "load: {law: sine, amplitude: 0.1, period: 3, phase: 1.5707963267948966}, "
+        "radius: {law: sine, amplitude: 0.1, period: 2, phase: 1.5707963267948966}, "
+        "modulus: {law: sine, amplitude: 0.1, period: 4, phase: 1.5707963267948966}"};
+    (void)state;
+    for (size_t i = 0; i < sizeof laws / sizeof *laws; i++) {
+        marched *const coarse = &first, *const middle = &second, *const fine = &third;
+        run_fixed(coarse, laws[i], 0.02);
+        run_fixed(middle, laws[i], 0.01);
+        run_fixed(fine, laws[i], 0.005);
+        double large = film_difference(coarse, middle), little = film_difference(middle, fine);
+        check_close(log2(large / little), 2, 0, 0.15);
+        marched_end(coarse);
+        marched_end(middle);
+        marched_end(fine);
+    }
+}
+
+/* Steps by the local error: what is left of it in the film, however long the steps were before a kink. */
+static void tolerance_holds(void **state) {
+    static const struct {
+        const char *law;
+        double end_time;
+    } cases[] = {{"load: {law: sine, amplitude: 0.1, period: 0.5}", 1.5},
+                 {"load: {law: ramp, from: 1, to: 1.5, start: 0.01, duration: 0.1}", 2},
+                 {"load: {law: ramp, from: 1, to: 1.5, start: 1000, duration: 0.1}", 1002},
+                 {"load: {law: step, from: 1, to: 1.5, at: 100}", 102},
+                 {"speed: {law: ramp, from: 1, to: 1.5, start: 1000, duration: 1}", 1003},
+                 {"speed: {law: ramp, from: 1, to: 0, start: 0.5, duration: 1}", 3}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double error[2];
+        for (int t = 2; t >= 0; t--) {
+            marched *const self = t == 2 ? &third : &first;
+            char transient[256];
+            snprintf(transient, sizeof transient, "end_time: %g, tolerance: 1e-%d, %s",
+                     cases[i].end_time, 3 + t, cases[i].law);
+            run_usual(self, transient);
+            if (t < 2) {
+                error[t] = marched_deviation(self, &third);
+                marched_end(self);
+            }
+        }
+        marched_end(&third);
+        assert_true(error[0] < 2e-3 && error[1] < 4e-4);
+        assert_true(error[1] < error[0] / 2.5);
+    }
+}
+
+// ---- where the solution goes
+
+/* The answer to a sine has its period, once the start is forgotten. */
+static void sine_leads_to_a_periodic_state(void **state) {
+    (void)state;
+    run_usual(&first, "end_time: 12, fixed_step: 0.02, "
+                      "load: {law: sine, amplitude: 0.3, period: 1}");
+    double start = 0, end = 0, least = INFINITY, most = 0;
+    for (size_t k = 0; k + 50 < first.count; k++) {
+        double change = fabs(first.film[k + 50] / first.film[k] - 1);
+        if (first.time[k] < 1) start = fmax(start, change);
+        if (first.time[k] >= 10) end = fmax(end, change);
+        least = fmin(least, first.film[k]);
+        most = fmax(most, first.film[k]);
+    }
+    assert_true(most > 1.5 * least && start > 0.1 && end < 1e-8);
+    marched_end(&first);
+}
+
+/* After all changes the stationary contact of the last values. */
+static void ramps_end_in_the_stationary_contact(void **state) {
+    (void)state;
+    run_usual(&first, "end_time: 100, tolerance: 1e-4, "
+                      "load: {law: ramp, from: 1.4, to: 0.8, start: 0.5, duration: 1}, "
+                      "speed: {law: ramp, from: 0.7, to: 1.2, start: 0.1, duration: 2}, "
+                      "radius: {law: ramp, from: 0.9, to: 1.3, start: 0.2, duration: 1}, "
+                      "modulus: {law: ramp, from: 1.2, to: 0.9, start: 1, duration: 0.5}");
+    run_usual(&second, "end_time: 1, fixed_step: 1, "
+                       "load: {law: ramp, from: 0.8, to: 0.8, duration: 1}, "
+                       "speed: {law: ramp, from: 1.2, to: 1.2, duration: 1}, "
+                       "radius: {law: ramp, from: 1.3, to: 1.3, duration: 1}, "
+                       "modulus: {law: ramp, from: 0.9, to: 0.9, duration: 1}");
+    check_close(last_of(&first, first.film), second.film[0], 1e-8, 0);
+    check_close(last_of(&first, first.approach), second.approach[0], 1e-8, 0);
+    check_close(last_of(&first, first.pressure), second.pressure[0], 1e-8, 0);
+    marched_end(&first);
+    marched_end(&second);
+}
+
+// ---- the approach given
+
+/* The approach that a load led to, given as a table, leads to that load. */
+static void approach_gives_the_load_back(void **state) {
+    static const char name[] = "approach.csv";
+    (void)state;
+    run_usual(&first, "end_time: 1, fixed_step: 0.01, "
+                      "load: {law: sine, amplitude: 0.2, period: 0.8}, "
+                      "speed: {law: sine, amplitude: 0.1, period: 1.5}");
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    fprintf(file, "time,approach\n");
+    for (size_t k = 0; k < first.count; k++)
+        fprintf(file, "%.17g,%.17g\n", first.time[k], first.approach[k] / first.approach[0]);
+    assert_int_equal(fclose(file), 0);
+    run_usual(&second, "end_time: 1, fixed_step: 0.01, speed: {law: sine, amplitude: 0.1, period: "
+                       "1.5}, approach: {law: table, file: approach.csv, column: approach, "
+                       "interpolation: linear}");
+    assert_int_equal(second.count, first.count);
+    for (size_t k = 0; k < first.count; k++) {
+        // the frames' loads differ a little, and with them the grids' physical places
+        check_close(second.load[k], first.load[k], 1e-4, 0);
+        check_close(second.film[k], first.film[k], 1e-4, 0);
+        check_close(second.approach[k], first.approach[k], 1e-9, 1e-9);
+    }
+    marched_end(&first);
+    marched_end(&second);
+}
+
+/* An approach of one's own at the start: the load that belongs to it. */
+static void start_from_a_given_approach(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
+                             "end_time: 1, fixed_step: 0.1, load: {law: ramp, from: 1.5, to: 1.5, "
+                             "duration: 1}");
+    marched_all(&first, &of);
+    of = marched_scene(20, 6, "dowson-higginson", 0.05,
+                       "end_time: 1, fixed_step: 0.1, approach: {law: constant}");
+    of.approach = first.approach[0];
+    marched_all(&second, &of);
+    for (size_t k = 0; k < second.count; k++) {
+        check_close(second.load[k], 1.5, 1e-7, 0);
+        check_close(second.film[k], first.film[0], 1e-7, 0);
+        check_close(second.approach[k], first.approach[0], 1e-9, 0);
+    }
+    marched_end(&first);
+    marched_end(&second);
+}
+
+// ---- no entrainment
+
+/* Speed down to zero: a squeeze that thins the film for ever, under a load that stays. */
+static void speed_goes_down_to_zero(void **state) {
+    (void)state;
+    run_usual(&first, "end_time: 20, tolerance: 1e-3, "
+                      "speed: {law: ramp, from: 1, to: 0, start: 0.5, duration: 1}");
+    double last = INFINITY;
+    for (size_t k = 0; k < first.count; k++) {
+        check_close(first.load[k], 1, 1e-9, 0);
+        assert_true(first.least_film[k] > 0);
+        if (first.time[k] < 1.5) continue;
+        assert_true(first.least_film[k] < last);
+        last = first.least_film[k];
+    }
+    marched_end(&first);
+}
+
+/* From rest with a stated film, up to the stationary contact. */
+static void start_at_rest(void **state) {
+    (void)state;
+    run_usual(&first, "end_time: 40, tolerance: 1e-3, start_film: 0.05, "
+                      "speed: {law: ramp, from: 0, to: 1, duration: 1}");
+    run_usual(&second, "end_time: 1, fixed_step: 1");
+    check_close(first.film[0], 0.05, 0.02, 0);
+    check_close(last_of(&first, first.film), second.film[0], 1e-6, 0);
+    check_close(last_of(&first, first.pressure), second.pressure[0], 1e-6, 0);
+    for (size_t k = 1; k < first.count; k++) {
+        check_close(first.load[k], 1, 1e-9, 0);
+        assert_true(first.least_film[k] > 0);
+    }
+    marched_end(&first);
+    marched_end(&second);
+}
+
+/* At rest for ever: squeezed symmetrically. */
+static void squeeze_is_symmetric(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
+                             "end_time: 2, tolerance: 1e-3, start_film: 0.1, "
+                             "speed: {law: ramp, from: 0, to: 0, duration: 1}");
+    of.x_max = 4;
+    marched_all(&first, &of);
+    const full_state *last = full_march_state(first.full, NULL);
+    const ehd_grid *grid = &first.reference.grid;
+    size_t centre = (size_t)lround(-grid->x_min / grid->step) + 1;
+    for (size_t k = 1; k <= 80; k++) {
+        check_close(last->pressure[centre + k], last->pressure[centre - k], 0, 1e-10);
+        check_close(last->film[centre + k], last->film[centre - k], 0, 1e-10);
+    }
+    assert_true(last_of(&first, first.film) < first.film[0]);
+    marched_end(&first);
+}
+
+// ---- repeating, saving
+
+static const char busy[] =
+    "end_time: 1, tolerance: 1e-3, load: {law: sine, amplitude: 0.3, period: 0.5}, "
+    "speed: {law: ramp, from: 1, to: 0.4, start: 0.3, duration: 0.4}, "
+    "radius: {law: step, from: 1, to: 1.2, at: 0.6}";
+
+/* Saved in the middle and restored into another object: the same bits as without a stop. */
+static void saved_march_goes_on_with_the_same_bits(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05, busy);
+    marched_all(&first, &of);
+    for (size_t stop = 1; stop < first.count; stop += first.count / 5) {
+        marched_begin(&second, &of);
+        second.stop_at = stop;
+        marched_on(&second);
+        assert_int_equal(second.count, stop + 1);
+        const march_solver *from = &second.march.solver;
+        double *saved = calloc(from->saved_size(from->self), sizeof *saved);
+        ehd_error error = {""};
+        assert_non_null(saved);
+        from->save(saved, from->self);
+
+        marched_begin(&third, &of);
+        assert_int_equal(third.march.solver.restore(third.march.solver.self, saved, &error),
+                         EHD_OK);
+        third.march.state = second.march.state;
+        third.count = second.count;
+        marched_on(&third);
+        assert_int_equal(third.count, first.count);
+        size_t bytes = (first.count - stop - 1) * sizeof(double);
+        assert_memory_equal(third.time + stop + 1, first.time + stop + 1, bytes);
+        assert_memory_equal(third.film + stop + 1, first.film + stop + 1, bytes);
+        assert_memory_equal(third.approach + stop + 1, first.approach + stop + 1, bytes);
+        free(saved);
+        marched_end(&second);
+        marched_end(&third);
+    }
+    marched_end(&first);
+}
+
+static void bad_saves_are_refused(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "incompressible", 0.1, "end_time: 0.5, fixed_step: 0.1");
+    marched_all(&first, &of);
+    const march_solver *solver = &first.march.solver;
+    size_t size = solver->saved_size(solver->self);
+    double *saved = calloc(size, sizeof *saved);
+    ehd_error error = {""};
+
+    assert_non_null(saved);
+    solver->save(saved, solver->self);
+    assert_int_equal(solver->restore(solver->self, saved, &error), EHD_OK);
+    const double bad[] = {0, 4, -1, NAN};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        saved[0] = bad[i];
+        assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
+        assert_non_null(strstr(error.text, "earlier states"));
+    }
+    memset(saved, 0, size * sizeof *saved);
+    saved[0] = 3;
+    assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
+    free(saved);
+    marched_end(&first);
+}
+
+/* A step taken again, also after one of another length and frame, has the same bits. */
+static void attempts_can_be_repeated(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05, busy);
+    marched_begin(&first, &of);
+    first.stop_at = 10;
+    marched_on(&first);
+    const march_solver *solver = &first.march.solver;
+    const double time = first.march.state.time;
+    march_step one, other, again;
+    ehd_error error = {""};
+    contact_frame near = march_frame(&first.march.settings, first.histories, time + 0.01, 1);
+    contact_frame far = march_frame(&first.march.settings, first.histories, time + 0.1, 1);
+    assert_int_equal(solver->attempt(&one, solver->self, &near, 0.01, &error), EHD_OK);
+    assert_int_equal(solver->attempt(&other, solver->self, &far, 0.1, &error), EHD_OK);
+    assert_int_equal(solver->attempt(&again, solver->self, &near, 0.01, &error), EHD_OK);
+    assert_int_equal(one.status, EHD_OK);
+    assert_memory_equal(&one.scalars, &again.scalars, sizeof one.scalars);
+    check_close(one.local_error, again.local_error, 0, 0);
+    assert_int_equal(one.iterations, again.iterations);
+    assert_false(one.scalars.central_film_thickness == other.scalars.central_film_thickness);
+    // without the states before the last one there is nothing to tell the error by
+    assert_true(one.local_error > 0);
+    solver->restart(solver->self);
+    assert_int_equal(solver->attempt(&again, solver->self, &near, 0.01, &error), EHD_OK);
+    check_close(again.local_error, 0, 0, 0);
+    assert_false(one.scalars.central_film_thickness == again.scalars.central_film_thickness);
+    marched_end(&first);
+}
+
+// ---- errors
+
+static void without_memory(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.1, "end_time: 1");
+    full_settings settings = full_default_settings();
+    ehd_contact reference;
+    ehd_status status = EHD_MEMORY;
+    assert_int_equal(contact_init(&reference, &of, NULL), EHD_OK);
+    for (size_t fail_at = 0; status == EHD_MEMORY; fail_at++) {
+        full_march *self = (full_march *)&self;
+        allocation_fail_at(fail_at);
+        status = full_march_create(&self, &reference, &settings, NAN, NULL);
+        allocation_failed();
+        if (status == EHD_MEMORY) assert_null(self);
+        if (status == EHD_OK) assert_null(full_march_free(self));
+        assert_true(fail_at < 200);
+    }
+    assert_int_equal(status, EHD_OK);
+    assert_null(full_march_free(NULL));
+}
+
+// ---- tables lie in a folder of the test's own
+
+static char folder[] = "/tmp/ehdrom-march-XXXXXX";
+
+static int enter_folder(void **state) {
+    (void)state;
+    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
+}
+
+static int remove_folder(void **state) {
+    char command[128];
+    (void)state;
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return chdir("/") == 0 ? system(command) : -1;
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constant_histories_stay_stationary),
+        cmocka_unit_test(start_is_the_stationary_contact),
+        cmocka_unit_test(fixed_steps_are_of_second_order),
+        cmocka_unit_test(tolerance_holds),
+        cmocka_unit_test(sine_leads_to_a_periodic_state),
+        cmocka_unit_test(ramps_end_in_the_stationary_contact),
+        cmocka_unit_test(approach_gives_the_load_back),
+        cmocka_unit_test(start_from_a_given_approach),
+        cmocka_unit_test(speed_goes_down_to_zero),
+        cmocka_unit_test(start_at_rest),
+        cmocka_unit_test(squeeze_is_symmetric),
+        cmocka_unit_test(saved_march_goes_on_with_the_same_bits),
+        cmocka_unit_test(bad_saves_are_refused),
+        cmocka_unit_test(attempts_can_be_repeated),
+        cmocka_unit_test(without_memory),
+    };
+    return cmocka_run_group_tests_name("full_march", tests, enter_folder, remove_folder);
+}

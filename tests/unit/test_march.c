@@ -1,0 +1,579 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The march through time with a solver whose answer is known: the film follows the load by
+ * dy/dT = (load - y) / delay, by the same formulas as the contact. */
+#include "common/program/program.h"
+#include "common/time/bdf.h"
+#include "common/time/march.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_STEPS = 20000 };
+
+/* The solver, and what is seen of its work. */
+typedef struct follower {
+    double delay, first_value;
+    bool by_history; // the load enters; 0 else, so that y = exp(-T/delay)
+    bdf_ring ring;
+    double value[BDF_EARLIER + 1];
+    double load_of_start;
+    // troubles
+    double fails_after;     // no step beyond this time converges
+    size_t fails_at;        // number of the attempt that does not
+    size_t untrusted_at;    // and of the one that is not to be trusted
+    double longest_step;    // above it the local error is too large; 0: as it is
+    ehd_status breaks_with; // from attempt fails_at on, an error
+    // counts
+    size_t num_attempts, num_accepted, num_restarts;
+    double restart_time[8];
+} follower;
+
+static double *value_before(follower *self, size_t steps) {
+    return &self->value[self->ring.place[steps]];
+}
+
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    follower *self = solver;
+    bdf_formula formula = bdf_ring_formula(&self->ring, step);
+    double goal = self->by_history ? frame->load : 0, sum = 0, prediction = 0;
+
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        sum += formula.weight[i] * *value_before(self, i + 1);
+        prediction += formula.predictor[i] * *value_before(self, i + 1);
+    }
+    double value = (goal / self->delay - sum) / (formula.rate + 1 / self->delay);
+    *value_before(self, 0) = value;
+    self->ring.time[self->ring.place[0]] = frame->time;
+    *outcome = (march_step){.reason = "",
+                            .scalars = {.central_film_thickness = value, .load = 1},
+                            .local_error = formula.error * fabs(value - prediction),
+                            .iterations = 3};
+    if (self->longest_step > 0 && step > self->longest_step) outcome->local_error = 1;
+    self->num_attempts++;
+    if (self->num_attempts == self->untrusted_at) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = "a strange value";
+    }
+    if (frame->time > self->fails_after || self->num_attempts == self->fails_at) {
+        if (self->breaks_with) return ehd_fail(error, self->breaks_with, "follower: broken");
+        outcome->status = EHD_NOT_CONVERGED;
+        outcome->reason = "no will";
+        *value_before(self, 0) = NAN;
+    }
+    return EHD_OK;
+}
+
+static void accept(void *solver) {
+    follower *self = solver;
+    assert_true(isfinite(*value_before(self, 0)));
+    bdf_ring_accept(&self->ring, self->ring.time[self->ring.place[0]]);
+    self->num_accepted++;
+}
+
+static void restart(void *solver) {
+    follower *self = solver;
+    if (self->num_restarts < 8)
+        self->restart_time[self->num_restarts] = self->ring.time[self->ring.place[1]];
+    self->num_restarts++;
+    self->ring.num_earlier = 1;
+}
+
+/* With the approach given, the load that belongs to it is not the one asked for. */
+static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
+                        ehd_error *error) {
+    follower *self = solver;
+    (void)error;
+    *outcome = (march_step){.reason = "",
+                            .frame = *frame,
+                            .scalars = {.central_film_thickness = self->first_value,
+                                        .rigid_approach = -0.6,
+                                        .load = self->load_of_start}};
+    self->ring.num_earlier = 0;
+    *value_before(self, 0) = self->first_value;
+    self->ring.time[self->ring.place[0]] = frame->time;
+    accept(self);
+    return EHD_OK;
+}
+
+// ---- a run
+
+typedef struct run {
+    follower follower;
+    march march;
+    ehd_histories *histories;
+    size_t count; // of entries
+    double time[MOST_STEPS], step[MOST_STEPS], value[MOST_STEPS];
+    contact_frame last;
+    size_t stop_at;        // entry whose store fails
+    ehd_status stops_with; // with this
+} run;
+
+static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
+    run *self = sink;
+
+    assert_int_equal(index, self->count);
+    assert_true(self->count < MOST_STEPS);
+    self->time[index] = step->frame.time;
+    self->step[index] = step->step;
+    self->value[index] = step->scalars.central_film_thickness;
+    self->last = step->frame;
+    self->count++;
+    if (index == self->stop_at && self->stops_with)
+        return ehd_fail(error, self->stops_with, "sink: full");
+    return EHD_OK;
+}
+
+static scene scene_of(const char *transient) {
+    char text[1024];
+    scene of;
+    ehd_error error = {""};
+
+    snprintf(text, sizeof text,
+             "contact: line\nregime: transient\nmoes: {M: 12, L: 12}\nclosure: %s\n"
+             "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\ntransient: {%s}\n",
+             strstr(transient, "approach") ? "approach" : "load", transient);
+    if (scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error)) fail_msg("%s", error.text);
+    return of;
+}
+
+/* Ready to go on; `self` may be large. */
+static void run_begin(run *self, const char *transient) {
+    scene of = scene_of(transient);
+    ehd_error error = {""};
+    march_step first;
+
+    memset(self, 0, sizeof *self);
+    self->follower = (follower){.delay = 1,
+                                .first_value = 1,
+                                .by_history = true,
+                                .ring = bdf_ring_empty(),
+                                .load_of_start = 1,
+                                .fails_after = INFINITY};
+    if (histories_init(&self->histories, &of, &error)) fail_msg("%s", error.text);
+    self->march = (march){.settings = march_settings_of(&of, self->histories, of.approach),
+                          .histories = self->histories,
+                          .kind = &contact_line,
+                          .solver = {.self = &self->follower,
+                                     .attempt = attempt,
+                                     .accept = accept,
+                                     .restart = restart,
+                                     .start = start},
+                          .store = store,
+                          .sink = self};
+    assert_int_equal(march_begin(&first, &self->march, &error), EHD_OK);
+    assert_int_equal(first.status, EHD_OK);
+    assert_int_equal(store(self, &first, 0, &error), EHD_OK);
+}
+
+static ehd_status run_on(run *self) {
+    ehd_error error = {""};
+    ehd_status outcome = EHD_INTERNAL, status = march_run(&outcome, &self->march, &error);
+
+    if (status) fail_msg("status %d: %s", status, error.text);
+    return outcome;
+}
+
+static void run_end(run *self) {
+    histories_free(self->histories);
+}
+
+static double last_of(const run *self, const double *values) {
+    return values[self->count - 1];
+}
+
+/* Decay from 1 without a load. */
+static void run_decay(run *self, const char *transient) {
+    run_begin(self, transient);
+    self->follower.by_history = false;
+    assert_int_equal(run_on(self), EHD_OK);
+}
+
+static double largest_decay_error(const run *self) {
+    double largest = 0;
+    for (size_t i = 0; i < self->count; i++)
+        largest = fmax(largest, fabs(self->value[i] - exp(-self->time[i])));
+    return largest;
+}
+
+static run first, second; // too large for the stack
+
+// ---- accuracy
+
+static void fixed_steps_are_of_second_order(void **state) {
+    (void)state;
+    static const char *const transients[] = {"end_time: 2, fixed_step: 0.02",
+                                             "end_time: 2, fixed_step: 0.01",
+                                             "end_time: 2, fixed_step: 0.005"};
+    double error[3];
+    for (int i = 0; i < 3; i++) {
+        run_decay(&first, transients[i]);
+        error[i] = fabs(last_of(&first, first.value) - exp(-2));
+        assert_int_equal(first.count, 1 + 100 * (1 << i));
+        assert_int_equal(first.follower.num_attempts, 100 * (1 << i));
+        for (size_t k = 0; k < first.count; k++) // no drift
+            check_close(first.time[k], (double)k * first.march.settings.fixed_step, 1e-15, 0);
+        run_end(&first);
+    }
+    check_close(log2(error[0] / error[1]), 2, 0, 0.05);
+    check_close(log2(error[1] / error[2]), 2, 0, 0.05);
+}
+
+/* The error of the result goes down with the tolerance as its power 2/3. */
+static void tolerance_controls_the_error(void **state) {
+    (void)state;
+    static const char *const transients[] = {"end_time: 3, tolerance: 1e-2",
+                                             "end_time: 3, tolerance: 1e-4",
+                                             "end_time: 3, tolerance: 1e-6"};
+    double error[3];
+    size_t count[3];
+    for (int i = 0; i < 3; i++) {
+        run_decay(&first, transients[i]);
+        error[i] = largest_decay_error(&first);
+        count[i] = first.count;
+        assert_true(first.march.state.num_rejected < 0.02 * (double)first.count + 1);
+        check_close(last_of(&first, first.time), 3, 0, 0);
+        run_end(&first);
+    }
+    assert_true(error[0] < 1e-2 && error[1] < 1e-4 * 5 && error[2] < 1e-5 * 5);
+    check_close(log10(error[0] / error[1]), 4. / 3, 0, 0.5);
+    check_close(log10(error[1] / error[2]), 4. / 3, 0, 0.3);
+    check_close(log10((double)count[2] / (double)count[1]), 2. / 3, 0, 0.15);
+}
+
+/* The way to the end is cut in two equal steps rather than a whole one and a sliver. */
+static void last_step_is_no_sliver(void **state) {
+    (void)state;
+    for (int i = 0; i < 20; i++) {
+        char transient[64];
+        snprintf(transient, sizeof transient, "end_time: %g, tolerance: 1e-3", 2 + 0.05 * i);
+        run_decay(&first, transient);
+        check_close(last_of(&first, first.time), 2 + 0.05 * i, 1e-15, 0);
+        assert_true(first.step[first.count - 1] > 0.49 * first.step[first.count - 2]);
+        run_end(&first);
+    }
+}
+
+static void steps_grow_by_two_at_most(void **state) {
+    (void)state;
+    run_decay(&first, "end_time: 200, tolerance: 1e-3, load: {law: ramp, from: 1, to: 2, "
+                      "start: 50, duration: 1}");
+    double longest = 0;
+    for (size_t k = 1; k < first.count; k++) {
+        check_close(first.time[k] - first.time[k - 1], first.step[k], 1e-9, 0);
+        assert_true(first.step[k] > 0);
+        if (k > 1) assert_true(first.step[k] <= 2 * (1 + 1e-9) * first.step[k - 1]);
+        longest = fmax(longest, first.step[k]);
+    }
+    assert_true(longest > 100 * first.step[1]); // where nothing happens any more
+    assert_true(first.march.state.num_steps < 400);
+    run_end(&first);
+}
+
+/* A pulse in a long calm: the steps have to become short again, by rejection. */
+static void pulse_is_followed(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 40, tolerance: 1e-3, load: {law: ramp, from: 1, to: 2, "
+                      "start: 20, duration: 0.1}");
+    first.follower.delay = 0.02;
+    assert_int_equal(run_on(&first), EHD_OK);
+    for (size_t k = 0; k < first.count; k++) {
+        double t = first.time[k] - 20, d = 0.02;
+        double exact = t <= 0     ? 1
+                       : t <= 0.1 ? 1 + 10 * (t - d * (1 - exp(-t / d)))
+                                  : 2 - 10 * d * (1 - exp(-0.1 / d)) * exp(-(t - 0.1) / d);
+        check_close(first.value[k], exact, 0, 2e-3);
+    }
+    assert_true(first.march.state.num_rejected > 0);
+    assert_int_equal(first.follower.num_attempts,
+                     first.march.state.num_steps + first.march.state.num_rejected);
+    assert_int_equal(first.march.state.num_iterations, 3 * first.follower.num_attempts);
+    run_end(&first);
+}
+
+// ---- events
+
+static size_t entries_at(const run *self, double time) {
+    size_t count = 0;
+    for (size_t k = 0; k < self->count; k++)
+        count += self->time[k] == time;
+    return count;
+}
+
+static const char ramps[] = "load: {law: ramp, from: 1, to: 2, start: 0.3, duration: 0.5}, "
+                            "speed: {law: ramp, from: 1, to: 0, start: 0.55, duration: 1}";
+
+static void kinks_are_hit_exactly(void **state) {
+    char adaptive[256], fixed[256];
+    (void)state;
+    snprintf(adaptive, sizeof adaptive, "end_time: 1.7, tolerance: 1e-3, %s", ramps);
+    snprintf(fixed, sizeof fixed, "end_time: 1.7, fixed_step: 0.08, %s", ramps);
+    for (int i = 0; i < 2; i++) {
+        run_begin(&first, i ? fixed : adaptive);
+        assert_int_equal(run_on(&first), EHD_OK);
+        assert_int_equal(entries_at(&first, 0.3), 1);
+        assert_int_equal(entries_at(&first, 0.3 + 0.5), 1);
+        assert_int_equal(entries_at(&first, 0.55), 1);
+        assert_int_equal(entries_at(&first, 1.55), 1);
+        assert_int_equal(entries_at(&first, 1.7), 1);
+        assert_int_equal(first.follower.num_restarts, 0);
+        run_end(&first);
+    }
+}
+
+/* After a kink between two multiples of the fixed step, times are multiples again. */
+static void fixed_steps_fall_back_on_multiples(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, fixed_step: 0.08, "
+                      "load: {law: ramp, from: 1, to: 2, start: 0.3, duration: 5}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    for (int k = 0; k <= 12; k++)
+        assert_int_equal(entries_at(&first, k * 0.08), 1);
+    assert_int_equal(entries_at(&first, 0.3), 1);
+    assert_int_equal(entries_at(&first, 1), 1);
+    assert_int_equal(first.count, 13 + 2);
+    run_end(&first);
+}
+
+/* A jump is a new start: the earlier states do not count, and the first step is short again. */
+static void jump_restarts(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 20, tolerance: 1e-3, load: {law: step, to: 1.5, at: 10}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    size_t k = 0;
+    assert_int_equal(first.follower.num_restarts, 1);
+    check_close(first.follower.restart_time[0], 10, 0, 0);
+    while (first.time[k] < 10)
+        k++;
+    check_close(first.time[k], 10, 0, 0);
+    check_close(first.value[k], 1, 1e-12, 0); // still before the jump
+    check_close(first.step[k + 1], first.march.settings.first_step, 1e-9, 0);
+    for (; k < first.count; k++)
+        check_close(first.value[k], 1.5 - 0.5 * exp(10 - first.time[k]), 0, 2e-3);
+    run_end(&first);
+}
+
+static void jump_and_fixed_steps(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: step, to: 1.5, at: 0.25}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    assert_int_equal(first.follower.num_restarts, 1);
+    check_close(first.follower.restart_time[0], 0.25, 0, 0);
+    assert_int_equal(first.count, 11 + 1);
+    run_end(&first);
+}
+
+/* A jump where the run ends changes nothing. */
+static void jump_at_the_end(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, tolerance: 1e-3, load: {law: step, to: 1.5, at: 1}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    for (size_t k = 0; k < first.count; k++)
+        check_close(first.value[k], 1, 1e-12, 0);
+    run_end(&first);
+}
+
+static void jump_at_the_start(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, tolerance: 1e-3, load: {law: step, to: 1.5, at: 0}");
+    assert_int_equal(run_on(&first), EHD_OK);
+    for (size_t k = 0; k < first.count; k++)
+        check_close(first.value[k], 1.5 - 0.5 * exp(-first.time[k]), 0, 2e-3);
+    run_end(&first);
+}
+
+// ---- attempts that fail
+
+/* A step that does not converge is taken again, shorter, from the same states. */
+static void failed_step_is_taken_again(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, fixed_step: 0.1");
+    first.follower.by_history = false;
+    first.follower.fails_at = 4;
+    assert_int_equal(run_on(&first), EHD_OK);
+    check_close(first.march.state.num_rejected, 1, 0, 0);
+    check_close(first.time[4], 0.325, 1e-12, 0); // a quarter of the step
+    for (int k = 0; k <= 10; k++)
+        assert_int_equal(entries_at(&first, k * 0.1), 1);
+    assert_true(largest_decay_error(&first) < 1e-2);
+    run_end(&first);
+}
+
+static void step_size_underflows(void **state) {
+    static const char *const transients[] = {"end_time: 1, tolerance: 1e-3",
+                                             "end_time: 1, fixed_step: 0.05"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        run_begin(&first, transients[i]);
+        first.follower.by_history = false;
+        first.follower.fails_after = 0.52;
+        assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
+        assert_non_null(strstr(first.march.reason, "step size"));
+        assert_non_null(strstr(first.march.reason, "no will"));
+        assert_non_null(strstr(first.march.reason, "expected above"));
+        assert_null(strchr(first.march.reason, '\n'));
+        assert_true(first.march.state.time <= 0.52 && first.march.state.time > 0.51);
+        // what was found stands
+        check_close(last_of(&first, first.time), first.march.state.time, 0, 0);
+        check_close(last_of(&first, first.value), exp(-first.march.state.time), 0, 1e-2);
+        run_end(&first);
+    }
+}
+
+/* Nothing that any step could follow: refused by the local error alone. */
+static void noise_underflows(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, tolerance: 1e-3");
+    first.march.settings.tolerance = 1e-30;
+    first.follower.by_history = false;
+    assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
+    assert_non_null(strstr(first.march.reason, "local error"));
+    run_end(&first);
+}
+
+/* Steps that are accepted, but so short that the end is out of reach. */
+static void crawling_ends(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, tolerance: 1e-3");
+    first.follower.longest_step = 1e-7;
+    assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
+    assert_non_null(strstr(first.march.reason, "expected them to get further"));
+    assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
+    run_end(&first);
+}
+
+static void errors_end_the_march(void **state) {
+    (void)state;
+    ehd_error error = {""};
+    ehd_status outcome;
+    run_begin(&first, "end_time: 1, fixed_step: 0.1");
+    first.follower.fails_at = 5;
+    first.follower.breaks_with = EHD_MEMORY;
+    assert_int_equal(march_run(&outcome, &first.march, &error), EHD_MEMORY);
+    assert_string_equal(error.text, "follower: broken");
+    assert_int_equal(first.count, 5);
+    run_end(&first);
+
+    run_begin(&first, "end_time: 1, fixed_step: 0.1");
+    first.stop_at = 3;
+    first.stops_with = EHD_IO;
+    assert_int_equal(march_run(&outcome, &first.march, &error), EHD_IO);
+    assert_string_equal(error.text, "sink: full");
+    assert_int_equal(first.count, 4);
+    run_end(&first);
+}
+
+static void first_untrusted_step_is_kept(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, fixed_step: 0.1");
+    assert_true(isnan(first.march.state.untrusted_since) != 0);
+    first.follower.untrusted_at = 3;
+    assert_int_equal(run_on(&first), EHD_OK);
+    check_close(first.march.state.untrusted_since, 0.3, 1e-12, 0);
+    assert_string_equal(first.march.untrusted, "a strange value");
+    assert_int_equal(first.count, 11);
+    run_end(&first);
+}
+
+// ---- going on
+
+/* Stopped anywhere and gone on from the saved struct: the same bits as in one go. */
+static void march_goes_on_from_its_state(void **state) {
+    static const char transient[] =
+        "end_time: 3, tolerance: 1e-4, load: {law: sine, amplitude: 0.2, "
+        "period: 0.7}";
+    (void)state;
+    run_begin(&first, transient);
+    assert_int_equal(run_on(&first), EHD_OK);
+    for (size_t stop = 1; stop < first.count; stop += first.count / 7) {
+        ehd_error error = {""};
+        ehd_status outcome;
+        run_begin(&second, transient);
+        second.stop_at = stop;
+        second.stops_with = EHD_INTERRUPTED;
+        assert_int_equal(march_run(&outcome, &second.march, &error), EHD_INTERRUPTED);
+        march_state kept = second.march.state;
+        memset(&second.march.state, 0xff, sizeof kept);
+        second.march.state = kept;
+        second.stops_with = EHD_OK;
+        assert_int_equal(run_on(&second), EHD_OK);
+        assert_int_equal(second.count, first.count);
+        assert_memory_equal(second.time, first.time, first.count * sizeof(double));
+        assert_memory_equal(second.value, first.value, first.count * sizeof(double));
+        run_end(&second);
+    }
+    run_end(&first);
+}
+
+static void signal_interrupts(void **state) {
+    (void)state;
+    ehd_error error = {""};
+    ehd_status outcome;
+    char *arguments[] = {"march", "scene", NULL};
+    const program_options options = {.least_arguments = 1, .most_arguments = 1};
+    program self;
+
+    program_start(&self, 2, arguments, &options);
+    run_begin(&first, "end_time: 1, fixed_step: 0.1");
+    raise(SIGINT);
+    assert_int_equal(march_run(&outcome, &first.march, &error), EHD_INTERRUPTED);
+    assert_int_equal(first.count, 1);
+    run_end(&first);
+    program_finish(&self, EHD_OK, &error);
+}
+
+// ---- approach
+
+/* With the approach given the load is an outcome: what the start found is the reference approach, and
+ * frames are scaled by the load to be expected. */
+static void approach_scales_by_the_load(void **state) {
+    (void)state;
+    run_begin(&first, "end_time: 1, fixed_step: 0.1, approach: {law: ramp, from: 1, to: 2, "
+                      "start: 0, duration: 1}");
+    check_close(first.march.settings.reference_approach, -0.6, 0, 0);
+    assert_int_equal(run_on(&first), EHD_OK);
+    check_close(first.last.approach, -1.2, 1e-13, 0);
+    check_close(first.last.load, 1, 1e-12, 0);
+    run_end(&first);
+    run_begin(&first, "end_time: 1, fixed_step: 0.1, load: {law: sine, amplitude: 0.1, period: 1}");
+    assert_true(isnan(first.last.approach) != 0);
+    run_end(&first);
+}
+
+static void expected_load_is_bounded(void **state) {
+    (void)state;
+    check_close(march_expected_load(3, 0.5, 0.2), 3.1, 1e-15, 0);
+    check_close(march_expected_load(3, 100, 1), 6, 0, 0);
+    check_close(march_expected_load(3, -100, 1), 1.5, 0, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fixed_steps_are_of_second_order),
+        cmocka_unit_test(tolerance_controls_the_error),
+        cmocka_unit_test(last_step_is_no_sliver),
+        cmocka_unit_test(steps_grow_by_two_at_most),
+        cmocka_unit_test(pulse_is_followed),
+        cmocka_unit_test(kinks_are_hit_exactly),
+        cmocka_unit_test(fixed_steps_fall_back_on_multiples),
+        cmocka_unit_test(jump_restarts),
+        cmocka_unit_test(jump_and_fixed_steps),
+        cmocka_unit_test(jump_at_the_end),
+        cmocka_unit_test(jump_at_the_start),
+        cmocka_unit_test(failed_step_is_taken_again),
+        cmocka_unit_test(step_size_underflows),
+        cmocka_unit_test(noise_underflows),
+        cmocka_unit_test(crawling_ends),
+        cmocka_unit_test(errors_end_the_march),
+        cmocka_unit_test(first_untrusted_step_is_kept),
+        cmocka_unit_test(march_goes_on_from_its_state),
+        cmocka_unit_test(approach_scales_by_the_load),
+        cmocka_unit_test(expected_load_is_bounded),
+        cmocka_unit_test(signal_interrupts), // for good, hence the last one
+    };
+    return cmocka_run_group_tests_name("march", tests, NULL, NULL);
+}
