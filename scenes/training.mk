@@ -62,8 +62,8 @@ define model_rules
 $(OUT)/basis$2.h5: $(OUT)/snapshots.h5 $(BIN)/podbuild $(call options,basis$2,$(call podbuild_options,$1))
 	$$(call quiet,podbuild  ,$$@)$(BIN)/podbuild $$< -o $$@ --force $(strip $(call podbuild_options,$1))
 
-$(OUT)/residuals$2.h5: $(OUT)/basis$2.h5 $(OUT)/snapshots.h5 $(call options,residuals$2,$($1.REPETITION))
-	$$(call quiet,snapgen   ,$$@)$(BIN)/snapgen plan.yml --basis $$< -o $$@ --force $(SET) $($1.REPETITION)
+$(OUT)/residuals$2.h5: $(OUT)/basis$2.h5 $(OUT)/snapshots.h5
+	$$(call quiet,snapgen   ,$$@)$(BIN)/snapgen plan.yml --basis $$< -o $$@ --force $(SET)
 
 $(OUT)/$1.h5: $(OUT)/residuals$2.h5 $(OUT)/basis$2.h5 $(BIN)/deimselect $(call options,$1,$(call deimselect_options,$1))
 	$$(call quiet,deimselect,$$@)$(BIN)/deimselect $$< --basis $(OUT)/basis$2.h5 -o $$@ --force $(strip $(call deimselect_options,$1))
