@@ -603,8 +603,9 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
 // ---- with kept factors
 
 static const size_t MOST_KEPT_ITERATIONS = 8;
-static const double MOST_KEPT_CHANGE =
-    0.03; // of P in one iteration, beyond which damping might matter
+// changes of P in the L2 norm, which the coordinates in orthonormal modes give on any grid
+static const double MOST_KEPT_CHANGE = 2e-3; // in one iteration, beyond which damping might matter
+static const double KEPT_TOLERANCE = 7e-6;
 static const double MOST_KEPT_RATE = 0.5; // of convergence
 
 void reduced_drop_factors(reduced_solver *self) {
@@ -645,7 +646,7 @@ static double central_change(const reduced_solver *self) {
 
 /* Where the kept iteration has got to. */
 typedef struct kept_iterate {
-    double change; // bound on that of P, by the orthonormal modes; NaN before the first
+    double change; // of P, L2 norm; NaN before the first
     bool converged;
 } kept_iterate;
 
@@ -662,12 +663,12 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     if (!isfinite(info->residual) ||
         least_squares_again(self->step, self->kept, self->right, num_rows))
         return false;
-    at->change = cblas_dnrm2((int)model->num_pressure, self->step, 1);
+    at->change = sqrt(model->grid.step) * cblas_dnrm2((int)model->num_pressure, self->step, 1);
     double rate = isnan(before) ? first_rate : at->change / before;
     if (!(at->change < MOST_KEPT_CHANGE && rate < MOST_KEPT_RATE)) return false;
     double film = at_centre(model, self->film), change = central_change(self);
-    at->converged = fabs(change) * rate < self->settings.tolerance * film &&
-                    at->change * rate < PRESSURE_TOLERANCE;
+    at->converged =
+        fabs(change) * rate < self->settings.tolerance * film && at->change * rate < KEPT_TOLERANCE;
     cblas_daxpy((int)model->num_unknowns, 1, self->step, 1, state->coordinates, 1);
     info->iterations++;
     info->seconds_linear += program_seconds() - start;

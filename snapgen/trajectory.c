@@ -18,6 +18,7 @@ typedef struct task {
     const reduced_model *model;
     const film_splines *splines;
     trajectories *result;
+    ehd_histories **histories; // [num_trajectories], read before the threads start: HDF5 is for one
     compressed_set *first, *second; // [num_trajectories] those that wait to be merged
     bool *done;                     // [num_trajectories]
     size_t num_merged;
@@ -125,30 +126,26 @@ static void name_trajectory(char name[POINT_NAME], const task *owner, size_t num
 }
 
 /* Marches to the end; *reason tells why it did not get there, "" when it did. */
-static ehd_status travel(char reason[MARCH_REASON], size_t *num_steps, traveller *self,
-                         const scene *given, ehd_error *error) {
+static ehd_status travel(char reason[MARCH_REASON], traveller *self, const scene *given,
+                         ehd_error *error) {
     march run = {.kind = reference_of(self)->kind,
                  .solver = self->full ? full_march_solver(self->full)
                                       : reduced_march_solver(self->reduced),
                  .store = self->full ? store_full : store_reduced,
                  .sink = self};
-    ehd_histories *histories = NULL;
+    const ehd_histories *histories = self->owner->histories[self->number];
     march_step first;
-    ehd_status outcome = EHD_OK, status = histories_init(&histories, given, error);
+    ehd_status outcome = EHD_OK, status;
 
     reason[0] = '\0';
-    if (!status) {
-        run.histories = histories;
-        run.settings = march_settings_of(given, histories, given->approach);
-        status = march_begin(&first, &run, error);
-    }
+    run.histories = histories;
+    run.settings = march_settings_of(given, histories, given->approach);
+    status = march_begin(&first, &run, error);
     if (!status && first.status == EHD_NOT_CONVERGED)
         snprintf(reason, MARCH_REASON, "start: %s", first.reason);
     if (!status && !reason[0]) status = run.store(self, &first, 0, error);
     if (!status && !reason[0]) status = march_run(&outcome, &run, error);
     if (!status && outcome) memcpy(reason, run.reason, MARCH_REASON);
-    *num_steps = (size_t)run.state.num_steps;
-    histories_free(histories);
     return status;
 }
 
@@ -158,12 +155,11 @@ static ehd_status solve_trajectory(void *shared, void *worker, size_t number, si
     const scene *given = &owner->set->trajectories[number].scene;
     traveller self = {.owner = owner, .number = number};
     char reason[MARCH_REASON], name[POINT_NAME];
-    size_t num_steps = 0;
     (void)worker, (void)parent;
 
     ehd_status status =
         owner->model ? begin_reduced(&self, given, error) : begin_full(&self, given, error);
-    if (!status) status = travel(reason, &num_steps, &self, given, error);
+    if (!status) status = travel(reason, &self, given, error);
     if (!status && reason[0]) {
         name_trajectory(name, owner, number);
         owner->result->failed[number] = true;
@@ -265,8 +261,12 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     self->first = calloc(num, sizeof *self->first);
     self->second = calloc(num, sizeof *self->second);
     self->done = calloc(num, sizeof *self->done);
-    if (!result->kept || !result->failed || !self->first || !self->second || !self->done)
+    self->histories = calloc(num, sizeof *self->histories);
+    if (!result->kept || !result->failed || !self->first || !self->second || !self->done ||
+        !self->histories)
         status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+    for (size_t t = 0; t < num && !status; t++)
+        status = histories_init(&self->histories[t], &self->set->trajectories[t].scene, error);
     if (!status)
         status = compressor_create(&self->all_first, width, &trajectory_compression, error);
     if (!status && self->model)
@@ -278,7 +278,9 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     for (size_t t = 0; t < num; t++) {
         if (self->first) compressed_set_free(&self->first[t]);
         if (self->second) compressed_set_free(&self->second[t]);
+        if (self->histories) histories_free(self->histories[t]);
     }
+    free(self->histories);
     free(self->first);
     free(self->second);
     free(self->done);
