@@ -17,14 +17,17 @@ enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD, KEY_WEIGHTS };
 
 typedef struct select_options {
     const char *basis;
-    size_t num_rows; // 0: 2 a mode
+    size_t num_rows; // 0: by itself
     const selection_method *method;
     const weighting *weights;
 } select_options;
 
 static const struct argp_option own_options[] = {
     {.name = "basis", .key = KEY_BASIS, .arg = "BASIS.h5", .doc = "The basis of the residuals"},
-    {.name = "rows", .key = KEY_ROWS, .arg = "N", .doc = "Number of rows; default 2 a mode"},
+    {.name = "rows",
+     .key = KEY_ROWS,
+     .arg = "N",
+     .doc = "Number of rows; default 2 a mode, or what the snapshots tell apart"},
     {.name = "method", .key = KEY_METHOD, .arg = "NAME", .doc = "joint (default), qr; see below"},
     {.name = "weights",
      .key = KEY_WEIGHTS,
@@ -171,9 +174,9 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
         status =
             read_residuals(&snapshots, self->arguments[0], &basis, options->basis, identity, error);
     if (!status) {
-        size_t num_rows = options->num_rows ? options->num_rows : 2 * basis.num_pressure;
-        status = row_choice_make(&choice, snapshots.residuals, snapshots.steps, snapshots.count,
-                                 &basis, options->method, options->weights, num_rows, &cause);
+        status =
+            row_choice_make(&choice, snapshots.residuals, snapshots.steps, snapshots.count, &basis,
+                            options->method, options->weights, options->num_rows, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);

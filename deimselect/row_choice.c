@@ -4,6 +4,7 @@
 #include "podbuild/pod.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,27 +15,33 @@ void row_choice_free(row_choice *choice) {
     memset(choice, 0, sizeof *choice);
 }
 
-/* How many modes of either basis the method is given: as many as rows, or half as many where it takes
- * rows for both bases in turn. */
-static size_t wanted_modes(const selection_method *method, size_t num_rows, size_t num_unknowns) {
-    size_t half = (num_rows + 1) / 2;
-
-    if (method->select == selection_pivoted_qr) return half > num_unknowns ? half : num_unknowns;
-    return num_rows;
+/* How many rows the method takes for a mode of either basis. */
+static size_t rows_per_mode(const selection_method *method) {
+    return method->select == selection_pivoted_qr ? 2 : 1;
 }
+
+/* How many modes of either basis the method is given. */
+static size_t wanted_modes(const selection_method *method, size_t num_rows, size_t num_unknowns) {
+    size_t modes = (num_rows + rows_per_mode(method) - 1) / rows_per_mode(method);
+
+    return rows_per_mode(method) > 1 && modes < num_unknowns ? num_unknowns : modes;
+}
+
+static const char *const snapshot_names[] = {"residuals", "Jacobian products"};
 
 static ehd_status build_pods(pod_basis pods[2], const double *residuals, const double *steps,
                              size_t num_snapshots, size_t num_inner, size_t num_modes,
                              ehd_error *error) {
-    const pod_settings settings = {num_modes, 0};
-    const char *const names[] = {"residuals", "Jacobian products"};
+    const pod_settings settings = {.num_modes = num_modes, .at_most = true};
     const double *sets[] = {residuals, steps};
     ehd_error cause;
 
     for (int i = 0; i < 2; i++) {
         ehd_status status =
             pod_build(&pods[i], sets[i], num_snapshots, num_inner, &settings, &cause);
-        if (status) return ehd_fail(error, status, "snapshots of the %s: %s", names[i], cause.text);
+        if (status)
+            return ehd_fail(error, status, "snapshots of the %s: %s", snapshot_names[i],
+                            cause.text);
     }
     return EHD_OK;
 }
@@ -87,30 +94,61 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const siz
     return status;
 }
 
+/* As many rows as the snapshots tell apart: two a mode where no number is given. */
+static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
+                             const selection_method *method, bool given, ehd_error *error) {
+    int poorer = pods[1].num_modes < pods[0].num_modes;
+    size_t most = rows_per_mode(method) * pods[poorer].num_modes;
+
+    if (*num_rows <= most) return EHD_OK;
+    if (given)
+        return ehd_fail(error, EHD_DATA,
+                        "--rows: found %zu, expected at most %zu, as many as the snapshots of the "
+                        "%s tell apart",
+                        *num_rows, most, snapshot_names[poorer]);
+    *num_rows = most;
+    return EHD_OK;
+}
+
+static ehd_status check_rows(size_t num_rows, const reduced_basis *basis, ehd_error *error) {
+    if (num_rows < basis->num_pressure)
+        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
+                        num_rows, basis->num_pressure);
+    if (num_rows > basis->grid.num_inner)
+        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at most the %zu nodes",
+                        num_rows, basis->grid.num_inner);
+    return EHD_OK;
+}
+
 ehd_status row_choice_make(row_choice *choice, const double *residuals, const double *steps,
                            size_t num_snapshots, const reduced_basis *basis,
                            const selection_method *method, const weighting *weights,
                            size_t num_rows, ehd_error *error) {
     size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
     pod_basis pods[2] = {{0}, {0}};
-    ehd_status status = EHD_OK;
+    bool given = num_rows > 0;
+    ehd_status status;
 
     memset(choice, 0, sizeof *choice);
-    if (num_rows < basis->num_pressure)
-        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
-                        num_rows, basis->num_pressure);
-    if (num_rows > num_inner)
-        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at most the %zu nodes",
-                        num_rows, num_inner);
+    if (!given)
+        num_rows = 2 * basis->num_pressure < num_inner ? 2 * basis->num_pressure : num_inner;
+    status = check_rows(num_rows, basis, error);
+    if (!status)
+        status = build_pods(pods, residuals, steps, num_snapshots, num_inner,
+                            wanted_modes(method, num_rows, num_unknowns), error);
+    if (!status) status = limit_rows(&num_rows, pods, method, given, error);
+    if (!status) status = check_rows(num_rows, basis, error);
+    if (status) {
+        pod_free(&pods[0]);
+        pod_free(&pods[1]);
+        return status;
+    }
     choice->num_rows = num_rows;
     choice->rows = malloc(num_rows * sizeof *choice->rows);
     choice->factors = malloc(num_rows * sizeof(double));
     choice->sigma_min_by_exit = malloc((basis->states.num_states + 1) * sizeof(double));
     if (!choice->rows || !choice->factors || !choice->sigma_min_by_exit)
         status = ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
-    if (!status)
-        status = build_pods(pods, residuals, steps, num_snapshots, num_inner,
-                            wanted_modes(method, num_rows, num_unknowns), error);
     if (!status) {
         const selection_bases bases = {num_inner,
                                        {pods[0].num_modes, pods[1].num_modes},

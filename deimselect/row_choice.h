@@ -29,6 +29,8 @@ ehd_status row_choice_make(
     const double *residuals, // [num_snapshots, num_inner] D f
     const double *steps,     // [num_snapshots, num_inner] D J dz
     size_t num_snapshots, const reduced_basis *basis, const selection_method *method,
-    const weighting *weights, size_t num_rows, ehd_error *error);
+    const weighting *weights,
+    size_t num_rows, // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
+    ehd_error *error);
 
 #endif

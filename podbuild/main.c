@@ -126,7 +126,8 @@ static ehd_status build(const program *self, const bases_settings *settings, ehd
 }
 
 int main(int argc, char **argv) {
-    bases_settings settings = {{0, 1e-13}, {0, 1e-13}, DEFORMATION_COUPLED};
+    bases_settings settings = {
+        {.discarded_energy = 1e-13}, {.discarded_energy = 1e-13}, DEFORMATION_COUPLED};
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
                                      .own = &settings,

@@ -64,11 +64,11 @@ static ehd_status choose_num_modes(
     const size_t rank = numerical_rank(singular_values, num_singular_values);
     if (rank == 0)
         return ehd_fail(error, EHD_DATA, "snapshots: found only zeros, expected rank > 0");
-    if (settings->num_modes > rank)
+    if (settings->num_modes > rank && !settings->at_most)
         return ehd_fail(error, EHD_DATA,
                         "number of modes: found %zu, expected at most %zu, the snapshots' rank",
                         settings->num_modes, rank);
-    *num_modes = settings->num_modes;
+    *num_modes = settings->num_modes < rank ? settings->num_modes : rank;
     if (*num_modes == 0)
         *num_modes = modes_by_energy(singular_values, rank, settings->discarded_energy);
     return EHD_OK;

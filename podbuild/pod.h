@@ -4,6 +4,7 @@
 #define EHD_POD_H
 
 #include "common/program/status.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct pod_basis {
@@ -20,6 +21,7 @@ typedef struct pod_settings {
     double discarded_energy; // with num_modes 0: the smallest number of modes for which the sum of
                              // the squared singular values left out is at most this part of all;
                              // never more than the numerical rank, never less than one
+    bool at_most;            // num_modes is a limit: fewer where the numerical rank is less
 } pod_settings;
 
 /* Truncated POD (Sirovich 1987) by a thin SVD of the snapshots, because their Gram matrix would lose

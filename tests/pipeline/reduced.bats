@@ -226,9 +226,20 @@ YAML
     refuse 65 "--rows: found 122, expected at most the 121" \
         deimselect r.h5 --basis b.h5 -o x.h5 --rows 122
     for method in joint qr; do
-        refuse 65 "found .*, expected at most" \
+        refuse 65 "--rows: found 120, expected at most .*, as many as the snapshots of the" \
             deimselect r.h5 --basis b.h5 -o x.h5 --rows 120 --method $method
     done
+}
+
+@test "rows by default: two a mode, or as many as the snapshots tell apart" {
+    sed 's/vary:.*/vary: {moes.M: [8, 11, 15], moes.L: [4]}/' plan.yml >one.yml
+    snapgen one.yml --basis b.h5 -o one.h5 --quiet
+    run --separate-stderr deimselect one.h5 --basis b.h5 -o x.h5 --rows 120
+    most=$(sed 's/.*at most \([0-9]*\),.*/\1/' <<<"$stderr")
+    echo "$most"
+    ((most < 18))
+    [ "$(deimselect one.h5 --basis b.h5 -o m2.h5 | awk 'NR == 1 { print $1 }')" -eq "$most" ]
+    [ "$(deimselect r.h5 --basis b.h5 -o m3.h5 | awk 'NR == 1 { print $1 }')" -eq 18 ]
 }
 
 @test "files of different grids" {

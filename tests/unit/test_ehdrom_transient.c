@@ -103,7 +103,7 @@ static ehdrom_model *make_model(const snapshot_set *set, deformation_kind kind, 
     static char *words[] = {"deimselect", NULL};
     const program writer = {
         .name = "deimselect", .argc = 1, .argv = words, .force = true, .output = path};
-    const bases_settings settings = {{NUM_MODES, 0}, {NUM_MODES, 0}, kind};
+    const bases_settings settings = {{.num_modes = NUM_MODES}, {.num_modes = NUM_MODES}, kind};
     const double sigmas[NUM_STATES] = {1};
     const model_origin origin = {"joint", "0123", 1, 1, 1, sigmas};
     reduced_basis basis;

@@ -72,7 +72,8 @@ void trained_free(trained *self) {
 
 void trained_basis(reduced_basis *basis, const trained *self, deformation_kind kind,
                    size_t num_pressure, size_t num_deformation) {
-    const bases_settings settings = {{num_pressure, 0}, {num_deformation, 0}, kind};
+    const bases_settings settings = {
+        {.num_modes = num_pressure}, {.num_modes = num_deformation}, kind};
     pod_basis pressure, deformation;
     ehd_error error = {""};
 
