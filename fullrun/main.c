@@ -172,7 +172,6 @@ static void march_effort(double *rows, double *linear, double *exit, const void 
 
 static ehd_status run_transient(const program *self, bool resume, const ehd_contact *contact,
                                 const scene *given, const char *text, ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], NULL};
     const full_settings settings = full_default_settings();
     full_march *in_time = NULL;
     ehd_status status = full_march_create(&in_time, contact, &settings, given->start_film, error);
@@ -182,7 +181,6 @@ static ehd_status run_transient(const program *self, bool resume, const ehd_cont
                                     .given = given,
                                     .reference = contact,
                                     .settings_text = text,
-                                    .inputs = inputs,
                                     .solver = full_march_solver(in_time),
                                     .with_fields = given->output_fields != 0,
                                     .resume = resume,

@@ -287,14 +287,25 @@ static ehd_status compare_in_time(const time_trace *trace, const time_series *fu
     return EHD_OK;
 }
 
+/* The settings, and what else of the command line the solution depends on. */
+static char *text_with_sizes(const char *text, const ehdrom_sizes *sizes) {
+    char *whole = NULL;
+
+    if (asprintf(&whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)\n", text,
+                 sizes->pressure_modes, sizes->deformation_modes, sizes->rows) < 0)
+        whole = NULL;
+    return whole;
+}
+
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 ehdrom_model *model, const ehd_contact *contact, const scene *given,
                                 const char *text, ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], options->model, options->against, NULL};
     ehdrom_transient *in_time = NULL;
     time_series full = {0};
     time_trace trace = {0};
-    ehd_status status = ehdrom_prepare_transient(model, error);
+    char *whole_text = text_with_sizes(text, &options->sizes);
+    ehd_status status = whole_text ? ehdrom_prepare_transient(model, error)
+                                   : ehd_fail(error, EHD_MEMORY, "settings: found no memory");
 
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
     if (!status && options->against) {
@@ -307,8 +318,9 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
-                                    .settings_text = text,
-                                    .inputs = inputs,
+                                    .settings_text = whole_text,
+                                    .model = options->model,
+                                    .against = options->against,
                                     .solver = ehdrom_march(in_time),
                                     .with_fields = given->output_fields == 1,
                                     .resume = options->resume,
@@ -323,6 +335,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     time_trace_free(&trace);
     time_series_free(&full);
     ehdrom_transient_free(in_time);
+    free(whole_text);
     return status;
 }
 

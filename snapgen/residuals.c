@@ -297,13 +297,14 @@ static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_
 ehd_status residuals_run(size_t *num_failed, const program *caller, const training_set *set,
                          const char *plan_path, const char *basis_path, size_t num_workers,
                          ehd_error *error) {
-    const char *const inputs[] = {plan_path, basis_path, NULL};
+    const char **inputs = training_inputs(set, plan_path, basis_path);
     reduced_basis basis = {0};
     reduced_model model = {0};
     repeated_training training = {.caller = caller, .set = set, .model = &model};
     artefact *file = NULL;
     char identity[65];
-    ehd_status status = basis_read(&basis, identity, basis_path, error);
+    ehd_status status = inputs ? basis_read(&basis, identity, basis_path, error)
+                               : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
 
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
     if (!status)
@@ -327,6 +328,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
         free(training.traces[i].step);
     }
     free(training.traces);
+    free(inputs);
     trajectories_free(&training.repeated);
     reduced_model_free(&model);
     reduced_basis_free(&basis);

@@ -2,6 +2,7 @@
 #include "snapgen/snapshots.h"
 
 #include "common/output/grid_file.h"
+#include "common/output/inputs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,9 +45,10 @@ static ehd_status declare_fields(artefact *file, const training_set *set, ehd_er
 
 ehd_status snapshots_create(artefact **file, const program *caller, const training_set *set,
                             const char *plan_path, ehd_error *error) {
-    const char *const inputs[] = {plan_path, NULL};
-    ehd_status status =
-        artefact_create(file, caller->output, &schema_snapshots, caller, set->text, inputs, error);
+    const char **inputs = training_inputs(set, plan_path, NULL);
+    ehd_status status = inputs ? artefact_create(file, caller->output, &schema_snapshots, caller,
+                                                 set->text, inputs, error)
+                               : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
@@ -54,6 +56,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
     if (!status) status = put_parameters(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
+    free(inputs);
     return status;
 }
 
@@ -218,6 +221,8 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
     ehd_status status =
         artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
 
+    for (size_t t = 0; t < set->num_trajectories && !status; t++)
+        status = inputs_check_tables(*file, &set->trajectories[t].scene, error);
     // equal settings give equal axes, unless somebody else wrote the file
     if (!status && (artefact_length(*file, "state") != num_states(set) ||
                     artefact_length(*file, "x") != set->grid.num_inner))

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/training_set.h"
 
+#include "common/output/inputs.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -192,6 +194,19 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     }
     if (status) training_set_free(set);
     return status;
+}
+
+const char **training_inputs(const training_set *set, const char *plan_path,
+                             const char *basis_path) {
+    const char **paths = malloc((3 + NUM_VARY * set->num_trajectories) * sizeof *paths);
+    if (!paths) return NULL;
+
+    size_t count = inputs_add(paths, 0, plan_path);
+    count = inputs_add(paths, count, basis_path);
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        count = inputs_add_tables(paths, count, &set->trajectories[t].scene);
+    paths[count] = NULL;
+    return paths;
 }
 
 void training_set_free(training_set *set) {

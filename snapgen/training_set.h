@@ -48,6 +48,11 @@ ehd_status training_set_init(
 
 void training_set_free(training_set *set);
 
+/* Paths of the files that the training reads: the plan, the basis (NULL: none) and the tables of the
+ * trajectories, NULL at the end. They point into plan_path, basis_path and the set. NULL: no memory. */
+const char **training_inputs(const training_set *set, const char *plan_path,
+                             const char *basis_path); // free with free()
+
 /* "M=12 L=7" */
 enum { POINT_NAME = 64 };
 void training_point_name(char name[POINT_NAME], const ehd_contact *contact);

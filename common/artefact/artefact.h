@@ -148,6 +148,12 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
+/* After artefact_resume: whether a file that the run reads beside its settings is what it was when the
+ * output was begun, by its content where it has another name now. EHD_DATA, with `what` it is, when it is
+ * not; EHD_NOINPUT, EHD_IO. */
+ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
+                                ehd_error *error);
+
 /* Drops the entries of the growing axis from `length` on, checks those before, and streams again. Only
  * after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged. */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);

@@ -83,6 +83,9 @@ char *history_line(const program *caller);
 /* Copies text and replaces what is not UTF-8 by '?', because readers refuse a whole file over it. */
 char *utf8_copy(const char *text);
 
+/* Whether the recorded input of this name had this content or, where none has the name, any of them. */
+bool had_input(hid_t root, const char *path, const char identity[65]);
+
 /* All attributes that say where the file comes from, with `complete` = 0. */
 ehd_status put_provenance(artefact *file, const program *caller, const char *settings_text,
                           const char *const *inputs, ehd_error *error);

@@ -182,6 +182,25 @@ static bool put_inputs(hid_t root, const char *const *inputs, ehd_status *status
     return true;
 }
 
+bool had_input(hid_t root, const char *path, const char identity[65]) {
+    bool same = false;
+    bool named = false;
+    char name[64];
+    for (int i = 1; !named; i++) {
+        snprintf(name, sizeof name, "input_%d_path", i);
+        char *recorded = hdf5_get_text(root, name);
+        if (!recorded) break;
+        snprintf(name, sizeof name, "input_%d_sha256", i);
+        char *content = hdf5_get_string(root, name);
+        bool equal = content && strcmp(content, identity) == 0;
+        named = strcmp(recorded, path) == 0;
+        same = equal || (same && !named);
+        free(content);
+        free(recorded);
+    }
+    return same;
+}
+
 bool put_complete(hid_t root, int64_t complete) {
     return hdf5_put_attribute(root, "complete", H5T_STD_I64LE, &complete);
 }

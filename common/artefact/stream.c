@@ -126,6 +126,16 @@ ehd_status artefact_resume(artefact **result, const char *path, const artefact_s
     return status;
 }
 
+ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
+                                ehd_error *error) {
+    char identity[65];
+    char found[512];
+    ehd_status status = sha256_file(identity, path, error);
+    if (status != EHD_OK || had_input(file->id, path, identity)) return status;
+    snprintf(found, sizeof found, "a run with another %s than %s is now", what, path);
+    return not_resumable(file, found, error);
+}
+
 static ehd_status cut_dataset(artefact *file, const char *name, size_t length, ehd_error *error) {
     hid_t dataset = open_dataset(file, name);
     if (dataset < 0) return hdf5_read_failed(file, name, error);

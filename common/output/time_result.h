@@ -8,6 +8,7 @@
 #include "common/physics/contact.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
+#include "common/settings/scene.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -64,7 +65,8 @@ ehd_status time_result_checkpoint(artefact *file,
 
 /* Opens NAME.partial of an earlier run, streaming again, and drops the entries after its last whole
  * checkpoint, which are to be computed again. EHD_NOINPUT when there is none; EHD_DATA when it is
- * damaged, or its settings, grid or restart_size differ; EHD_CANTCREATE as artefact_resume. */
+ * damaged, or its settings, model, tables, grid or restart_size differ; EHD_CANTCREATE as
+ * artefact_resume. */
 ehd_status time_result_resume(
     // output:
     artefact **file,
@@ -72,6 +74,8 @@ ehd_status time_result_resume(
     size_t *num_entries, // 0: there was no checkpoint yet
     // input:
     const program *caller, const ehd_contact *reference, const char *settings_text,
+    const char *model,  // path, NULL: none
+    const scene *given, // says which tables are read
     size_t restart_size, ehd_error *error);
 
 /* Ends streaming, writes the summary and gives the file its name. The file is closed in any case; on

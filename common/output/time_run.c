@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/time_run.h"
 
+#include "common/output/inputs.h"
 #include "common/output/time_result.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -10,7 +12,20 @@
 
 static const double CHECKPOINT_PAUSE = 2; // s between two checkpoints
 
-enum { NUM_MARCH = sizeof(march_state) / sizeof(double), NUM_OWN = NUM_MARCH + 1 };
+/* What is reported of the whole trajectory beside what march_state counts; all members are numbers of one
+ * type, so that the struct can be saved as such. */
+typedef struct run_totals {
+    double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
+    double least_film, most_film;                               // minimum and central one
+} run_totals;
+
+/* Places in a restart slot. */
+enum {
+    AT_APPROACH = sizeof(march_state) / sizeof(double),
+    AT_TOTALS,
+    AT_UNTRUSTED = AT_TOTALS + sizeof(run_totals) / sizeof(double),
+    AT_SOLVER = AT_UNTRUSTED + MARCH_REASON
+};
 
 typedef struct runner {
     const time_run_task *task;
@@ -18,9 +33,9 @@ typedef struct runner {
     artefact *file; // NULL: nothing is written
     double *restart;
     double *pressure, *film; // [num_nodes], NULL: no fields
-    double last_checkpoint;
-    double seconds; // writing not counted
-    double least_film, most_film;
+    double started, last_checkpoint;
+    double writing;    // s of it since the start
+    run_totals totals; // films of all entries; seconds of the earlier runs that this one resumes
     time_trace *trace;
     progress progress;
 } runner;
@@ -32,17 +47,23 @@ void time_trace_free(time_trace *trace) {
     memset(trace, 0, sizeof *trace);
 }
 
+static ehd_status trace_reserve(time_trace *trace, size_t capacity, ehd_error *error) {
+    double **const columns[] = {&trace->time, &trace->central_film_thickness,
+                                &trace->central_pressure};
+
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
+        double *larger = realloc(*columns[i], capacity * sizeof **columns[i]);
+        if (!larger) return ehd_fail(error, EHD_MEMORY, "trace: found no memory");
+        *columns[i] = larger;
+    }
+    trace->capacity = capacity;
+    return EHD_OK;
+}
+
 static ehd_status trace_add(time_trace *trace, const time_entry *entry, ehd_error *error) {
     if (trace->count == trace->capacity) {
-        size_t capacity = 2 * trace->capacity + 1024;
-        double **const columns[] = {&trace->time, &trace->central_film_thickness,
-                                    &trace->central_pressure};
-        for (size_t i = 0; i < sizeof columns / sizeof *columns; i++) {
-            double *larger = realloc(*columns[i], capacity * sizeof **columns[i]);
-            if (!larger) return ehd_fail(error, EHD_MEMORY, "trace: found no memory");
-            *columns[i] = larger;
-        }
-        trace->capacity = capacity;
+        ehd_status status = trace_reserve(trace, 2 * trace->capacity + 1024, error);
+        if (status) return status;
     }
     trace->time[trace->count] = entry->time;
     trace->central_film_thickness[trace->count] = entry->central_film_thickness;
@@ -50,14 +71,61 @@ static ehd_status trace_add(time_trace *trace, const time_entry *entry, ehd_erro
     return EHD_OK;
 }
 
+/* What an earlier run stored. */
+static ehd_status trace_read(time_trace *trace, artefact *file, size_t num_entries,
+                             ehd_error *error) {
+    ehd_status status = trace_reserve(trace, num_entries, error);
+
+    if (!status) status = artefact_get_axis(file, "time", trace->time, error);
+    if (!status)
+        status = artefact_get(file, "central_film_thickness", trace->central_film_thickness, error);
+    if (!status) status = artefact_get(file, "central_pressure", trace->central_pressure, error);
+    if (!status) trace->count = num_entries;
+    return status;
+}
+
 // ---- storing
 
-static ehd_status checkpoint(runner *self, size_t num_entries, ehd_error *error) {
+/* With this run's part of the times, up to `now`. */
+static run_totals totals_at(const runner *self, double now) {
+    run_totals totals = self->totals;
+    double rows, linear, exit;
+
+    self->task->effort(&rows, &linear, &exit, self->march.solver.self);
+    totals.seconds += now - self->started - self->writing;
+    totals.seconds_rows += rows;
+    totals.seconds_linear += linear;
+    totals.seconds_exit += exit;
+    return totals;
+}
+
+/* A text as numbers, the codes of its characters. */
+static void save_text(double saved[MARCH_REASON], const char text[MARCH_REASON]) {
+    size_t length = strlen(text);
+
+    for (size_t i = 0; i < MARCH_REASON; i++)
+        saved[i] = i < length ? (unsigned char)text[i] : 0;
+}
+
+static void restore_text(char text[MARCH_REASON], const double saved[MARCH_REASON]) {
+    size_t length = 0;
+
+    while (length + 1 < MARCH_REASON && saved[length] >= 1 && saved[length] <= UCHAR_MAX) {
+        text[length] = (char)(unsigned char)saved[length];
+        length++;
+    }
+    text[length] = '\0';
+}
+
+static ehd_status checkpoint(runner *self, size_t num_entries, double now, ehd_error *error) {
     const march_solver *solver = &self->march.solver;
+    const run_totals totals = totals_at(self, now);
 
     memcpy(self->restart, &self->march.state, sizeof self->march.state);
-    self->restart[NUM_MARCH] = self->march.settings.reference_approach;
-    solver->save(self->restart + NUM_OWN, solver->self);
+    self->restart[AT_APPROACH] = self->march.settings.reference_approach;
+    memcpy(self->restart + AT_TOTALS, &totals, sizeof totals);
+    save_text(self->restart + AT_UNTRUSTED, self->march.untrusted);
+    solver->save(self->restart + AT_SOLVER, solver->self);
     self->last_checkpoint = program_seconds();
     return time_result_checkpoint(self->file, self->restart, num_entries, error);
 }
@@ -88,16 +156,16 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .step = step->step,
                               .pressure = fields ? self->pressure : NULL,
                               .film = fields ? self->film : NULL};
-    self->least_film = fmin(self->least_film, entry.minimum_film_thickness);
-    self->most_film = fmax(self->most_film, entry.central_film_thickness);
+    self->totals.least_film = fmin(self->totals.least_film, entry.minimum_film_thickness);
+    self->totals.most_film = fmax(self->totals.most_film, entry.central_film_thickness);
     if (!status && self->file) status = time_result_append(self->file, &entry, index, error);
     if (!status && self->trace) status = trace_add(self->trace, &entry, error);
     if (!status && self->file && before - self->last_checkpoint > CHECKPOINT_PAUSE)
-        status = checkpoint(self, index + 1, error);
+        status = checkpoint(self, index + 1, before, error);
     snprintf(shown, sizeof shown, "T = %.4g, step %.2g", entry.time, entry.step);
     progress_show(&self->progress, (size_t)(1000 * entry.time / self->task->given->end_time),
                   shown);
-    self->seconds -= program_seconds() - before;
+    self->writing += program_seconds() - before;
     return status;
 }
 
@@ -106,9 +174,10 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
 static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
     const time_run_task *task = self->task;
     const march_solver *solver = &self->march.solver;
-    size_t size = NUM_OWN + solver->saved_size(solver->self), num_entries = 0;
-    ehd_status status = time_result_resume(&self->file, self->restart, &num_entries, task->caller,
-                                           task->reference, task->settings_text, size, error);
+    size_t size = AT_SOLVER + solver->saved_size(solver->self), num_entries = 0;
+    ehd_status status =
+        time_result_resume(&self->file, self->restart, &num_entries, task->caller, task->reference,
+                           task->settings_text, task->model, task->given, size, error);
 
     *resumed = false;
     if (status == EHD_NOINPUT) return EHD_OK;
@@ -117,25 +186,39 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
         return status;
     }
     memcpy(&self->march.state, self->restart, sizeof self->march.state);
-    self->march.settings.reference_approach = self->restart[NUM_MARCH];
-    status = solver->restore(solver->self, self->restart + NUM_OWN, error);
+    self->march.settings.reference_approach = self->restart[AT_APPROACH];
+    memcpy(&self->totals, self->restart + AT_TOTALS, sizeof self->totals);
+    restore_text(self->march.untrusted, self->restart + AT_UNTRUSTED);
+    status = solver->restore(solver->self, self->restart + AT_SOLVER, error);
+    if (!status && self->trace) status = trace_read(self->trace, self->file, num_entries, error);
     *resumed = !status;
+    self->started = self->last_checkpoint = program_seconds();
     if (!status)
         program_note(task->caller, "%s.partial: goes on at T = %g", task->caller->output,
                      self->march.state.time);
     return status;
 }
 
-static ehd_status begin(runner *self, ehd_error *error) {
+static ehd_status create(runner *self, ehd_error *error) {
     const time_run_task *task = self->task;
     const march_solver *solver = &self->march.solver;
-    size_t size = NUM_OWN + solver->saved_size(solver->self);
-    march_step first;
-    ehd_status status = EHD_OK;
+    const char *inputs[NUM_VARY + 4]; // scene, model, tables, result to compare with, NULL
+    size_t num_inputs = inputs_add(inputs, 0, task->caller->arguments[0]);
 
-    if (task->caller->output)
-        status = time_result_create(&self->file, task->caller, task->reference, task->settings_text,
-                                    task->inputs, task->with_fields, size, error);
+    num_inputs = inputs_add(inputs, num_inputs, task->model);
+    num_inputs = inputs_add_tables(inputs, num_inputs, task->given);
+    num_inputs = inputs_add(inputs, num_inputs, task->against);
+    inputs[num_inputs] = NULL;
+    return time_result_create(&self->file, task->caller, task->reference, task->settings_text,
+                              inputs, task->with_fields,
+                              AT_SOLVER + solver->saved_size(solver->self), error);
+}
+
+static ehd_status begin(runner *self, ehd_error *error) {
+    march_step first;
+    ehd_status status = self->task->caller->output ? create(self, error) : EHD_OK;
+
+    self->started = self->last_checkpoint = program_seconds();
     if (!status) status = march_begin(&first, &self->march, error);
     if (!status && first.status == EHD_NOT_CONVERGED)
         return ehd_fail(error, EHD_NOT_CONVERGED, "start: found it not converged: %s",
@@ -145,7 +228,22 @@ static ehd_status begin(runner *self, ehd_error *error) {
 
 // ---- the end
 
-static void report(const runner *self) {
+/* Where the result falls short of what was asked for. */
+static void report_shortfall(const runner *self, ehd_status outcome) {
+    const march_state *state = &self->march.state;
+    const char *output = self->task->caller->output;
+
+    if (outcome == EHD_NOT_CONVERGED)
+        printf("%-24sat T = %.6g of %.6g, not converged; %s%s%s\n", "ended early", state->time,
+               self->march.settings.end_time,
+               output ? "results up to there are in " : "not written", output ? output : "",
+               output ? ".partial" : "");
+    if (!isnan(state->untrusted_since))
+        printf("%-24sfirst at T = %.6g: %s\n", "not to be trusted", state->untrusted_since,
+               self->march.untrusted);
+}
+
+static void report(const runner *self, const run_totals *totals, ehd_status outcome) {
     const ehd_contact *contact = self->task->reference;
     const march_state *state = &self->march.state;
     double scale = contact_film_scale(contact) * 1e6;
@@ -154,25 +252,27 @@ static void report(const runner *self) {
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
     printf("%-24sT = 0 to %.6g in %.0f steps, %.0f more rejected\n", "time", state->time,
            state->num_steps, state->num_rejected);
-    printf("%-24s%.8g", "smallest film", self->least_film);
-    if (isfinite(scale)) printf("      %.6g µm", self->least_film * scale);
-    printf("\n%-24s%.8g", "largest central film", self->most_film);
-    if (isfinite(scale)) printf("      %.6g µm", self->most_film * scale);
+    report_shortfall(self, outcome);
+    printf("%-24s%.8g", "smallest film", totals->least_film);
+    if (isfinite(scale)) printf("      %.6g µm", totals->least_film * scale);
+    printf("\n%-24s%.8g", "largest central film", totals->most_film);
+    if (isfinite(scale)) printf("      %.6g µm", totals->most_film * scale);
     printf("\n%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
-    printf("%-24s%.4g s, %.4g ms a step\n", "solution", self->seconds,
-           self->seconds * 1e3 / fmax(state->num_steps + state->num_rejected, 1));
+    printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
+           totals->seconds * 1e3 / fmax(state->num_steps + state->num_rejected, 1));
 }
 
-static ehd_status finish(runner *self, ehd_error *error) {
+static ehd_status finish(runner *self, const run_totals *totals, ehd_error *error) {
     const march_state *state = &self->march.state;
-    time_summary summary = {.seconds = self->seconds,
-                            .num_steps = (size_t)state->num_steps,
-                            .num_rejected = (size_t)state->num_rejected,
-                            .newton_iterations = (size_t)state->num_iterations};
+    const time_summary summary = {.seconds = totals->seconds,
+                                  .seconds_rows = totals->seconds_rows,
+                                  .seconds_linear = totals->seconds_linear,
+                                  .seconds_exit = totals->seconds_exit,
+                                  .num_steps = (size_t)state->num_steps,
+                                  .num_rejected = (size_t)state->num_rejected,
+                                  .newton_iterations = (size_t)state->num_iterations};
 
-    self->task->effort(&summary.seconds_rows, &summary.seconds_linear, &summary.seconds_exit,
-                       self->march.solver.self);
     return self->file ? time_result_finish(&self->file, &summary, error) : EHD_OK;
 }
 
@@ -190,9 +290,17 @@ static ehd_status judge(const runner *self, ehd_status outcome, ehd_error *error
         return ehd_fail(error, EHD_UNTRUSTED,
                         "%s: found %s, first at T = %g, expected a result to be trusted "
                         "(--allow-untrusted takes it all the same)",
-                        path, self->march.untrusted[0] ? self->march.untrusted : "untrusted steps",
-                        self->march.state.untrusted_since);
+                        path, self->march.untrusted, self->march.state.untrusted_since);
     return EHD_OK;
+}
+
+static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
+    const run_totals totals = totals_at(self, program_seconds());
+    ehd_status status = outcome == EHD_OK ? finish(self, &totals, error) : EHD_OK;
+
+    if (status) return status;
+    report(self, &totals, outcome);
+    return judge(self, outcome, error);
 }
 
 static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *error) {
@@ -209,7 +317,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
                 .solver = *solver,
                 .store = store,
                 .sink = self};
-    self->restart = malloc((NUM_OWN + solver->saved_size(solver->self)) * sizeof(double));
+    self->restart = malloc((AT_SOLVER + solver->saved_size(solver->self)) * sizeof(double));
     if (task->with_fields) {
         self->pressure = malloc(num_nodes * sizeof(double));
         self->film = malloc(num_nodes * sizeof(double));
@@ -220,7 +328,8 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
 }
 
 ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *error) {
-    runner self = {.task = task, .trace = trace, .least_film = INFINITY, .most_film = -INFINITY};
+    runner self = {
+        .task = task, .trace = trace, .totals = {.least_film = INFINITY, .most_film = -INFINITY}};
     ehd_histories *histories = NULL;
     bool resumed = false;
     ehd_status outcome = EHD_OK;
@@ -228,23 +337,19 @@ ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *err
     if (trace) memset(trace, 0, sizeof *trace);
     progress_start(&self.progress, task->caller, 1000);
     ehd_status status = prepare(&self, &histories, error);
-    double before = program_seconds();
-    self.last_checkpoint = before;
     if (!status && task->resume && task->caller->output) status = resume(&resumed, &self, error);
     if (!status && !resumed) status = begin(&self, error);
-    if (!status) status = march_run(&outcome, &self.march, error);
-    if (self.file && (status == EHD_INTERRUPTED || outcome == EHD_NOT_CONVERGED)) {
+    const bool begun = !status;
+    if (begun) status = march_run(&outcome, &self.march, error);
+    if (begun && self.file && (status == EHD_INTERRUPTED || outcome == EHD_NOT_CONVERGED)) {
         ehd_error ignored;
-        checkpoint(&self, (size_t)self.march.state.num_steps + 1, &ignored);
+        checkpoint(&self, (size_t)self.march.state.num_steps + 1, program_seconds(), &ignored);
     }
     progress_finish(&self.progress);
-    self.seconds += program_seconds() - before;
     if (status == EHD_INTERRUPTED)
         ehd_fail(error, status, "interrupted at T = %g%s", self.march.state.time,
                  self.file ? "; --resume goes on" : "");
-    if (!status && outcome == EHD_OK) status = finish(&self, error);
-    if (!status) report(&self);
-    if (!status) status = judge(&self, outcome, error);
+    if (!status) status = conclude(&self, outcome, error);
     artefact_close(&self.file);
     histories_free(histories);
     free(self.restart);

@@ -14,10 +14,11 @@ typedef struct time_run_task {
     const scene *given;
     const ehd_contact *reference;
     const char *settings_text;
-    const char *const *inputs; // NULL at the end
+    const char *model;   // path of what the solver was made of beside the scene, NULL: nothing
+    const char *against; // path of what the result is compared with, NULL: nothing
     march_solver solver;
     bool with_fields, resume, allow_untrusted;
-    /* Seconds spent on parts of the work so far, for the summary; NaN: not measured apart. */
+    /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */
     void (*effort)(double *rows, double *linear, double *exit, const void *solver);
 } time_run_task;
 
@@ -28,9 +29,10 @@ typedef struct time_trace {
 } time_trace;
 void time_trace_free(time_trace *trace);
 
-/* Runs the scene and prints the short result. Where the march ends early, what it found so far stays in
- * NAME.partial: EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and written, but a step was not to be trusted. `trace`
- * may be NULL. Errors also as artefact_create, artefact_resume and histories_init. */
+/* Runs the scene and prints the short result, of the whole trajectory where an earlier run is resumed. Where
+ * the march ends early, what it found so far stays in NAME.partial: EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and
+ * written, but a step was not to be trusted. `trace` may be NULL. Errors also as artefact_create,
+ * time_result_resume and histories_init. */
 ehd_status time_run(
     // output:
     time_trace *trace, // free with time_trace_free, also after a failure

@@ -168,6 +168,8 @@ YAML
     [ "$status" -eq 4 ] || [ "$status" -eq 3 ]
     [ "${#stderr_lines[@]}" -eq 1 ]
     [[ $stderr == "romrun: scene.yml: "*"T = "* ]]
+    [[ $output == *"not to be trusted       first at T = "* || \
+       $output == *"ended early             at T = "* ]]
     [ "$status" -eq 3 ] || /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("far.h5") as file:
@@ -280,6 +282,8 @@ bad_table() {
     [ "${#stderr_lines[@]}" -eq 1 ]
     [[ $stderr == "fullrun: bad.yml: not converged: found a step size of "*" at T = 0.5 ("*"), \
 expected above "*"; results up to there are in r.h5.partial" ]]
+    [[ $output == *"ended early             at T = 0.5 of 1, not converged; results up to there are \
+in r.h5.partial"* ]]
     [ ! -e r.h5 ]
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
@@ -328,7 +332,7 @@ PYTHON
 
 @test "a run can be followed, killed and resumed: the same numbers" {
     long_scene
-    fullrun long.yml -o whole.h5 --quiet
+    fullrun long.yml -o whole.h5 --quiet >log
     fullrun long.yml -o r.h5 --quiet &
     pid=$!
     follow r.h5.partial "checkpoint > 0 and len(time) > checkpoint"
@@ -340,6 +344,7 @@ PYTHON
     run --separate-stderr fullrun long.yml -o r.h5 --resume
     [ "$status" -eq 0 ]
     [[ ${stderr_lines[0]} == "fullrun: r.h5.partial: goes on at T = "* ]]
+    diff <(grep -v solution log) <(grep -v solution <<<"$output")
     [ ! -e r.h5.partial ]
     fullrun --check r.h5
     /usr/bin/python3 - <<'PYTHON'
@@ -349,6 +354,79 @@ with h5py.File("whole.h5") as whole, h5py.File("r.h5") as resumed:
     for name in whole:
         if not name.startswith("restart"):
             assert whole[name][...].tobytes() == resumed[name][...].tobytes(), name
+    for name in "steps", "rejected_steps", "total_newton_iterations":
+        assert whole.attrs[name] == resumed.attrs[name], name
+PYTHON
+}
+
+# interrupt COMMAND...: until it has made some steps; the output is x.h5
+interrupt() {
+    "$@" -o x.h5 --quiet &
+    pid=$!
+    follow x.h5.partial "len(time) > 100"
+    kill -INT $pid
+    code=0
+    wait $pid || code=$?
+    [ "$code" -eq 130 ]
+}
+
+@test "tables are inputs, and a changed one does not go on" {
+    long_scene
+    printf 'time,load,speed\n0,1,1\n10,1.1,1\n20,1,1.1\n' >table.csv
+    printf 'time,radius\n0,1\n10,1.1\n20,1\n' >radius.csv
+    sed -i 's/load:.*/load: {law: table, file: table.csv, column: load}\
+  speed: {law: table, file: table.csv, column: speed}\
+  radius: {law: table, file: radius.csv, column: radius}/' long.yml
+    interrupt fullrun long.yml
+    cp radius.csv kept.csv
+    sed -i 's/1.1/1.2/' radius.csv
+    refused 65 "x.h5.partial: found a run with another table than radius.csv is now, expected" \
+        fullrun long.yml -o x.h5 --resume
+    mv kept.csv radius.csv
+    fullrun long.yml -o x.h5 --resume --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, hashlib
+with h5py.File("x.h5") as file:
+    for n, name in enumerate(["long.yml", "table.csv", "radius.csv"], 1):
+        with open(name, "rb") as content:
+            expected = hashlib.sha256(content.read()).hexdigest()
+        assert file.attrs[f"input_{n}_path"].decode() == name
+        assert file.attrs[f"input_{n}_sha256"].decode() == expected
+    assert "input_4_path" not in file.attrs
+PYTHON
+}
+
+@test "tables are inputs of a training too" {
+    printf 'time,load\n0,1\n0.5,1.1\n1,1\n' >table.csv
+    sed -e 's/load:.*/load: {law: table, file: table.csv, column: load}/' \
+        -e 's/fixed_step: 0.02/fixed_step: 0.001/' scene.yml >tables.yml
+    cat >tables-plan.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [11, 14, 17], moes.L: [3, 4, 5]}
+  - scene: tables.yml
+    vary: {moes.M: [12, 13, 14, 15]}
+YAML
+    snapgen tables-plan.yml -o x.h5 --quiet --jobs 1 &
+    pid=$!
+    wait_for_file x.h5.partial
+    kill -INT $pid
+    wait $pid || [ $? -eq 130 ]
+    cp table.csv kept.csv
+    sed -i 's/1.1/1.2/' table.csv
+    refused 65 "x.h5.partial: found a run with another table than table.csv is now, expected" \
+        snapgen tables-plan.yml -o x.h5 --resume
+    mv kept.csv table.csv
+    snapgen tables-plan.yml -o x.h5 --resume --quiet
+    podbuild x.h5 -o b.h5
+    snapgen tables-plan.yml --basis b.h5 -o r.h5 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+for name, expected in ("x.h5", ["tables-plan.yml", "table.csv"]), \
+                      ("r.h5", ["tables-plan.yml", "b.h5", "table.csv"]):
+    with h5py.File(name) as file:
+        found = [file.attrs[f"input_{n}_path"].decode() for n in range(1, len(expected) + 1)]
+        assert found == expected and f"input_{len(found) + 1}_path" not in file.attrs, found
 PYTHON
 }
 
@@ -386,18 +464,25 @@ PYTHON
     deimselect r.h5 --basis b.h5 -o m.h5
     long_scene
     sed -i 's/step: 0.1}/step: 0.05}/' long.yml
-    romrun long.yml --model m.h5 -o whole.h5 --quiet
-    romrun long.yml --model m.h5 -o x.h5 --quiet &
-    pid=$!
-    follow x.h5.partial "len(time) > 100"
-    kill -INT $pid
-    code=0
-    wait $pid || code=$?
-    [ "$code" -eq 130 ]
-    romrun long.yml --model m.h5 -o x.h5 --resume --quiet
-    scalars_equal x.h5 whole.h5
-    romrun long.yml --model m.h5 --against whole.h5 --quiet >log
+    romrun long.yml --model m.h5 -o whole.h5 --quiet >whole.log
+    interrupt romrun long.yml --model m.h5
+    # another model, of the same and of another size, and other sizes of the same
+    deimselect r.h5 --basis b.h5 -o other.h5 --rows 50
+    refused 65 "x.h5.partial: found a run with another model than other.h5 is now, expected" \
+        romrun long.yml --model other.h5 -o x.h5 --resume
+    podbuild s.h5 -o b2.h5 --pressure-modes 9
+    snapgen plan.yml --basis b2.h5 -o r2.h5 --quiet
+    deimselect r2.h5 --basis b2.h5 -o other.h5 --force
+    refused 65 "x.h5.partial: found a run with another model than other.h5 is now, expected" \
+        romrun long.yml --model other.h5 -o x.h5 --resume
+    refused 65 "x.h5.partial: found other settings" \
+        romrun long.yml --model m.h5 -o x.h5 --resume --rows 50
+    mv m.h5 moved.h5
+    romrun long.yml --model moved.h5 -o x.h5 --resume --quiet --against whole.h5 >log
     grep -q "central film thickness *at most 0 % off" log
+    diff <(grep -v solution whole.log) <(sed '/^against/,$d' log | grep -v solution)
+    scalars_equal x.h5 whole.h5
+    mv moved.h5 m.h5
     refused 64 "--repeat: found with a transient scene" \
         romrun scene.yml --model m.h5 --repeat 2
     refused 65 "whole.h5: found a result of M = 14" \

@@ -879,6 +879,39 @@ static void resume_refuses_damage(void **state) {
     assert_true(exists(partial));
 }
 
+static void resume_checks_inputs(void **state) {
+    (void)state;
+    char one[96], other[96], third[96];
+    artefact *file = NULL;
+    snprintf(one, sizeof one, "%s/one", folder);
+    snprintf(other, sizeof other, "%s/other", folder);
+    snprintf(third, sizeof third, "%s/third", folder);
+    spill(one, "abc", 3);
+    spill(other, "abcd", 4);
+    const char *inputs[] = {one, other, NULL};
+    check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, "same", inputs, &error));
+    put_grid(file);
+    declare_all_and_stream(file);
+    artefact_close(&file);
+
+    check_ok(artefact_resume(&file, path, &schema_snapshots, &caller, "same", &error));
+    check_ok(artefact_check_input(file, "table", one, &error));
+    check_ok(artefact_check_input(file, "table", other, &error));
+    // contents that changed places are not what they were, but a new name is nothing
+    spill(one, "abcd", 4);
+    spill(other, "abc", 3);
+    spill(third, "abcd", 4);
+    check_refused(artefact_check_input(file, "table", one, &error), EHD_DATA,
+                  "found a run with another table than");
+    check_refused(artefact_check_input(file, "table", other, &error), EHD_DATA, "/other is now");
+    check_ok(artefact_check_input(file, "table", third, &error));
+    spill(third, "ab", 2);
+    check_refused(artefact_check_input(file, "model", third, &error), EHD_DATA, "another model");
+    unlink(third);
+    check_refused(artefact_check_input(file, "model", third, &error), EHD_NOINPUT, "/third");
+    artefact_close(&file);
+}
+
 /* Killed before streaming began: nothing that resuming could build on. */
 static void kill_before_stream(void **state) {
     (void)state;
@@ -1171,6 +1204,7 @@ int main(void) {
         TEST(failure_is_remembered),
         TEST(resume_after_kill),
         TEST(resume_refuses_damage),
+        TEST(resume_checks_inputs),
         TEST(kill_before_stream),
         TEST(attributes_after_streaming),
         TEST(readable_while_it_grows),

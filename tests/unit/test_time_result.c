@@ -22,6 +22,8 @@
 enum { NUM_NODES = 123, NUM_INNER = 121, RESTART_SIZE = 700, FIELDS_EVERY = 3 };
 
 static size_t restart_size;
+static const char *model; // of the run, NULL: none
+static scene given;       // only its tables count
 
 static ehd_contact contact; // 121 inner nodes
 static char folder[64], path[128], partial[160];
@@ -42,6 +44,8 @@ static int set_up(void **state) {
     snprintf(path, sizeof path, "%s/result.h5", folder);
     snprintf(partial, sizeof partial, "%s.partial", path);
     restart_size = RESTART_SIZE;
+    model = NULL;
+    given = (scene){0};
     contact = sample_contact("barus", "incompressible", 20, 5, 0.05);
     return contact.grid.num_nodes == NUM_NODES ? 0 : -1;
 }
@@ -150,7 +154,7 @@ static ehd_status try_resume(artefact **file, size_t *num_entries, const char *s
     const program self = writer();
     double restart[RESTART_SIZE] = {0};
     ehd_status status = time_result_resume(file, restart, num_entries, &self, &contact, settings,
-                                           restart_size, &error);
+                                           model, &given, restart_size, &error);
 
     for (size_t i = 0; i < restart_size && !status; i++)
         check_close(restart[i], *num_entries > 0 ? restart_at(*num_entries, i) : 0, 0, 0);
@@ -624,6 +628,55 @@ static void resume_refuses_another_run(void **state) {
     artefact_close(&file);
 }
 
+static void spill(const char *name, const char *text) {
+    FILE *stream = fopen(name, "w");
+
+    assert_true(stream && fputs(text, stream) >= 0 && fclose(stream) == 0);
+}
+
+static void resume_refuses_other_inputs(void **state) {
+    (void)state;
+    char first[128], second[128], table[128];
+    const program self = writer();
+    size_t num_entries = 0;
+    artefact *file = NULL;
+
+    snprintf(first, sizeof first, "%s/first.h5", folder);
+    snprintf(second, sizeof second, "%s/second.h5", folder);
+    snprintf(table, sizeof table, "%s/table.csv", folder);
+    spill(first, "one");
+    spill(second, "two");
+    spill(table, "three");
+    const char *const inputs[] = {"/dev/null", first, table, NULL};
+    check_ok(
+        time_result_create(&file, &self, &contact, "scene", inputs, true, restart_size, &error));
+    run(file, 0, 3);
+    artefact_close(&file);
+
+    model = second;
+    snprintf(given.vary[VARY_LOAD].file, sizeof given.vary[VARY_LOAD].file, "%s", table);
+    given.vary[VARY_SPEED] = given.vary[VARY_LOAD];
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
+                  "result.h5.partial: found a run with another model than /tmp/");
+    check_refused(EHD_DATA, EHD_DATA, "second.h5 is now");
+    assert_null(file);
+    // also where that makes it of another size
+    restart_size = 699;
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "another model");
+    restart_size = RESTART_SIZE;
+    spill(table, "four");
+    model = first;
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "another table than");
+    check_refused(EHD_DATA, EHD_DATA, "table.csv is now");
+    spill(table, "three");
+    // the content counts, not the name
+    spill(second, "one");
+    model = second;
+    check_ok(try_resume(&file, &num_entries, "scene"));
+    assert_int_equal(num_entries, 2);
+    artefact_close(&file);
+}
+
 /* Flips a bit of the first number in NAME.partial that has this value. */
 static void damage(double value) {
     int descriptor = open(partial, O_RDWR);
@@ -681,6 +734,7 @@ int main(void) {
         TEST(resume_drops_what_came_after),
         TEST(resume_before_the_first_checkpoint),
         TEST(resume_refuses_another_run),
+        TEST(resume_refuses_other_inputs),
         TEST(resume_and_damage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
