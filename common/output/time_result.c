@@ -77,20 +77,30 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
 
 // ---- entries
 
-static ehd_status put_scalars(artefact *file, const time_entry *entry, size_t index,
-                              ehd_error *error) {
-    const int64_t iterations = (int64_t)entry->newton_iterations;
-    const int64_t outcome = result_stored_status(entry->status);
+/* `column` is work of [count]. */
+static ehd_status put_real(artefact *file, const char *name, size_t offset,
+                           const time_entry *entries, size_t count, size_t index, double *column,
+                           ehd_error *error) {
+    for (size_t i = 0; i < count; i++)
+        column[i] = *(const double *)((const char *)&entries[i] + offset);
+    return artefact_put_part(file, name, index, count, column, error);
+}
+
+static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t count, size_t index,
+                              double *column, int64_t *integers, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < NUM_REALS && !status; i++) {
-        const double *value = (const double *)((const char *)entry + reals[i].entry);
-        status = artefact_put_part(file, reals[i].name, index, 1, value, error);
-    }
+    for (size_t i = 0; i < NUM_REALS && !status; i++)
+        status =
+            put_real(file, reals[i].name, reals[i].entry, entries, count, index, column, error);
+    for (size_t i = 0; i < count; i++)
+        integers[i] = (int64_t)entries[i].newton_iterations;
     if (!status)
         status =
-            artefact_put_integers_part(file, "newton_iterations", index, 1, &iterations, error);
-    if (!status) status = artefact_put_integers_part(file, "status", index, 1, &outcome, error);
+            artefact_put_integers_part(file, "newton_iterations", index, count, integers, error);
+    for (size_t i = 0; i < count; i++)
+        integers[i] = result_stored_status(entries[i].status);
+    if (!status) status = artefact_put_integers_part(file, "status", index, count, integers, error);
     return status;
 }
 
@@ -106,13 +116,24 @@ static ehd_status put_fields(artefact *file, const time_entry *entry, size_t ind
     return status;
 }
 
-ehd_status time_result_append(artefact *file, const time_entry *entry, size_t index,
+ehd_status time_result_append(artefact *file, const time_entry *entries, size_t count, size_t index,
                               ehd_error *error) {
-    ehd_status status = put_fields(file, entry, index, error);
+    double *column = malloc((count + 1) * sizeof *column);
+    int64_t *integers = malloc((count + 1) * sizeof *integers);
+    ehd_status status = EHD_OK;
 
-    if (!status) status = put_scalars(file, entry, index, error);
-    if (!status) status = artefact_put_axis_part(file, "time", index, 1, &entry->time, error);
-    return status ? status : artefact_flush(file, error);
+    if (!column || !integers)
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    for (size_t i = 0; i < count && !status; i++)
+        status = put_fields(file, &entries[i], index + i, error);
+    if (!status) status = put_scalars(file, entries, count, index, column, integers, error);
+    for (size_t i = 0; i < count && !status; i++)
+        column[i] = entries[i].time;
+    if (!status) status = artefact_put_axis_part(file, "time", index, count, column, error);
+    if (!status) status = artefact_flush(file, error);
+    free(column);
+    free(integers);
+    return status;
 }
 
 // ---- restart slots

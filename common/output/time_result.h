@@ -51,9 +51,10 @@ ehd_status time_result_create(
     const program *caller, const ehd_contact *reference, const char *settings_text,
     const char *const *inputs, bool with_fields, size_t restart_size, ehd_error *error);
 
-/* Writes entry `index`, counted from 0, and lets readers see it. `time` grows last, so that all that
- * belongs to a time is there when the time is. EHD_IO; EHD_INTERNAL for fields in a file without. */
-ehd_status time_result_append(artefact *file, const time_entry *entry, size_t index,
+/* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows last, so
+ * that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY; EHD_INTERNAL for fields
+ * in a file without. */
+ehd_status time_result_append(artefact *file, const time_entry *entries, size_t count, size_t index,
                               ehd_error *error);
 
 /* Stores what a run needs to go on after entry num_entries - 1. There are two slots, used in turn, each

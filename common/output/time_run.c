@@ -11,6 +11,8 @@
 #include <string.h>
 
 static const double CHECKPOINT_PAUSE = 2; // s between two checkpoints
+static const double WRITE_PAUSE = 0.2;    // s that an entry waits at most for others
+enum { MOST_WAITING = 256 };
 
 /* What is reported of the whole trajectory beside what march_state counts; all members are numbers of one
  * type, so that the struct can be saved as such. */
@@ -33,7 +35,10 @@ typedef struct runner {
     artefact *file; // NULL: nothing is written
     double *restart;
     double *pressure, *film; // [num_nodes], NULL: no fields
-    double started, last_checkpoint;
+    time_entry
+        waiting[MOST_WAITING]; // to be written together, since a write costs as much as a step
+    size_t num_waiting, num_written;
+    double started, last_checkpoint, last_write;
     double writing;    // s of it since the start
     run_totals totals; // films of all entries; seconds of the earlier runs that this one resumes
     time_trace *trace;
@@ -117,17 +122,41 @@ static void restore_text(char text[MARCH_REASON], const double saved[MARCH_REASO
     text[length] = '\0';
 }
 
-static ehd_status checkpoint(runner *self, size_t num_entries, double now, ehd_error *error) {
+static ehd_status write_waiting(runner *self, ehd_error *error) {
+    ehd_status status = self->num_waiting > 0
+                            ? time_result_append(self->file, self->waiting, self->num_waiting,
+                                                 self->num_written, error)
+                            : EHD_OK;
+
+    self->num_written += self->num_waiting;
+    self->num_waiting = 0;
+    self->last_write = program_seconds();
+    return status;
+}
+
+/* Writes it now, when its fields are there for a moment only, or with others. */
+static ehd_status write_entry(runner *self, const time_entry *entry, double now, ehd_error *error) {
+    self->waiting[self->num_waiting++] = *entry;
+    if (!entry->pressure && self->num_waiting < MOST_WAITING &&
+        now - self->last_write < WRITE_PAUSE)
+        return EHD_OK;
+    return write_waiting(self, error);
+}
+
+/* After all entries so far. */
+static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     const march_solver *solver = &self->march.solver;
     const run_totals totals = totals_at(self, now);
+    ehd_status status = write_waiting(self, error);
 
+    if (status) return status;
     memcpy(self->restart, &self->march.state, sizeof self->march.state);
     self->restart[AT_APPROACH] = self->march.settings.reference_approach;
     memcpy(self->restart + AT_TOTALS, &totals, sizeof totals);
     save_text(self->restart + AT_UNTRUSTED, self->march.untrusted);
     solver->save(self->restart + AT_SOLVER, solver->self);
     self->last_checkpoint = program_seconds();
-    return time_result_checkpoint(self->file, self->restart, num_entries, error);
+    return time_result_checkpoint(self->file, self->restart, self->num_written, error);
 }
 
 /* Entry `march_step` of the file, with fields at every N-th step. */
@@ -158,10 +187,10 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .film = fields ? self->film : NULL};
     self->totals.least_film = fmin(self->totals.least_film, entry.minimum_film_thickness);
     self->totals.most_film = fmax(self->totals.most_film, entry.central_film_thickness);
-    if (!status && self->file) status = time_result_append(self->file, &entry, index, error);
+    if (!status && self->file) status = write_entry(self, &entry, before, error);
     if (!status && self->trace) status = trace_add(self->trace, &entry, error);
     if (!status && self->file && before - self->last_checkpoint > CHECKPOINT_PAUSE)
-        status = checkpoint(self, index + 1, before, error);
+        status = checkpoint(self, before, error);
     snprintf(shown, sizeof shown, "T = %.4g, step %.2g", entry.time, entry.step);
     progress_show(&self->progress, (size_t)(1000 * entry.time / self->task->given->end_time),
                   shown);
@@ -191,6 +220,7 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
     restore_text(self->march.untrusted, self->restart + AT_UNTRUSTED);
     status = solver->restore(solver->self, self->restart + AT_SOLVER, error);
     if (!status && self->trace) status = trace_read(self->trace, self->file, num_entries, error);
+    self->num_written = num_entries;
     *resumed = !status;
     self->started = self->last_checkpoint = program_seconds();
     if (!status)
@@ -273,7 +303,9 @@ static ehd_status finish(runner *self, const run_totals *totals, ehd_error *erro
                                   .num_rejected = (size_t)state->num_rejected,
                                   .newton_iterations = (size_t)state->num_iterations};
 
-    return self->file ? time_result_finish(&self->file, &summary, error) : EHD_OK;
+    if (!self->file) return EHD_OK;
+    ehd_status status = write_waiting(self, error);
+    return status ? status : time_result_finish(&self->file, &summary, error);
 }
 
 /* What the end of the march means for the caller. */
@@ -341,9 +373,12 @@ ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *err
     if (!status && !resumed) status = begin(&self, error);
     const bool begun = !status;
     if (begun) status = march_run(&outcome, &self.march, error);
-    if (begun && self.file && (status == EHD_INTERRUPTED || outcome == EHD_NOT_CONVERGED)) {
+    if (begun && self.file && (status || outcome == EHD_NOT_CONVERGED)) {
         ehd_error ignored;
-        checkpoint(&self, (size_t)self.march.state.num_steps + 1, program_seconds(), &ignored);
+        if (status && status != EHD_INTERRUPTED)
+            write_waiting(&self, &ignored); // the state may be amid an attempt
+        else
+            checkpoint(&self, program_seconds(), &ignored);
     }
     progress_finish(&self.progress);
     if (status == EHD_INTERRUPTED)

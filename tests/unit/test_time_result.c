@@ -130,7 +130,7 @@ static ehd_status append(artefact *file, size_t index, bool with_fields) {
         entry.pressure = pressure;
         entry.film = film;
     }
-    return time_result_append(file, &entry, index, &error);
+    return time_result_append(file, &entry, 1, index, &error);
 }
 
 static ehd_status checkpoint(artefact *file, size_t num_entries) {
