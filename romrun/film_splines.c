@@ -2,6 +2,7 @@
 #include "romrun/film_splines.h"
 
 #include "common/physics/deflection.h"
+#include "common/time/bdf.h"
 #include "romrun/reduced_solver.h"
 
 #include <cblas.h>
@@ -35,106 +36,111 @@ static lapack_int solve_bends(double *bends, double *diagonal, const double *val
                          diagonal + inner, bends + width, (lapack_int)width);
 }
 
-static ehd_status make_bends(double **bends, const double *values, size_t num, size_t width,
+/* Values and bends of `width` splines as one table [num, 2, width]. */
+static ehd_status make_table(double **table, const double *values, size_t num, size_t width,
                              ehd_error *error) {
     double *diagonal = malloc(2 * num * sizeof *diagonal);
+    double *bends = calloc(num * width, sizeof *bends);
     ehd_status status = EHD_OK;
 
-    *bends = calloc(num * width, sizeof **bends);
-    if (!*bends || !diagonal)
-        status = ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    else if (solve_bends(*bends, diagonal, values, num, width))
+    *table = malloc(num * 2 * width * sizeof **table);
+    if (!*table || !bends || !diagonal)
+        status = ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", width);
+    else if (solve_bends(bends, diagonal, values, num, width))
         status = ehd_fail(error, EHD_INTERNAL, "splines: dptsv failed");
+    for (size_t k = 0; k < num && !status; k++) {
+        memcpy(*table + k * 2 * width, values + k * width, width * sizeof **table);
+        memcpy(*table + (k * 2 + 1) * width, bends + k * width, width * sizeof **table);
+    }
     free(diagonal);
+    free(bends);
     return status;
 }
 
-/* Bends of the kernel's spline by distance, on a line that reaches twice as far as the grid, so that its
- * ends do not matter. */
-static ehd_status make_kernel_bends(film_splines *self, const reduced_model *model,
-                                    ehd_error *error) {
+/* The kernel's spline by distance, on a line that reaches twice as far as the grid, so that its ends do
+ * not matter. */
+static ehd_status make_kernel_table(double **table, const reduced_model *model, ehd_error *error) {
     size_t num_nodes = model->grid.num_nodes, num = 2 * num_nodes - 1;
-    double *values = malloc(num * sizeof *values), *bends = NULL;
+    double *values = malloc(num * sizeof *values), *whole = NULL;
     ehd_status status = EHD_OK;
 
-    self->kernel_bend = malloc(num_nodes * sizeof(double));
-    if (!values || !self->kernel_bend)
-        status = ehd_fail(error, EHD_MEMORY, "splines: found no memory");
+    *table = malloc(num_nodes * 2 * sizeof **table);
+    if (!values || !*table) status = ehd_fail(error, EHD_MEMORY, "splines: found no memory");
     for (size_t k = 0; k < num && !status; k++)
         values[k] = model->kernel[k < num_nodes ? num_nodes - 1 - k : k - (num_nodes - 1)];
-    if (!status) status = make_bends(&bends, values, num, 1, error);
-    if (!status) memcpy(self->kernel_bend, bends + num_nodes - 1, num_nodes * sizeof(double));
+    if (!status) status = make_table(&whole, values, num, 1, error);
+    if (!status) memcpy(*table, whole + 2 * (num_nodes - 1), num_nodes * 2 * sizeof **table);
     free(values);
-    free(bends);
+    free(whole);
     return status;
 }
 
 // ---- the modes
 
-/* Deflections of the pressure modes cut at cut_exit. */
-static ehd_status deflect_modes(film_splines *self, const reduced_model *model, ehd_error *error) {
+/* Deflections of the pressure modes cut at cut_exit, [num_nodes, num_pressure]. */
+static ehd_status deflect_modes(double *film, const film_splines *self, const reduced_model *model,
+                                const double *pressure_basis, ehd_error *error) {
     size_t num_nodes = model->grid.num_nodes, width = self->width;
     ehd_deflection *deflection = deflection_create(model->kind, &model->grid);
     double *work = malloc(num_nodes * sizeof *work);
     ehd_status status = EHD_OK;
 
-    self->film = malloc(num_nodes * width * sizeof(double));
-    if (deflection && work && self->film) {
-        for (size_t j = 0; j < width; j++) {
-            for (size_t k = 0; k < num_nodes; k++)
-                work[k] = k < self->cut_exit ? self->pressure[k * width + j] : 0;
-            deflection_apply(work, deflection, work);
-            for (size_t k = 0; k < num_nodes; k++)
-                self->film[k * width + j] = work[k];
-        }
-    } else {
+    if (!deflection || !work)
         status = ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", width);
+    for (size_t j = 0; j < width && !status; j++) {
+        for (size_t k = 0; k < num_nodes; k++)
+            work[k] = k < self->cut_exit ? pressure_basis[k * width + j] : 0;
+        deflection_apply(work, deflection, work);
+        for (size_t k = 0; k < num_nodes; k++)
+            film[k * width + j] = work[k];
     }
     deflection_free(deflection);
     free(work);
     return status;
 }
 
-static ehd_status copy_modes(film_splines *self, const reduced_model *model,
-                             const double *deformation_basis, ehd_error *error) {
-    size_t bytes = model->grid.num_nodes * self->width * sizeof(double);
-
-    self->film = malloc(bytes);
-    if (!self->film) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    memcpy(self->film, deformation_basis, bytes);
-    return EHD_OK;
-}
-
 static bool is_coupled(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED;
+}
+
+static ehd_status make_film_table(film_splines *self, const reduced_model *model,
+                                  const double *pressure_basis, const double *deformation_basis,
+                                  ehd_error *error) {
+    size_t num_nodes = model->grid.num_nodes;
+    double *film;
+    ehd_status status;
+
+    if (!is_coupled(model))
+        return make_table(&self->film, deformation_basis, num_nodes, self->width, error);
+    film = malloc(num_nodes * self->width * sizeof *film);
+    status =
+        film ? deflect_modes(film, self, model, pressure_basis, error)
+             : ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", self->width);
+    if (!status) status = make_table(&self->film, film, num_nodes, self->width, error);
+    free(film);
+    return status;
 }
 
 ehd_status film_splines_build(film_splines *self, const reduced_model *model,
                               const double *pressure_basis, const double *deformation_basis,
                               ehd_error *error) {
-    size_t num_nodes = model->grid.num_nodes;
-
     memset(self, 0, sizeof *self);
     self->width = is_coupled(model) ? model->num_pressure : model->num_deformation;
     self->cut_exit = (model->least_exit + model->most_exit) / 2;
-    self->pressure = pressure_basis;
-    self->kernel = model->kernel;
-    ehd_status status = is_coupled(model) ? deflect_modes(self, model, error)
-                                          : copy_modes(self, model, deformation_basis, error);
-    if (!status) status = make_bends(&self->film_bend, self->film, num_nodes, self->width, error);
+    self->pressure_basis = pressure_basis;
+    ehd_status status = make_film_table(self, model, pressure_basis, deformation_basis, error);
     if (!status)
-        status =
-            make_bends(&self->pressure_bend, pressure_basis, num_nodes, model->num_pressure, error);
-    if (!status) status = make_kernel_bends(self, model, error);
+        status = make_table(&self->pressure, pressure_basis, model->grid.num_nodes,
+                            model->num_pressure, error);
+    if (!status) status = make_kernel_table(&self->kernel, model, error);
     if (status) film_splines_free(self);
     return status;
 }
 
 void film_splines_free(film_splines *self) {
     free(self->film);
-    free(self->film_bend);
-    free(self->pressure_bend);
-    free(self->kernel_bend);
+    free(self->pressure);
+    free(self->kernel);
     memset(self, 0, sizeof *self);
 }
 
@@ -168,12 +174,13 @@ static void prepare_window(earlier_film *self, const reduced_model *model,
     for (size_t i = 0; i < EXIT_WINDOW; i++)
         self->window[i] =
             begin + i < self->exit
-                ? cblas_ddot((int)num_pressure, splines->pressure + (begin + i) * num_pressure, 1,
-                             self->coordinates, 1)
+                ? cblas_ddot((int)num_pressure, splines->pressure + (begin + i) * 2 * num_pressure,
+                             1, self->coordinates, 1)
                 : 0;
     memset(self->bend, 0, sizeof self->bend);
-    self->bend[0] = cblas_ddot((int)num_pressure, splines->pressure_bend + begin * num_pressure, 1,
-                               self->coordinates, 1);
+    self->bend[0] =
+        cblas_ddot((int)num_pressure, splines->pressure + (begin * 2 + 1) * num_pressure, 1,
+                   self->coordinates, 1);
     solve_bends(self->bend, diagonal, self->window, EXIT_WINDOW, 1);
 }
 
@@ -202,27 +209,60 @@ static spline_place spline_at(const ehd_grid *grid, double x) {
     return (spline_place){(size_t)first, {a, b}, {(a * a - 1) * a, (b * b - 1) * b}};
 }
 
-/* Sums in lanes, because one running sum would keep the processor from taking several terms at a time. */
-enum { LANES = 8 };
+// The release is built for any processor; this is what it does most in a step.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define WIDER_VECTORS __attribute__((target_clones("arch=x86-64-v3", "default")))
+#else
+#define WIDER_VECTORS
+#endif
 
-static double combine(const spline_place *at, const double *restrict values,
-                      const double *restrict bends, size_t width,
-                      const double *restrict coordinates) {
-    const double *v = values + at->node * width, *b = bends + at->node * width;
-    double lanes[LANES] = {0}, sum = 0;
+/* Four modes at once, as one vector of the processor where it has such. */
+typedef double four_modes
+    __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
+enum { FOUR = 4 };
+
+static inline __attribute__((always_inline)) void sum_splines(double *sum, const spline_place *at,
+                                                              size_t num, const double *table,
+                                                              size_t width,
+                                                              const double *const *coordinates) {
+    const double *here = table + at->node * 2 * width, *bend_here = here + width;
+    const double *next = here + 2 * width, *bend_next = here + 3 * width;
+    four_modes four[BDF_EARLIER] = {{0}};
     size_t j = 0;
 
-    for (; j + LANES <= width; j += LANES)
-        for (size_t l = 0; l < LANES; l++)
-            lanes[l] +=
-                coordinates[j + l] * (at->value[0] * v[j + l] + at->value[1] * v[width + j + l] +
-                                      at->bend[0] * b[j + l] + at->bend[1] * b[width + j + l]);
-    for (; j < width; j++)
-        sum += coordinates[j] * (at->value[0] * v[j] + at->value[1] * v[width + j] +
-                                 at->bend[0] * b[j] + at->bend[1] * b[width + j]);
-    for (size_t l = 0; l < LANES; l++)
-        sum += lanes[l];
-    return sum;
+    for (; j + FOUR <= width; j += FOUR) {
+        const four_modes h = *(const four_modes *)(here + j), n = *(const four_modes *)(next + j),
+                         bh = *(const four_modes *)(bend_here + j),
+                         bn = *(const four_modes *)(bend_next + j);
+        for (size_t i = 0; i < num; i++)
+            four[i] +=
+                *(const four_modes *)(coordinates[i] + j) *
+                (at[i].value[0] * h + at[i].value[1] * n + at[i].bend[0] * bh + at[i].bend[1] * bn);
+    }
+    for (size_t i = 0; i < num; i++) {
+        sum[i] = four[i][0] + four[i][1] + four[i][2] + four[i][3];
+        for (size_t k = j; k < width; k++)
+            sum[i] +=
+                coordinates[i][k] * (at[i].value[0] * here[k] + at[i].value[1] * next[k] +
+                                     at[i].bend[0] * bend_here[k] + at[i].bend[1] * bend_next[k]);
+    }
+}
+
+/* The splines of up to BDF_EARLIER states at places between the same two nodes: together, so that the
+ * modes there are read once. */
+WIDER_VECTORS
+static void combine(double *sum, const spline_place *at, size_t num, const double *table,
+                    size_t width, const double *const *coordinates) {
+    switch (num) {
+    case 3:
+        sum_splines(sum, at, 3, table, width, coordinates);
+        break;
+    case 2:
+        sum_splines(sum, at, 2, table, width, coordinates);
+        break;
+    default:
+        sum_splines(sum, at, 1, table, width, coordinates);
+    }
 }
 
 static size_t distance(size_t a, size_t b) {
@@ -238,11 +278,11 @@ static double cut_deflection(const earlier_film *self, const spline_place *at,
     double sum = 0;
 
     for (size_t i = from; i < to; i++) {
-        size_t here = distance(at->node, i), next = distance(at->node + 1, i);
-        sum +=
-            self->cut_pressure[i - model->band_begin] *
-            (at->value[0] * splines->kernel[here] + at->value[1] * splines->kernel[next] +
-             at->bend[0] * splines->kernel_bend[here] + at->bend[1] * splines->kernel_bend[next]);
+        const double *here = splines->kernel + 2 * distance(at->node, i);
+        const double *next = splines->kernel + 2 * distance(at->node + 1, i);
+        sum += self->cut_pressure[i - model->band_begin] *
+               (at->value[0] * here[0] + at->value[1] * next[0] + at->bend[0] * here[1] +
+                at->bend[1] * next[1]);
     }
     return behind ? sum : -sum;
 }
@@ -250,33 +290,47 @@ static double cut_deflection(const earlier_film *self, const spline_place *at,
 static double pressure_at(const earlier_film *self, const spline_place *at,
                           const reduced_model *model, const film_splines *splines) {
     const size_t margin = 4; // between the window's ends and where it is used
+    const double *coordinates = self->coordinates;
+    double sum;
 
-    if (at->node + 1 < self->window_begin + margin)
-        return combine(at, splines->pressure, splines->pressure_bend, model->num_pressure,
-                       self->coordinates);
+    if (at->node + 1 < self->window_begin + margin) {
+        combine(&sum, at, 1, splines->pressure, model->num_pressure, &coordinates);
+        return sum;
+    }
     if (at->node + margin + 1 >= self->window_begin + EXIT_WINDOW) return 0;
     size_t place = at->node - self->window_begin;
     return at->value[0] * self->window[place] + at->value[1] * self->window[place + 1] +
            at->bend[0] * self->bend[place] + at->bend[1] * self->bend[place + 1];
 }
 
-double earlier_film_mass(const earlier_film *self, size_t node, const contact_frame *now,
-                         const reduced_model *model, const film_splines *splines,
-                         const ehd_contact *reference) {
+void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
+                         size_t node, const contact_frame *now, const reduced_model *model,
+                         const film_splines *splines, const ehd_contact *reference) {
     const density_law *law = reference->lubricant.density;
-    double x = frame_stretch(now, &self->frame) * grid_x(&model->grid, node);
     size_t offset = is_coupled(model) ? 0 : model->num_pressure;
-    spline_place at = spline_at(&model->grid, x);
-    double film =
-        self->coordinates[model->num_unknowns - 1] + model->kind->gap(x) +
-        combine(&at, splines->film, splines->film_bend, splines->width, self->coordinates + offset);
+    double x[BDF_EARLIER];
+    spline_place at[BDF_EARLIER];
+    const double *coordinates[BDF_EARLIER];
 
-    if (is_coupled(model)) film += cut_deflection(self, &at, model, splines);
-    film *= frame_film_ratio(now, &self->frame);
-    if (law) {
-        double hertz = reference->hertz_pressure * self->frame.hertz_pressure, ignored;
-        film *= law->relative_density(fmax(pressure_at(self, &at, model, splines), 0) * hertz,
-                                      &ignored);
+    for (size_t i = 0; i < num_films; i++) {
+        x[i] = frame_stretch(now, &films[i]->frame) * grid_x(&model->grid, node);
+        at[i] = spline_at(&model->grid, x[i]);
+        coordinates[i] = films[i]->coordinates + offset;
     }
-    return film;
+    for (size_t i = 0, next; i < num_films; i = next) {
+        for (next = i + 1; next < num_films && at[next].node == at[i].node;)
+            next++;
+        combine(mass + i, at + i, next - i, splines->film, splines->width, coordinates + i);
+    }
+    for (size_t i = 0; i < num_films; i++) {
+        const earlier_film *self = films[i];
+        mass[i] += self->coordinates[model->num_unknowns - 1] + model->kind->gap(x[i]);
+        if (is_coupled(model)) mass[i] += cut_deflection(self, &at[i], model, splines);
+        mass[i] *= frame_film_ratio(now, &self->frame);
+        if (law) {
+            double hertz = reference->hertz_pressure * self->frame.hertz_pressure, ignored;
+            mass[i] *= law->relative_density(
+                fmax(pressure_at(self, &at[i], model, splines), 0) * hertz, &ignored);
+        }
+    }
 }

@@ -10,16 +10,15 @@
 #include "common/time/frame.h"
 #include "romrun/reduced_model.h"
 
-/* Values and bends (second derivatives times step^2 / 6) at all nodes; read-only once made. */
+/* Tables of values and bends (second derivatives times step^2 / 6) at all nodes; read-only once made. */
 typedef struct film_splines {
-    size_t width;             // modes of the film
-    double *film, *film_bend; // [num_nodes, width] coupled: deflection of the
-                              // pressure modes cut at `cut_exit`
-    size_t cut_exit;          // amid the trained exits
-    const double *pressure;   // [num_nodes, num_pressure], the caller's
-    double *pressure_bend;    // [num_nodes, num_pressure] uncut
-    const double *kernel;     // [num_nodes], the model's
-    double *kernel_bend;      // [num_nodes]
+    size_t width; // modes of the film
+    double
+        *film; // [num_nodes, 2, width] coupled: deflection of the pressure modes cut at `cut_exit`
+    size_t cut_exit;              // amid the trained exits
+    double *pressure;             // [num_nodes, 2, num_pressure] uncut
+    double *kernel;               // [num_nodes, 2] by distance
+    const double *pressure_basis; // [num_nodes, num_pressure], the caller's
 } film_splines;
 
 /* `pressure_basis` [num_nodes, num_pressure] and, independent, `deformation_basis` [num_nodes,
@@ -51,9 +50,9 @@ void earlier_film_free(earlier_film *self);
 void earlier_film_prepare(earlier_film *self, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
 
-/* rho H of an earlier state at node `node` of frame `now`. */
-double earlier_film_mass(const earlier_film *self, size_t node, const contact_frame *now,
-                         const reduced_model *model, const film_splines *splines,
-                         const ehd_contact *reference);
+/* rho H of up to BDF_EARLIER states, mass[num_films], at node `node` of frame `now`. */
+void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
+                         size_t node, const contact_frame *now, const reduced_model *model,
+                         const film_splines *splines, const ehd_contact *reference);
 
 #endif

@@ -5,6 +5,7 @@
 #include "common/time/bdf.h"
 #include "romrun/fields.h"
 
+#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,9 +18,10 @@ struct reduced_march {
     reduced_solver *solver;
     earlier_film states[BDF_EARLIER + 1]; // in the places of the ring
     bdf_ring ring;
-    bdf_formula formula;             // of the attempt
-    double *mass[BDF_EARLIER];       // [num_rows] rho H of earlier states at the rows' nodes
-    double *earlier;                 // [num_rows] their sum by the formula
+    bdf_formula formula; // of the attempt
+    size_t *ascending;   // [num_rows] the rows by their nodes
+    double *mass;        // [num_rows, BDF_EARLIER] rho H of earlier states at the rows' nodes
+    double *earlier;     // [num_rows] their sum by the formula
     double *row_pressure, *row_mass; // [num_rows]
     // what the solver's kept factors were made at, so that a restored march makes the same ones
     struct {
@@ -42,8 +44,8 @@ reduced_march *reduced_march_free(reduced_march *self) {
         trained_range_free(self->range);
         for (size_t i = 0; i <= BDF_EARLIER; i++)
             earlier_film_free(&self->states[i]);
-        for (size_t i = 0; i < BDF_EARLIER; i++)
-            free(self->mass[i]);
+        free(self->ascending);
+        free(self->mass);
         free(self->factors.coordinates);
         free(self->earlier);
         free(self->row_pressure);
@@ -51,6 +53,20 @@ reduced_march *reduced_march_free(reduced_march *self) {
         free(self);
     }
     return NULL;
+}
+
+static int compare_nodes(const void *a, const void *b, void *context) {
+    const size_t *node = context, p = node[*(const size_t *)a], q = node[*(const size_t *)b];
+
+    return p < q ? -1 : p > q;
+}
+
+/* Neighbours share most of what the splines there take. */
+static void sort_rows(reduced_march *self) {
+    for (size_t r = 0; r < self->model->num_rows; r++)
+        self->ascending[r] = r;
+    qsort_r(self->ascending, self->model->num_rows, sizeof *self->ascending, compare_nodes,
+            self->model->row_node);
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
@@ -71,12 +87,11 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->row_mass = malloc(bytes);
     self->range = trained_range_create(model);
     self->factors.coordinates = malloc(model->num_unknowns * sizeof(double));
+    self->mass = malloc(BDF_EARLIER * bytes);
+    self->ascending = malloc(model->num_rows * sizeof *self->ascending);
     whole = self->factors.coordinates && self->earlier && self->row_pressure && self->row_mass &&
-            self->range;
-    for (size_t i = 0; i < BDF_EARLIER; i++) {
-        self->mass[i] = malloc(bytes);
-        whole = whole && self->mass[i];
-    }
+            self->mass && self->ascending && self->range;
+    if (whole) sort_rows(self);
     ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
                               : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
@@ -229,17 +244,25 @@ static void predict(reduced_march *self) {
                 self->formula.predictor[i] * state_before(self, i + 1)->coordinates[j];
 }
 
+static void list_earlier(const earlier_film *films[BDF_EARLIER], reduced_march *self) {
+    for (size_t i = 0; i < self->ring.num_earlier; i++)
+        films[i] = state_before(self, i + 1);
+}
+
 static void carry_over(reduced_march *self, const contact_frame *frame) {
     const reduced_model *model = self->model;
+    const earlier_film *films[BDF_EARLIER];
+    size_t num = self->ring.num_earlier;
     double start = program_seconds();
 
-    memset(self->earlier, 0, model->num_rows * sizeof(double));
-    for (size_t i = 0; i < self->ring.num_earlier; i++)
-        for (size_t r = 0; r < model->num_rows; r++) {
-            self->mass[i][r] = earlier_film_mass(state_before(self, i + 1), model->row_node[r],
-                                                 frame, model, self->splines, &self->reference);
-            self->earlier[r] += self->formula.weight[i] * self->mass[i][r];
-        }
+    list_earlier(films, self);
+    for (size_t i = 0; i < model->num_rows; i++) {
+        size_t r = self->ascending[i];
+        double *mass = self->mass + r * BDF_EARLIER;
+        earlier_film_masses(mass, films, num, model->row_node[r], frame, model, self->splines,
+                            &self->reference);
+        self->earlier[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
+    }
     self->effort.seconds_earlier += program_seconds() - start;
 }
 
@@ -247,13 +270,14 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
 static double earlier_at(void *solver, size_t node) {
     reduced_march *self = solver;
     const contact_frame *now = &state_before(self, 0)->frame;
-    double sum = 0;
+    const earlier_film *films[BDF_EARLIER];
+    double mass[BDF_EARLIER];
+    size_t order = self->formula.order;
 
-    for (size_t i = 0; i < self->formula.order; i++)
-        sum += self->formula.weight[i] * earlier_film_mass(state_before(self, i + 1), node, now,
-                                                           self->model, self->splines,
-                                                           &self->reference);
-    return sum;
+    list_earlier(films, self);
+    earlier_film_masses(mass, films, order, node, now, self->model, self->splines,
+                        &self->reference);
+    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
 }
 
 /* Largest local error of rho H at the rows' nodes with pressure (march_exit_margin), relative to the
@@ -266,7 +290,7 @@ static double local_error(const reduced_march *self, size_t exit, double central
         double mass = self->row_mass[r];
         if (grid_x(grid, self->model->row_node[r]) >= end) continue;
         for (size_t i = 0; i < self->ring.num_earlier; i++)
-            mass -= self->formula.predictor[i] * self->mass[i][r];
+            mass -= self->formula.predictor[i] * self->mass[r * BDF_EARLIER + i];
         largest = fmax(largest, fabs(mass));
     }
     return self->formula.error * largest / central_film;
@@ -478,7 +502,8 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     const reduced_march *self = solver;
     reduced_state state = reduced_march_state(self, NULL);
 
-    return reduced_fields(pressure, film, &state, self->model, self->splines->pressure, error);
+    return reduced_fields(pressure, film, &state, self->model, self->splines->pressure_basis,
+                          error);
 }
 
 march_solver reduced_march_solver(reduced_march *self) {

@@ -22,9 +22,12 @@ struct reduced_solver {
     size_t *kept_row;           // [num_rows]
     double kept_weight;         // of its closure
 
-    double *cut;      // [num_cut, num_pressure] the cut table for the exit `cut_exit`
-    size_t cut_exit;  // 0: none yet
-    size_t num_alive; // needed nodes before the exit
+    size_t exit;       // what follows is for; 0: none yet
+    size_t num_alive;  // needed nodes before the exit
+    double *cut;       // [num_cut, num_pressure] the cut table for table_exit, which Jacobians take
+    size_t table_exit; // 0: none yet
+    double *cut_value; // [num_cut] the exit's cut table times z, which everything else takes
+    double *step_cut;  // [num_cut] the same for a step
 
     double *pressure, *film;           // [num_needed]
     double *step_pressure, *step_film; // [num_needed]
@@ -51,6 +54,8 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         least_squares_free(self->kept);
         free(self->kept_row);
         free(self->cut);
+        free(self->cut_value);
+        free(self->step_cut);
         free(self->pressure);
         free(self->film);
         free(self->step_pressure);
@@ -82,6 +87,8 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->kept = least_squares_create(most_rows, model->num_unknowns);
     self->kept_row = malloc(model->num_rows * sizeof *self->kept_row);
     self->cut = malloc(model->num_cut * model->num_pressure * sizeof(double));
+    self->cut_value = malloc(model->num_cut * sizeof(double));
+    self->step_cut = malloc(model->num_cut * sizeof(double));
     self->pressure = malloc(model->num_needed * sizeof(double));
     self->film = malloc(model->num_needed * sizeof(double));
     self->step_pressure = malloc(model->num_needed * sizeof(double));
@@ -95,10 +102,11 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->step = malloc(model->num_unknowns * sizeof(double));
     self->start = malloc(model->num_unknowns * sizeof(double));
     self->observed = malloc(2 * model->num_rows * sizeof(double));
-    if (!self->least_squares || !self->kept || !self->kept_row || !self->cut || !self->pressure ||
-        !self->film || !self->step_pressure || !self->step_film || !self->fluid_memory ||
-        !self->band_pressure || !self->rows || !self->system_row || !self->matrix || !self->right ||
-        !self->step || !self->start || !self->observed) {
+    if (!self->least_squares || !self->kept || !self->kept_row || !self->cut || !self->cut_value ||
+        !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
+        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->rows ||
+        !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
+        !self->observed) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     }
@@ -113,33 +121,41 @@ void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, vo
 
 // ---- the exit's cut
 
-/* Adds band nodes from `from` up to before `to`: the rank-k form of eq. (36) for the elasticity equation or
- * the coupled deflections, and for the load balance. */
-static void update_cut(reduced_solver *self, size_t from, size_t to) {
-    const reduced_model *model = self->model;
-    size_t first = from - model->band_begin;
+/* An exit's checkpoint, and the nodes that it lacks: from *base up to before the exit. */
+static const double *checkpoint_of(size_t *base, const reduced_model *model, size_t exit) {
+    size_t checkpoint = reduced_model_checkpoint(model, exit);
 
-    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
-                (int)model->num_pressure, (int)(to - from), 1, model->left + first * model->num_cut,
-                (int)model->num_cut, model->band_pressure + first * model->num_pressure,
-                (int)model->num_pressure, 1, self->cut, (int)model->num_pressure);
+    *base = model->least_exit + checkpoint * model->checkpoint_stride;
+    return model->checkpoint_cut + checkpoint * model->num_cut * model->num_pressure;
+}
+
+static void move_exit(reduced_solver *self, size_t exit) {
+    const reduced_model *model = self->model;
+
+    if (self->exit == exit) return;
+    self->exit = exit;
+    self->num_alive = 0;
+    while (self->num_alive < model->num_needed && model->needed_node[self->num_alive] < exit)
+        self->num_alive++;
 }
 
 /* Brings the cut table to the exit, always from the exit's checkpoint: its bits then depend on the exit
  * alone, and rounding errors do not add up over thousands of steps in time. */
-static void move_cut(reduced_solver *self, size_t exit) {
+static void make_cut_table(reduced_solver *self) {
     const reduced_model *model = self->model;
-    size_t checkpoint = reduced_model_checkpoint(model, exit);
-    size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
-    size_t size = model->num_cut * model->num_pressure;
+    size_t base;
+    const double *checkpoint = checkpoint_of(&base, model, self->exit);
+    size_t first = base - model->band_begin;
 
-    if (self->cut_exit == exit) return;
-    memcpy(self->cut, model->checkpoint_cut + checkpoint * size, size * sizeof(double));
-    if (exit > base) update_cut(self, base, exit);
-    self->cut_exit = exit;
-    self->num_alive = 0;
-    while (self->num_alive < model->num_needed && model->needed_node[self->num_alive] < exit)
-        self->num_alive++;
+    if (self->table_exit == self->exit) return;
+    memcpy(self->cut, checkpoint, model->num_cut * model->num_pressure * sizeof(double));
+    if (self->exit > base) // the rank-k form of eq. (36)
+        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
+                    (int)model->num_pressure, (int)(self->exit - base), 1,
+                    model->left + first * model->num_cut, (int)model->num_cut,
+                    model->band_pressure + first * model->num_pressure, (int)model->num_pressure, 1,
+                    self->cut, (int)model->num_pressure);
+    self->table_exit = self->exit;
 }
 
 // ---- the state at nodes
@@ -150,37 +166,48 @@ static void product(double *y, const double *matrix, const double *x, size_t row
                     x, 1, 0, y, 1);
 }
 
-/* Basis of the film at the needed nodes and the coordinates it takes. */
-static const double *film_basis(const reduced_solver *self, size_t *width, size_t *offset) {
-    const reduced_model *model = self->model;
-    bool coupled = model->deformation == DEFORMATION_COUPLED;
+/* P at band nodes from `from` up to before `to`. */
+static void expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
+    size_t first = from - self->model->band_begin;
 
-    *width = coupled ? model->num_pressure : model->num_deformation;
-    *offset = coupled ? 0 : model->num_pressure;
-    return coupled ? self->cut : model->needed_film;
+    if (to > from) reduced_band_pressure(self->band_pressure + first, self->model, z, from, to);
 }
 
-/* P and H (without gap) at the needed nodes for coordinates z. */
-static void expand(double *pressure, double *film, const reduced_solver *self, const double *z) {
+/* The cut table times z, [num_cut], without the table: eq. (36) applied to a vector. */
+static void apply_cut(double *values, reduced_solver *self, const double *z) {
     const reduced_model *model = self->model;
-    size_t width, offset;
-    const double *basis = film_basis(self, &width, &offset);
+    size_t base;
+    const double *checkpoint = checkpoint_of(&base, model, self->exit);
+    size_t first = base - model->band_begin;
+
+    product(values, checkpoint, z, model->num_cut, model->num_pressure);
+    if (self->exit == base) return;
+    expand_band(self, z, base, self->exit);
+    cblas_dgemv(CblasRowMajor, CblasTrans, (int)(self->exit - base), (int)model->num_cut, 1,
+                model->left + first * model->num_cut, (int)model->num_cut,
+                self->band_pressure + first, 1, 1, values, 1);
+}
+
+/* P and H (without gap) at the needed nodes, and what the cut table makes of them, for coordinates z. */
+static void expand(double *pressure, double *film, double *cut_value, reduced_solver *self,
+                   const double *z) {
+    const reduced_model *model = self->model;
 
     product(pressure, model->needed_pressure, z, self->num_alive, model->num_pressure);
     memset(pressure + self->num_alive, 0, (model->num_needed - self->num_alive) * sizeof(double));
-    product(film, basis, z + offset, model->num_needed, width);
+    apply_cut(cut_value, self, z);
+    if (model->deformation == DEFORMATION_COUPLED)
+        memcpy(film, cut_value, model->num_needed * sizeof(double));
+    else
+        product(film, model->needed_film, z + model->num_pressure, model->num_needed,
+                model->num_deformation);
     for (size_t q = 0; q < model->num_needed; q++)
         film[q] += z[model->num_unknowns - 1];
 }
 
-/* P at band nodes from `from` up to before `to`. */
-static void expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
-    const reduced_model *model = self->model;
-    size_t first = from - model->band_begin;
-
-    if (to > from)
-        product(self->band_pressure + first, model->band_pressure + first * model->num_pressure, z,
-                to - from, model->num_pressure);
+/* Load of the pressure expanded last, over the kind's unit. */
+static double load_of(const reduced_solver *self) {
+    return self->cut_value[self->model->num_cut - 1];
 }
 
 /* H at one band node. For the coupled basis the exit's checkpoint gives the deflection of what lies
@@ -324,7 +351,7 @@ static void evaluate_rows(reduced_solver *self, const ehd_contact *contact,
                             compressible ? memory + 2 * num_needed : NULL,
                             compressible ? memory + 3 * num_needed : NULL};
 
-    expand(self->pressure, self->film, self, z);
+    expand(self->pressure, self->film, self->cut_value, self, z);
     for (size_t q = 0; q < num_needed; q++)
         self->film[q] += model->needed_gap[q];
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
@@ -346,8 +373,10 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     const reynolds_stencil *stencil = &model->stencils[r];
     const reynolds_row *row = &self->rows[r];
     double weight = model->row_weight[r], approach = 0;
-    size_t width, offset;
-    const double *film = film_basis(self, &width, &offset);
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? model->num_pressure : model->num_deformation;
+    size_t offset = coupled ? 0 : model->num_pressure;
+    const double *film = coupled ? self->cut : model->needed_film;
 
     memset(target, 0, model->num_unknowns * sizeof(double));
     for (int a = 0; a < NUM_STENCIL; a++) {
@@ -367,8 +396,7 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
 static size_t fill_right(reduced_solver *self, const double *z, size_t exit, const size_t *list,
                          size_t num_list, const contact_closure *closure, double closure_weight) {
     const reduced_model *model = self->model;
-    size_t num_pressure = model->num_pressure, count = 0;
-    const double *load = self->cut + (model->num_cut - 1) * num_pressure;
+    size_t count = 0;
 
     for (; count < num_list; count++) {
         size_t r = list[count];
@@ -376,21 +404,21 @@ static size_t fill_right(reduced_solver *self, const double *z, size_t exit, con
             model->row_node[r] < exit ? model->row_weight[r] * self->rows[r].residual : 0;
     }
     for (size_t j = 0; j < model->num_deformation; j++, count++)
-        self->right[count] = z[num_pressure + j] -
-                             cblas_ddot((int)num_pressure, self->cut + j * num_pressure, 1, z, 1);
+        self->right[count] = z[model->num_pressure + j] - self->cut_value[j];
     self->right[count] =
-        closure_weight * (closure->by_load * cblas_ddot((int)num_pressure, load, 1, z, 1) +
+        closure_weight * (closure->by_load * load_of(self) +
                           closure->by_approach * z[model->num_unknowns - 1] - closure->value);
     return count + 1;
 }
 
-/* Matrix of eq. (38) for the rows of the present system. */
+/* Matrix of eq. (38) for the rows of the present system, at the present exit. */
 static void fill_matrix(reduced_solver *self, const contact_closure *closure,
                         double closure_weight) {
     const reduced_model *model = self->model;
     size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
     const double *load = self->cut + (model->num_cut - 1) * num_pressure;
 
+    make_cut_table(self);
     for (; count < self->num_system; count++)
         fill_reynolds_row(self->matrix + count * n, self, self->system_row[count]);
     for (size_t j = 0; j < model->num_deformation; j++, count++) {
@@ -418,7 +446,7 @@ static double damping(reduced_solver *self, double *change) {
     const reduced_model *model = self->model;
     double least = INFINITY, factor = 1;
 
-    expand(self->step_pressure, self->step_film, self, self->step);
+    expand(self->step_pressure, self->step_film, self->step_cut, self, self->step);
     *change = 0;
     for (size_t q = 0; q < model->num_needed; q++) {
         *change = fmax(*change, fabs(self->step_pressure[q]));
@@ -502,16 +530,13 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
     return distance <= (size_t)(SETTLED / model->grid.step) + 1;
 }
 
-/* Brings cut, rows and their values to the state. */
+/* Brings the rows and their values to the state. */
 static void evaluate(reduced_info *info, reduced_solver *self, const reduced_state *state,
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     double start = program_seconds();
-    move_cut(self, state->exit);
-    double moved = program_seconds();
+    move_exit(self, state->exit);
     evaluate_rows(self, contact, squeeze, state->coordinates);
-
-    info->seconds_exit += moved - start;
-    info->seconds_rows += program_seconds() - moved;
+    info->seconds_rows += program_seconds() - start;
 }
 
 /* The least-squares problem at the state; returns the number of its rows. */
@@ -630,17 +655,27 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
 }
 
 /* What a step changes of H at the centre. */
-static double central_change(const reduced_solver *self) {
+static double central_change(reduced_solver *self) {
     const reduced_model *model = self->model;
-    size_t width, offset;
-    const double *film = film_basis(self, &width, &offset);
+    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation, base;
+    const double *checkpoint = checkpoint_of(&base, model, self->exit);
     double change = self->step[model->num_unknowns - 1];
 
-    for (size_t i = 0; i < 4; i++)
-        if (model->centre_weight[i] != 0)
-            change +=
-                model->centre_weight[i] *
-                cblas_ddot((int)width, film + model->centre[i] * width, 1, self->step + offset, 1);
+    expand_band(self, self->step, base, self->exit);
+    for (size_t i = 0; i < 4; i++) {
+        size_t q = model->centre[i];
+        double film = 0;
+        if (model->centre_weight[i] == 0) continue;
+        if (model->deformation == DEFORMATION_INDEPENDENT) {
+            film = cblas_ddot((int)num_deformation, model->needed_film + q * num_deformation, 1,
+                              self->step + num_pressure, 1);
+        } else {
+            film = cblas_ddot((int)num_pressure, checkpoint + q * num_pressure, 1, self->step, 1);
+            for (size_t k = base - model->band_begin; k < self->exit - model->band_begin; k++)
+                film += model->left[k * model->num_cut + q] * self->band_pressure[k];
+        }
+        change += model->centre_weight[i] * film;
+    }
     return change;
 }
 
@@ -723,10 +758,9 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
 contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
     contact_scalars scalars;
     const reduced_model *model = self->model;
-    const double *load = self->cut + (model->num_cut - 1) * model->num_pressure;
 
-    move_cut(self, state->exit);
-    expand(self->pressure, self->film, self, state->coordinates);
+    move_exit(self, state->exit);
+    expand(self->pressure, self->film, self->cut_value, self, state->coordinates);
     for (size_t q = 0; q < model->num_needed; q++)
         self->film[q] += model->needed_gap[q];
     scalars.central_film_thickness = at_centre(model, self->film);
@@ -734,8 +768,7 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     scalars.minimum_film_thickness = minimum_film(self, state);
     scalars.rigid_approach = state->coordinates[model->num_unknowns - 1];
     scalars.exit_position = grid_x(&model->grid, state->exit);
-    scalars.load =
-        cblas_ddot((int)model->num_pressure, load, 1, state->coordinates, 1) / model->kind->load;
+    scalars.load = load_of(self) / model->kind->load;
     return scalars;
 }
 
