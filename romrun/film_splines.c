@@ -3,7 +3,6 @@
 
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
-#include "romrun/reduced_solver.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -150,7 +149,8 @@ ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd
     memset(self, 0, sizeof *self);
     self->coordinates = calloc(model->num_unknowns, sizeof(double));
     self->cut_pressure = calloc(model->num_band, sizeof(double));
-    if (self->coordinates && self->cut_pressure) return EHD_OK;
+    if (self->coordinates && self->cut_pressure)
+        return reduced_values_init(&self->values, model, error);
     earlier_film_free(self);
     return ehd_fail(error, EHD_MEMORY, "earlier state: found no memory");
 }
@@ -158,6 +158,7 @@ ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd
 void earlier_film_free(earlier_film *self) {
     free(self->coordinates);
     free(self->cut_pressure);
+    reduced_values_free(&self->values);
     memset(self, 0, sizeof *self);
 }
 

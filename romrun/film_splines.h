@@ -9,6 +9,7 @@
 #include "common/program/status.h"
 #include "common/time/frame.h"
 #include "romrun/reduced_model.h"
+#include "romrun/reduced_solver.h"
 
 /* Tables of values and bends (second derivatives times step^2 / 6) at all nodes; read-only once made. */
 typedef struct film_splines {
@@ -38,6 +39,7 @@ typedef struct earlier_film {
     contact_frame frame;
     double *coordinates; // [num_unknowns]
     size_t exit;
+    reduced_values values;                         // at the needed nodes
     double *cut_pressure;                          // [num_band] P from band_begin on, uncut
     size_t window_begin;                           // first node of the window
     double window[EXIT_WINDOW], bend[EXIT_WINDOW]; // P there, cut; compressible only
@@ -46,7 +48,7 @@ typedef struct earlier_film {
 ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd_error *error);
 void earlier_film_free(earlier_film *self);
 
-/* Once frame, coordinates and exit are set. */
+/* Once frame, coordinates and exit are set; the values are the caller's. */
 void earlier_film_prepare(earlier_film *self, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
 

@@ -232,16 +232,32 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 // ---- a step
 
-/* The coordinates go on as polynomials in time; the exit stays where it was. */
+/* target += factor * source */
+static void add_times(double *target, double factor, const double *source, size_t count) {
+    cblas_daxpy((int)count, factor, source, 1, target, 1);
+}
+
+/* The coordinates, and with them the values at the needed nodes, go on as polynomials in time; the exit
+ * stays where it was. */
 static void predict(reduced_march *self) {
+    const reduced_model *model = self->model;
     earlier_film *next = state_before(self, 0);
+    reduced_values *values = &next->values;
 
     next->exit = state_before(self, 1)->exit;
-    memset(next->coordinates, 0, self->model->num_unknowns * sizeof(double));
-    for (size_t i = 0; i < self->ring.num_earlier; i++)
-        for (size_t j = 0; j < self->model->num_unknowns; j++)
-            next->coordinates[j] +=
-                self->formula.predictor[i] * state_before(self, i + 1)->coordinates[j];
+    values->checkpoint = state_before(self, 1)->values.checkpoint;
+    memset(next->coordinates, 0, model->num_unknowns * sizeof(double));
+    memset(values->pressure, 0, model->num_needed * sizeof(double));
+    memset(values->cut, 0, model->num_cut * sizeof(double));
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        const earlier_film *earlier = state_before(self, i + 1);
+        double factor = self->formula.predictor[i];
+        add_times(next->coordinates, factor, earlier->coordinates, model->num_unknowns);
+        add_times(values->pressure, factor, earlier->values.pressure, model->num_needed);
+        add_times(values->cut, factor, earlier->values.cut, model->num_cut);
+        if (earlier->values.checkpoint != values->checkpoint && factor != 0)
+            values->checkpoint = model->num_checkpoints; // of no exit
+    }
 }
 
 static void list_earlier(const earlier_film *films[BDF_EARLIER], reduced_march *self) {
@@ -319,7 +335,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     frame_contact(&contact, frame, &self->reference);
     carry_over(self, frame);
     predict(self);
-    const reduced_squeeze squeeze = {self->formula.rate, self->earlier, earlier_at, self};
+    const reduced_squeeze squeeze = {self->formula.rate, self->earlier, earlier_at, self,
+                                     &next->values};
     ehd_status status = solve(&info, self, &contact, &squeeze, error);
     if (status) return status;
     if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
@@ -384,8 +401,8 @@ static void accept(void *solver) {
     earlier_film *solved = state_before(self, 0);
     double start = program_seconds();
 
+    reduced_last_values(&solved->values, self->solver);
     if (self->formula.rate > 0) renew_factors(self, solved);
-
     earlier_film_prepare(solved, self->model, self->splines, &self->reference);
     bdf_ring_accept(&self->ring, solved->frame.time);
     self->last_loaded = self->loaded;
@@ -483,6 +500,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
                                saved + 1 + i * saved_state_size(self), error);
         if (status) break;
         self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
+        reduced_values_of(&earlier->values, self->model, earlier->coordinates, earlier->exit);
         earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
     }
     memcpy(&self->last_loaded, loaded, sizeof self->last_loaded);

@@ -28,6 +28,7 @@ struct reduced_solver {
     size_t table_exit; // 0: none yet
     double *cut_value; // [num_cut] the exit's cut table times z, which everything else takes
     double *step_cut;  // [num_cut] the same for a step
+    reduced_values values, step_values;
 
     double *pressure, *film;           // [num_needed]
     double *step_pressure, *step_film; // [num_needed]
@@ -43,6 +44,22 @@ struct reduced_solver {
     double *observed;                  // [2, num_rows]
 };
 
+ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
+                               ehd_error *error) {
+    values->pressure = malloc(model->num_needed * sizeof(double));
+    values->cut = malloc(model->num_cut * sizeof(double));
+    values->checkpoint = model->num_checkpoints; // none
+    if (values->pressure && values->cut) return EHD_OK;
+    reduced_values_free(values);
+    return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+}
+
+void reduced_values_free(reduced_values *values) {
+    free(values->pressure);
+    free(values->cut);
+    memset(values, 0, sizeof *values);
+}
+
 reduced_settings reduced_default_settings(void) {
     reduced_settings settings = {.tolerance = 1e-8, .max_iterations = 40};
     return settings;
@@ -56,6 +73,8 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->cut);
         free(self->cut_value);
         free(self->step_cut);
+        reduced_values_free(&self->values);
+        reduced_values_free(&self->step_values);
         free(self->pressure);
         free(self->film);
         free(self->step_pressure);
@@ -106,7 +125,8 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
         !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
         !self->step_film || !self->fluid_memory || !self->band_pressure || !self->rows ||
         !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
-        !self->observed) {
+        !self->observed || reduced_values_init(&self->values, model, error) ||
+        reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     }
@@ -173,29 +193,34 @@ static void expand_band(reduced_solver *self, const double *z, size_t from, size
     if (to > from) reduced_band_pressure(self->band_pressure + first, self->model, z, from, to);
 }
 
-/* The cut table times z, [num_cut], without the table: eq. (36) applied to a vector. */
-static void apply_cut(double *values, reduced_solver *self, const double *z) {
-    const reduced_model *model = self->model;
+void reduced_values_of(reduced_values *values, const reduced_model *model, const double *z,
+                       size_t exit) {
     size_t base;
-    const double *checkpoint = checkpoint_of(&base, model, self->exit);
-    size_t first = base - model->band_begin;
+    const double *table = checkpoint_of(&base, model, exit);
 
-    product(values, checkpoint, z, model->num_cut, model->num_pressure);
-    if (self->exit == base) return;
-    expand_band(self, z, base, self->exit);
-    cblas_dgemv(CblasRowMajor, CblasTrans, (int)(self->exit - base), (int)model->num_cut, 1,
-                model->left + first * model->num_cut, (int)model->num_cut,
-                self->band_pressure + first, 1, 1, values, 1);
+    values->checkpoint = reduced_model_checkpoint(model, exit);
+    product(values->pressure, model->needed_pressure, z, model->num_needed, model->num_pressure);
+    product(values->cut, table, z, model->num_cut, model->num_pressure);
 }
 
-/* P and H (without gap) at the needed nodes, and what the cut table makes of them, for coordinates z. */
+/* P and H (without gap) at the needed nodes, and what the cut table makes of P, for coordinates z at the
+ * solver's exit: eq. (36) applied to a vector. `values` may be known. */
 static void expand(double *pressure, double *film, double *cut_value, reduced_solver *self,
-                   const double *z) {
+                   const reduced_values *values, const double *z) {
     const reduced_model *model = self->model;
+    size_t base, num_alive = self->num_alive;
+    checkpoint_of(&base, model, self->exit);
+    size_t first = base - model->band_begin;
 
-    product(pressure, model->needed_pressure, z, self->num_alive, model->num_pressure);
-    memset(pressure + self->num_alive, 0, (model->num_needed - self->num_alive) * sizeof(double));
-    apply_cut(cut_value, self, z);
+    memcpy(pressure, values->pressure, num_alive * sizeof(double));
+    memset(pressure + num_alive, 0, (model->num_needed - num_alive) * sizeof(double));
+    memcpy(cut_value, values->cut, model->num_cut * sizeof(double));
+    if (self->exit > base) {
+        expand_band(self, z, base, self->exit);
+        cblas_dgemv(CblasRowMajor, CblasTrans, (int)(self->exit - base), (int)model->num_cut, 1,
+                    model->left + first * model->num_cut, (int)model->num_cut,
+                    self->band_pressure + first, 1, 1, cut_value, 1);
+    }
     if (model->deformation == DEFORMATION_COUPLED)
         memcpy(film, cut_value, model->num_needed * sizeof(double));
     else
@@ -203,6 +228,15 @@ static void expand(double *pressure, double *film, double *cut_value, reduced_so
                 model->num_deformation);
     for (size_t q = 0; q < model->num_needed; q++)
         film[q] += z[model->num_unknowns - 1];
+}
+
+/* The same for the state being worked on. */
+static void expand_state(reduced_solver *self, const reduced_values *known, const double *z) {
+    if (!known || known->checkpoint != reduced_model_checkpoint(self->model, self->exit)) {
+        reduced_values_of(&self->values, self->model, z, self->exit);
+        known = &self->values;
+    }
+    expand(self->pressure, self->film, self->cut_value, self, known, z);
 }
 
 /* Load of the pressure expanded last, over the kind's unit. */
@@ -342,7 +376,8 @@ static void list_system_rows(reduced_solver *self, size_t exit) {
 }
 
 static void evaluate_rows(reduced_solver *self, const ehd_contact *contact,
-                          const reduced_squeeze *squeeze, const double *z) {
+                          const reduced_squeeze *squeeze, const reduced_values *known,
+                          const double *z) {
     const reduced_model *model = self->model;
     size_t num_needed = model->num_needed;
     double *memory = self->fluid_memory;
@@ -351,7 +386,7 @@ static void evaluate_rows(reduced_solver *self, const ehd_contact *contact,
                             compressible ? memory + 2 * num_needed : NULL,
                             compressible ? memory + 3 * num_needed : NULL};
 
-    expand(self->pressure, self->film, self->cut_value, self, z);
+    expand_state(self, known, z);
     for (size_t q = 0; q < num_needed; q++)
         self->film[q] += model->needed_gap[q];
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
@@ -446,7 +481,9 @@ static double damping(reduced_solver *self, double *change) {
     const reduced_model *model = self->model;
     double least = INFINITY, factor = 1;
 
-    expand(self->step_pressure, self->step_film, self->step_cut, self, self->step);
+    reduced_values_of(&self->step_values, model, self->step, self->exit);
+    expand(self->step_pressure, self->step_film, self->step_cut, self, &self->step_values,
+           self->step);
     *change = 0;
     for (size_t q = 0; q < model->num_needed; q++) {
         *change = fmax(*change, fabs(self->step_pressure[q]));
@@ -530,12 +567,13 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
     return distance <= (size_t)(SETTLED / model->grid.step) + 1;
 }
 
-/* Brings the rows and their values to the state. */
+/* Brings the rows and their values to the state, whose values may be known. */
 static void evaluate(reduced_info *info, reduced_solver *self, const reduced_state *state,
-                     const ehd_contact *contact, const reduced_squeeze *squeeze) {
+                     const reduced_values *known, const ehd_contact *contact,
+                     const reduced_squeeze *squeeze) {
     double start = program_seconds();
     move_exit(self, state->exit);
-    evaluate_rows(self, contact, squeeze, state->coordinates);
+    evaluate_rows(self, contact, squeeze, known, state->coordinates);
     info->seconds_rows += program_seconds() - start;
 }
 
@@ -543,7 +581,7 @@ static void evaluate(reduced_info *info, reduced_solver *self, const reduced_sta
 static size_t build_system(reduced_info *info, reduced_solver *self, const reduced_state *state,
                            const ehd_contact *contact, const reduced_squeeze *squeeze) {
     double weight = squeeze ? closure_weight_for(squeeze->rate) : 1;
-    evaluate(info, self, state, contact, squeeze);
+    evaluate(info, self, state, NULL, contact, squeeze);
     double start = program_seconds();
     list_system_rows(self, state->exit);
     fill_matrix(self, &contact->closure, weight);
@@ -643,7 +681,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     const reduced_squeeze squeeze = {.rate = rate, .earlier = self->right};
     reduced_info ignored = {0};
 
-    evaluate(&ignored, self, state, contact, &squeeze);
+    evaluate(&ignored, self, state, NULL, contact, &squeeze);
     list_system_rows(self, state->exit);
     self->kept_weight = closure_weight_for(rate);
     fill_matrix(self, &contact->closure, self->kept_weight);
@@ -718,7 +756,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
     kept_iterate at = {.change = NAN};
 
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
-        evaluate(info, self, state, contact, squeeze);
+        evaluate(info, self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         if (!take_kept_step(&at, info, state, self, contact)) return false;
         double start = program_seconds();
         size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
@@ -760,7 +798,7 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     const reduced_model *model = self->model;
 
     move_exit(self, state->exit);
-    expand(self->pressure, self->film, self->cut_value, self, state->coordinates);
+    expand_state(self, NULL, state->coordinates);
     for (size_t q = 0; q < model->num_needed; q++)
         self->film[q] += model->needed_gap[q];
     scalars.central_film_thickness = at_centre(model, self->film);
@@ -770,6 +808,14 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     scalars.exit_position = grid_x(&model->grid, state->exit);
     scalars.load = load_of(self) / model->kind->load;
     return scalars;
+}
+
+void reduced_last_values(reduced_values *values, const reduced_solver *self) {
+    const reduced_model *model = self->model;
+
+    values->checkpoint = self->values.checkpoint;
+    memcpy(values->pressure, self->values.pressure, model->num_needed * sizeof(double));
+    memcpy(values->cut, self->values.cut, model->num_cut * sizeof(double));
 }
 
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *self,

@@ -30,6 +30,18 @@ typedef struct reduced_info {
     const char *reason;
 } reduced_info;
 
+/* What a state is at the needed nodes; linear in the coordinates, since the exit enters by its checkpoint
+ * only. */
+typedef struct reduced_values {
+    size_t checkpoint; // of the exit (reduced_model_checkpoint)
+    double *pressure;  // [num_needed] P, uncut
+    double *cut;       // [num_cut] the checkpoint's cut table times z
+} reduced_values;
+
+ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
+                               ehd_error *error); // EHD_MEMORY
+void reduced_values_free(reduced_values *values);
+
 /* Called with the weighted residual D f and the weighted product J dz of every iteration (row
  * selection's snapshots, section 3.2); entries of rows behind the exit are zero. */
 typedef ehd_status reduced_observer(void *context, const double *weighted_residual, // [num_rows]
@@ -42,6 +54,7 @@ typedef struct reduced_squeeze {
     const double *earlier;                            // [num_rows] at the model's rows
     double (*earlier_at)(void *context, size_t node); // the same at a node of the band
     void *context;
+    const reduced_values *start; // of the state that is solved from; NULL: not known
 } reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;
@@ -69,6 +82,11 @@ ehd_status reduced_solve(
 
 /* Scalars of a state, solved or not. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);
+
+/* Values of a state, and of the last solution, whose bits are the same. */
+void reduced_values_of(reduced_values *values, const reduced_model *model,
+                       const double *coordinates, size_t exit);
+void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
 /* P and rho H of the last solution at the nodes of the model's rows, [num_rows]; `mass` may be NULL. */
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *solver,
