@@ -129,7 +129,9 @@ static void judge(march_step *outcome, reduced_march *self, size_t exit,
 
     ehd_contact contact;
 
-    self->loaded = frame_of_load(frame, outcome->scalars.load);
+    self->loaded = self->reference.closure.by_load > 0
+                       ? *frame // where load balance is one row of a least-squares problem
+                       : frame_of_load(frame, outcome->scalars.load);
     if (outcome->status) return;
     frame_contact(&contact, &self->loaded, &self->reference);
     double rate = self->ring.num_earlier > 0 ? frame_rate(&self->loaded, &self->last_loaded) : 0;
@@ -372,8 +374,8 @@ static void keep_factors(reduced_march *self) {
 
 /* Whether the factors still serve the next step, by how they did in this one. */
 static bool factors_serve(const reduced_march *self, size_t exit) {
-    const size_t most_iterations = 3;
-    const double most_rate_change = 0.25;
+    const size_t most_iterations = 2;
+    const double most_rate_change = 0.1;
 
     return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
            exit == self->factors.exit &&
