@@ -117,7 +117,7 @@ static double reference_approach(const full_march *self, const full_state *state
                                  const contact_frame *frame) {
     contact_scalars scalars = full_evaluate_scalars(state, &self->reference);
 
-    return frame_to_reference(&scalars, frame, self->reference.kind).rigid_approach;
+    return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
 /* From the stationary solution of a load to that of an approach, in strides; the frame follows the load. */
@@ -141,11 +141,7 @@ static ehd_status walk_to_approach(full_info *info, full_march *self, contact_fr
         if (status) break;
         load = full_evaluate_scalars(state, &contact).load;
         if (info->status == EHD_OK && load > 0.5 && load < 2) {
-            double values[NUM_VARY] = {[VARY_LOAD] = frame->load * load,
-                                       [VARY_SPEED] = frame->speed,
-                                       [VARY_RADIUS] = frame->radius,
-                                       [VARY_MODULUS] = frame->modulus};
-            *frame = frame_at(frame->time, values, wanted);
+            if (fabs(load - 1) > settled) *frame = frame_of_load(frame, load);
             done = next;
             stride *= 2;
             full_state_copy(last, state, &self->reference.grid);

@@ -234,15 +234,15 @@ void ehdrom_march_effort(double *rows, double *linear, double *exit, const void 
 static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
     const march_step *step = &self->last;
 
-    *state = (ehdrom_state){
-        .status = step->status,
-        .reason = step->reason,
-        .time = step->frame.time,
-        .scalars = frame_to_reference(&step->scalars, &step->frame, self->reference.kind),
-        .half_width = step->frame.half_width,
-        .local_error = step->local_error,
-        .iterations = step->iterations,
-        .residual = step->residual};
+    *state = (ehdrom_state){.status = step->status,
+                            .reason = step->reason,
+                            .time = step->frame.time,
+                            .scalars =
+                                frame_to_reference(&step->scalars, &step->frame, &self->reference),
+                            .half_width = step->frame.half_width,
+                            .local_error = step->local_error,
+                            .iterations = step->iterations,
+                            .residual = step->residual};
 }
 
 static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditions *conditions,
@@ -258,7 +258,8 @@ static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditi
     return frame_at(self->time + step, values, conditions->approach);
 }
 
-static ehd_status check_conditions(const ehdrom_conditions *conditions, ehd_error *error) {
+static ehd_status check_conditions(const ehdrom_conditions *conditions,
+                                   const ehd_contact *reference, ehd_error *error) {
     bool expected = isnan(conditions->load) && !isnan(conditions->approach);
     const struct {
         const char *name;
@@ -279,14 +280,15 @@ static ehd_status check_conditions(const ehdrom_conditions *conditions, ehd_erro
             error, EHD_DATA,
             "approach: found %g, expected a finite number, or nan where the load is given",
             conditions->approach);
-    return EHD_OK;
+    return isnan(conditions->approach) ? EHD_OK : contact_check_approach(reference, error);
 }
 
 ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
                                   const ehdrom_conditions *conditions, ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
-    ehd_status status = check_conditions(conditions, error);
+    ehd_status status = check_conditions(conditions, &self->reference, error);
 
+    if (!status) status = march_check_start(conditions->speed, !isnan(conditions->approach), error);
     if (status) return status;
     self->started = self->solved = false;
     self->time = 0;
@@ -304,7 +306,7 @@ ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
 ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
                        const ehdrom_conditions *conditions, double step, ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
-    ehd_status status = check_conditions(conditions, error);
+    ehd_status status = check_conditions(conditions, &self->reference, error);
 
     if (!status && !(step > 0 && isfinite(step)))
         status = ehd_fail(error, EHD_DATA, "step: found %g, expected a number above 0", step);

@@ -105,7 +105,8 @@ typedef struct ehdrom_conditions {
     /* Given, where the approach is NaN. Else an outcome, and this is any value near it to scale the frame
      * with; NaN: that of the last steps goes on. */
     double load;
-    /* Given: H0 in the reference frame, for a line with the reference half width as the kernel's length. */
+    /* Given: H0 in the reference frame, for a line as measured from the setting approach_length, which has
+     * to lie outside of the pressurised zone (EHD_DATA). */
     double approach;
     double speed; // entrainment, not negative
     double radius, modulus;

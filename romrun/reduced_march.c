@@ -129,7 +129,7 @@ static void judge(march_step *outcome, reduced_march *self, size_t exit,
 
     ehd_contact contact;
 
-    self->loaded = self->reference.closure.by_load > 0
+    self->loaded = isnan(frame->approach)
                        ? *frame // where load balance is one row of a least-squares problem
                        : frame_of_load(frame, outcome->scalars.load);
     if (outcome->status) return;
@@ -168,21 +168,15 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     const size_t most_turns = 30;
-    double load = frame->load;
     ehd_status status = EHD_OK;
 
     for (size_t turn = 0; turn < most_turns; turn++) {
         ehd_contact contact;
-        double values[NUM_VARY] = {[VARY_LOAD] = load,
-                                   [VARY_SPEED] = frame->speed,
-                                   [VARY_RADIUS] = frame->radius,
-                                   [VARY_MODULUS] = frame->modulus};
-        *frame = frame_at(frame->time, values, frame->approach);
         frame_contact(&contact, frame, &self->reference);
         status = solve(info, self, &contact, NULL, error);
         if (status || info->status == EHD_NOT_CONVERGED) return status;
         if (fabs(info->scalars.load - 1) < 1e-10) return EHD_OK;
-        load *= fmin(fmax(info->scalars.load, 0.8), 1.25);
+        *frame = frame_of_load(frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
     }
     info->status = EHD_NOT_CONVERGED;
     info->reason = "approach out of reach";

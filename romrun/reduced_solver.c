@@ -751,7 +751,8 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
 /* Iterates with the kept factors; false where they do not do, and the state is then of no use. */
 static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_solver *self,
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
-    const size_t most_distance = 3 + (size_t)(0.01 / self->model->grid.step);
+    // farther away, rows that the factors lack or have in vain would count
+    const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
     exit_watch watch = {0, 0};
     kept_iterate at = {.change = NAN};
 

@@ -128,7 +128,7 @@ static void name_trajectory(char name[POINT_NAME], const task *owner, size_t num
 /* Marches to the end; *reason tells why it did not get there, "" when it did. */
 static ehd_status travel(char reason[MARCH_REASON], traveller *self, const scene *given,
                          ehd_error *error) {
-    march run = {.kind = reference_of(self)->kind,
+    march run = {.reference = reference_of(self),
                  .solver = self->full ? full_march_solver(self->full)
                                       : reduced_march_solver(self->reduced),
                  .store = self->full ? store_full : store_reduced,

@@ -87,7 +87,9 @@ static const artefact_field result_fields[] = {
     REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0 in the reference frame", "time"),
     REAL("load", "1", NEED_OWN, "load relative to the reference load", "time"),
     REAL("contact_half_width", "1", NEED_OWN,
-         "Hertz contact half width relative to that of the reference", "time"),
+         "half width that scales the frame, relative to the reference; where the approach is "
+         "given, of the expected load",
+         "time"),
     REAL("exit_position", "1", NEED_OWN, "X at which the pressure ends", "time"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double CHECKPOINT_PAUSE = 2; // s between two checkpoints
+static const double CHECKPOINT_PAUSE = 1; // s between two checkpoints
 static const double WRITE_PAUSE = 0.2;    // s that an entry waits at most for others
 enum { MOST_WAITING = 256 };
 
@@ -165,7 +165,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     double before = program_seconds();
     const march_solver *solver = &self->march.solver;
     contact_scalars scalars =
-        frame_to_reference(&step->scalars, &step->frame, self->task->reference->kind);
+        frame_to_reference(&step->scalars, &step->frame, self->task->reference);
     bool fields = self->pressure && index % (size_t)self->task->given->fields_every == 0;
     ehd_status status = EHD_OK;
     char shown[64];
@@ -345,7 +345,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
     self->march =
         (march){.settings = march_settings_of(task->given, *histories, task->given->approach),
                 .histories = *histories,
-                .kind = task->reference->kind,
+                .reference = task->reference,
                 .solver = *solver,
                 .store = store,
                 .sink = self};

@@ -45,8 +45,8 @@ static double line_central_film(double moes_M, double moes_L) {
 
 /* The deflection is measured from a distance of the current half width, so that the constant of
  * eq. (4) moves with it (model.md, section 4). */
-static double line_approach_shift(double half_width) {
-    return 0.5 * log(half_width);
+static double line_approach_shift(double half_width, double length) {
+    return 0.5 * log(half_width / length);
 }
 
 const contact_kind contact_line = {
@@ -112,7 +112,12 @@ ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *err
     contact->closure = contact_load_closure(contact->kind);
     contact->half_width = contact->radius = contact->load = NAN;
     grid_init(&contact->grid, given);
-    ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
+    bool approach_given = strcmp(given->closure, "approach") == 0;
+    contact->approach_length = !isnan(given->approach_length) ? given->approach_length
+                               : approach_given               ? 10
+                                                              : 1;
+    ehd_status status = approach_given ? contact_check_approach(contact, error) : EHD_OK;
+    if (!status) status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 
     if (isnan(given->moes_M)) {
@@ -144,6 +149,17 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
     contact->lambda = contact->kind->lambda(moes_M);
     contact->alpha_p_H = contact->kind->alpha_p_H(moes_M, moes_L);
     contact->hertz_pressure = contact->alpha_p_H / contact->lubricant.alpha;
+}
+
+ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error) {
+    double least = 0.5 * contact->grid.step * (double)(contact->grid.num_inner - 1);
+
+    if (contact->approach_length >= least) return EHD_OK;
+    return ehd_fail(
+        error, EHD_DATA,
+        "approach_length: found %g, expected at least %g, half the grid's length, where "
+        "the approach is given",
+        contact->approach_length, least);
 }
 
 contact_closure contact_load_closure(const contact_kind *kind) {

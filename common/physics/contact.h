@@ -19,9 +19,9 @@ typedef struct contact_kind {
     double (*lambda)(double moes_M);                      // the steady contact's speed parameter
     double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
     double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
-    double (*approach_shift)(double half_width);          // what the kernel's constant adds to the
-        // approach of a contact `half_width` times
-        // the reference's, a unit of load
+    // what the kernel's constant adds to the approach of a contact `half_width` times the reference's, a
+    // unit of load, where the approach is measured `length` reference half widths away
+    double (*approach_shift)(double half_width, double length);
 } contact_kind;
 
 extern const contact_kind contact_line;
@@ -54,12 +54,13 @@ typedef struct ehd_contact {
     double lambda;      // 1, of eq. (7)
     double entrainment; // 1, U of eq. (7), not negative; 1 when stationary
     contact_closure closure;
-    double hertz_pressure; // Pa
-    double moes_M, moes_L; // 1
-    double alpha_p_H;      // 1
-    double half_width;     // m, NaN unless the scene is physical
-    double radius;         // m, NaN unless the scene is physical
-    double load;           // N/m, NaN unless the scene is physical
+    double approach_length; // reference half widths; 1: the half width, as in eq. (4)
+    double hertz_pressure;  // Pa
+    double moes_M, moes_L;  // 1
+    double alpha_p_H;       // 1
+    double half_width;      // m, NaN unless the scene is physical
+    double radius;          // m, NaN unless the scene is physical
+    double load;            // N/m, NaN unless the scene is physical
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */
@@ -83,6 +84,12 @@ ehd_status contact_init(
 /* Changes M and L of a contact that keeps its lubricant and grid (continuation, eq. of section 1).
  * The Hertz pressure follows from L. */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
+
+/* Whether the approach may be given. A line contact deflects without bound the farther away that is
+ * measured from; measured from within a quarter of the pressurised length its compliance is not positive,
+ * and a film that is squeezed by a given approach then grows without bound. EHD_DATA: within half the
+ * grid's length. */
+ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
 /* The closure by a given load: the load balance of eq. (9). */
 contact_closure contact_load_closure(const contact_kind *kind);

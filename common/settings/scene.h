@@ -31,18 +31,19 @@ typedef struct history_settings {
 
 /* Every double is NaN, every string "" and every int -1 until it is given or a default fills it. */
 typedef struct scene {
-    char contact[16];      // line
-    char regime[16];       // stationary, transient
-    char closure[16];      // load, approach
-    double approach;       // H0 in the reference frame; NaN: that of the stationary solution
-    double moes_M;         // 1, given with moes_L, or not at all
-    double moes_L;         // 1
-    double load;           // N/m for a line contact; the five of `physical`, or none
-    double radius;         // m
-    double speed;          // m/s, mean of the two surfaces
-    double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;      // Pa s at zero pressure
-    double hertz_pressure; // Pa, optional
+    char contact[16];       // line
+    char regime[16];        // stationary, transient
+    char closure[16];       // load, approach
+    double approach;        // H0 in the reference frame; NaN: that of the stationary solution
+    double approach_length; // a_ref; NaN: by the closure
+    double moes_M;          // 1, given with moes_L, or not at all
+    double moes_L;          // 1
+    double load;            // N/m for a line contact; the five of `physical`, or none
+    double radius;          // m
+    double speed;           // m/s, mean of the two surfaces
+    double modulus;         // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity;       // Pa s at zero pressure
+    double hertz_pressure;  // Pa, optional
     lubricant_settings lubricant;
     double x_min; // contact half widths
     double x_max;

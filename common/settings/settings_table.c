@@ -63,9 +63,12 @@ const setting scene_settings[] = {
     {"closure", CHOICE(closure), "load", "load|approach", 0, 0, "1",
      "What is given: the load, or the rigid approach, and the load is an outcome", ALWAYS, false},
     {"approach", REAL(approach), NULL, NULL, -1e3, 1e3, "1",
-     "Rigid approach H0 for the reference, where a line contact's unit of length is the reference "
-     "half width a_ref; if not given, that of the stationary solution under the scene's load",
+     "Rigid approach H0 for the reference; if not given, that of the stationary solution under the "
+     "scene's load",
      {{"closure", "approach"}}, false},
+    {"approach_length", REAL(approach_length), NULL, NULL, 1e-3, 1e6, "1",
+     "How far from a line contact its approach is measured, in reference half widths; default 10 "
+     "with closure approach, else 1 as in stationary scenes", IN_TIME, false},
     {"moes.M", REAL(moes_M), NULL, NULL, 0.1, 1e5, "1",
      "Moes load number, of the sum velocity", ALWAYS, false},
     {"moes.L", REAL(moes_L), NULL, NULL, 0, 100, "1",

@@ -30,10 +30,13 @@ contact_frame frame_of_load(const contact_frame *frame, double ratio) {
     return ratio == 1 ? *frame : frame_at(frame->time, values, frame->approach);
 }
 
-/* The closure by a given approach, whose reference length is the reference half width. */
-static contact_closure approach_closure(const contact_frame *frame, const contact_kind *kind) {
+static double approach_shift(const contact_frame *frame, const ehd_contact *reference) {
+    return reference->kind->approach_shift(frame->half_width, reference->approach_length);
+}
+
+static contact_closure approach_closure(const contact_frame *frame, const ehd_contact *reference) {
     return (contact_closure){.by_approach = 1,
-                             .by_load = kind->approach_shift(frame->half_width) / kind->load,
+                             .by_load = approach_shift(frame, reference) / reference->kind->load,
                              .value = frame->approach / frame->film_scale};
 }
 
@@ -54,7 +57,7 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     contact->radius *= frame->radius;
     contact->load *= frame->load;
     contact->closure = isnan(frame->approach) ? contact_load_closure(contact->kind)
-                                              : approach_closure(frame, contact->kind);
+                                              : approach_closure(frame, reference);
 }
 
 double frame_stretch(const contact_frame *now, const contact_frame *then) {
@@ -71,9 +74,9 @@ double frame_rate(const contact_frame *now, const contact_frame *before) {
 }
 
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
-                                   const contact_kind *kind) {
+                                   const ehd_contact *reference) {
     contact_scalars scalars = *current;
-    double shift = kind->approach_shift(frame->half_width) * current->load;
+    double shift = approach_shift(frame, reference) * current->load;
 
     scalars.central_film_thickness *= frame->film_scale;
     scalars.minimum_film_thickness *= frame->film_scale;

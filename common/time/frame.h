@@ -46,6 +46,6 @@ double frame_rate(const contact_frame *now, const contact_frame *before);
 /* Scalars in the constant reference frame from those of the current one; the load becomes relative to
  * the reference. */
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
-                                   const contact_kind *kind);
+                                   const ehd_contact *reference);
 
 #endif

@@ -53,15 +53,22 @@ static void watch_trust(march *self, const march_step *outcome) {
     snprintf(self->untrusted, sizeof self->untrusted, "%s", outcome->reason);
 }
 
+ehd_status march_check_start(double speed, bool approach_given, ehd_error *error) {
+    if (speed > 0 || !approach_given) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "speed: found 0 at the start, expected above 0 where the approach is given");
+}
+
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     march_settings *settings = &self->settings;
     contact_frame frame = march_frame(settings, self->histories, 0, 1);
-    ehd_status status = self->solver.start(outcome, self->solver.self, &frame, error);
+    ehd_status status = march_check_start(frame.speed, settings->approach_given, error);
 
+    if (!status) status = self->solver.start(outcome, self->solver.self, &frame, error);
     if (!status && outcome->status != EHD_NOT_CONVERGED && settings->approach_given &&
         isnan(settings->reference_approach)) {
         settings->reference_approach =
-            frame_to_reference(&outcome->scalars, &outcome->frame, self->kind).rigid_approach;
+            frame_to_reference(&outcome->scalars, &outcome->frame, self->reference).rigid_approach;
         frame = march_frame(settings, self->histories, 0, 1);
         if (frame.approach != settings->reference_approach)
             status = self->solver.start(outcome, self->solver.self, &frame, error);

@@ -75,7 +75,7 @@ enum { MARCH_REASON = 256 };
 typedef struct march {
     march_settings settings;
     const ehd_histories *histories;
-    const contact_kind *kind;
+    const ehd_contact *reference;
     march_solver solver;
     march_state state;
     /* Takes an accepted step away; `index` counts from 1, the start being 0. */
@@ -92,6 +92,9 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
 /* The frame at `time`, scaled by `load` where the approach is given (and by the history where not). */
 contact_frame march_frame(const march_settings *settings, const ehd_histories *histories,
                           double time, double load);
+
+/* At rest there is no stationary contact whose load an approach could lead to: EHD_DATA. */
+ehd_status march_check_start(double speed, bool approach_given, ehd_error *error);
 
 /* The load to scale the next frame with where it is an outcome: any near it would do. */
 double march_expected_load(double load, double load_rate, double step);

@@ -20,10 +20,10 @@
 #include <string.h>
 
 /* Everything is dimensionless: time T = u t / a, position H0 = h R / a^2 (upwards), force w / w_ref. A mass
- * of m kg per metre then counts as m u^2 / (R w_ref): 0.06 stands for 103 kg/m with the numbers of scene.yml,
- * a roller of steel of 65 mm radius. The contact gives way by 0.34 a unit of force, so the mass on it would
- * swing with a period of 2 pi sqrt(0.06 * 0.34) = 0.90. */
-static const double MASS = 0.06;
+ * of m kg per metre then counts as m u^2 / (R w_ref): 0.0138 stands for 24 kg/m with the numbers of
+ * scene.yml, a roller of steel of 31 mm radius. Seen from approach_length, the contact gives way by 1.49 a
+ * unit of force, so the mass on it would swing with a period of 2 pi sqrt(0.0138 * 1.49) = 0.90. */
+static const double MASS = 0.0138;
 
 /* Shaken by 0.8 % at a period near its own, the force swings by 7.5 % and beats: inside of the 12 % and of the
  * periods of 1/2 to 2 that were trained. */
@@ -89,7 +89,7 @@ static void reduced_accept(void *self) {
 /* The full model has no such interface, but is marched in the same way. */
 typedef struct full_element {
     march_solver solver;
-    const contact_kind *kind;
+    const ehd_contact *reference;
     double time, load, load_rate; // accepted
     march_step last;
 } full_element;
@@ -104,7 +104,7 @@ static contact_frame full_frame(const full_element *self, double load, double ap
 
 static reply full_reply(const full_element *self) {
     contact_scalars scalars =
-        frame_to_reference(&self->last.scalars, &self->last.frame, self->kind);
+        frame_to_reference(&self->last.scalars, &self->last.frame, self->reference);
 
     return reply_of(self->last.status, self->last.reason, &scalars);
 }
@@ -258,7 +258,7 @@ static ehd_status run_full(trace *self, const ehd_contact *reference, ehd_error 
     ehd_status status = full_march_create(&in_time, reference, &settings, NAN, error);
 
     if (!status) {
-        full_element contact = {.solver = full_march_solver(in_time), .kind = reference->kind};
+        full_element contact = {.solver = full_march_solver(in_time), .reference = reference};
         const force_element element = {&contact, full_start, full_step, full_accept};
         status = run(self, &element, error);
     }

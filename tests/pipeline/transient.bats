@@ -99,7 +99,7 @@ PYTHON
 }
 
 @test "the approach that a load led to leads to that load" {
-    fullrun scene.yml -o loaded.h5 --quiet
+    fullrun scene.yml -o loaded.h5 --quiet --set approach_length=10
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("loaded.h5") as file, h5py.File("history.h5", "w") as history:
@@ -299,7 +299,7 @@ PYTHON
 
 # A run of some seconds.
 long_scene() {
-    sed -e 's/step: 0.05/step: 0.1/' -e 's/end_time: 1/end_time: 20/' \
+    sed -e 's/step: 0.05/step: 0.1/' -e 's/end_time: 1/end_time: 40/' \
         -e 's/fixed_step: 0.02/fixed_step: 0.001/' scene.yml >long.yml
     echo 'output: {fields_every: 500}' >>long.yml
 }
@@ -340,7 +340,7 @@ PYTHON
     wait $pid || true
     [ ! -e r.h5 ]
     # another scene, also where only the end differs, does not go on from it
-    refused 65 "r.h5.partial" fullrun long.yml -o r.h5 --resume --set transient.end_time=21
+    refused 65 "r.h5.partial" fullrun long.yml -o r.h5 --resume --set transient.end_time=41
     run --separate-stderr fullrun long.yml -o r.h5 --resume
     [ "$status" -eq 0 ]
     [[ ${stderr_lines[0]} == "fullrun: r.h5.partial: goes on at T = "* ]]

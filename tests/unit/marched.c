@@ -7,8 +7,7 @@
 
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
     marched *self = sink;
-    contact_scalars scalars =
-        frame_to_reference(&step->scalars, &step->frame, self->reference.kind);
+    contact_scalars scalars = frame_to_reference(&step->scalars, &step->frame, &self->reference);
 
     assert_int_equal(index, self->count);
     assert_true(self->count < MARCHED_STEPS);
@@ -54,7 +53,7 @@ void marched_begin(marched *self, const scene *of) {
         fail_msg("%s", error.text);
     self->march = (march){.settings = march_settings_of(of, self->histories, of->approach),
                           .histories = self->histories,
-                          .kind = self->reference.kind,
+                          .reference = &self->reference,
                           .solver = full_march_solver(self->full),
                           .store = store,
                           .sink = self};

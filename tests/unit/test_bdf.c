@@ -225,6 +225,7 @@ static double film_by_hand(double x, const double *place, const double *pressure
 static void scalars_of_a_frame_are_physical(void **state) {
     (void)state;
     enum { COUNT = 81 };
+    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1});
     for (size_t i = 0; i < NUM_FACTORS; i++) {
         contact_frame frame = frame_of_case(i);
         double a = sqrt(factors[i][0] * factors[i][2] / factors[i][3]), step = 0.03;
@@ -242,7 +243,7 @@ static void scalars_of_a_frame_are_physical(void **state) {
         current.central_film_thickness =
             film_by_hand(0, place, pressure, COUNT, step, (double[]){1, 1, 1, 1}, own);
         current.minimum_film_thickness = 0.25 * current.central_film_thickness;
-        contact_scalars scalars = frame_to_reference(&current, &frame, &contact_line);
+        contact_scalars scalars = frame_to_reference(&current, &frame, &reference);
 
         double physical_place[COUNT], physical_pressure[COUNT];
         for (size_t k = 0; k < COUNT; k++) {
@@ -263,12 +264,17 @@ static void scalars_of_a_frame_are_physical(void **state) {
  * logarithm of the half width make the approach. */
 static void approach_of_dry_contacts(void **state) {
     (void)state;
-    for (size_t i = 0; i < NUM_FACTORS; i++) {
-        contact_frame frame = frame_of_case(i);
-        double a = sqrt(factors[i][0] * factors[i][2] / factors[i][3]);
+    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1});
+    for (size_t i = 0; i < 2 * NUM_FACTORS; i++) {
+        const double *f = factors[i % NUM_FACTORS];
+        contact_frame frame = frame_of_case(i % NUM_FACTORS);
+        double a = sqrt(f[0] * f[2] / f[3]);
         contact_scalars dry = {.rigid_approach = -(0.25 + log(2) / 2), .load = 1};
-        check_close(frame_to_reference(&dry, &frame, &contact_line).rigid_approach,
-                    (-(0.25 + log(2) / 2) + 0.5 * log(a)) * a * a / factors[i][2], 1e-13, 1e-15);
+        reference.approach_length = i < NUM_FACTORS ? 1 : 12;
+        check_close(frame_to_reference(&dry, &frame, &reference).rigid_approach,
+                    (-(0.25 + log(2) / 2) + 0.5 * log(a / reference.approach_length)) * a * a /
+                        f[2],
+                    1e-13, 1e-15);
     }
 }
 
@@ -284,7 +290,7 @@ static void approach_closure_is_the_reported_approach(void **state) {
         current.rigid_approach =
             (contact.closure.value - contact.closure.by_load * current.load * M_PI_2) /
             contact.closure.by_approach;
-        check_close(frame_to_reference(&current, &frame, &contact_line).rigid_approach, -0.9, 1e-13,
+        check_close(frame_to_reference(&current, &frame, &reference).rigid_approach, -0.9, 1e-13,
                     0);
         frame.approach = NAN;
         frame_contact(&contact, &frame, &reference);

@@ -169,8 +169,10 @@ static void check_same_solution(const reduced_model *a, const reduced_model *b, 
     assert_int_equal(first.status, EHD_OK);
     assert_int_equal(second.iterations, first.iterations);
     check_close_array(z, z + a->num_unknowns, a->num_unknowns, tolerance, tolerance);
-    check_close(first.scalars.minimum_film_thickness, second.scalars.minimum_film_thickness, tolerance, 0);
-    check_close(first.scalars.central_film_thickness, second.scalars.central_film_thickness, tolerance, 0);
+    check_close(first.scalars.minimum_film_thickness, second.scalars.minimum_film_thickness,
+                tolerance, 0);
+    check_close(first.scalars.central_film_thickness, second.scalars.central_film_thickness,
+                tolerance, 0);
     free(z);
 }
 

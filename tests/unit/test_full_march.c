@@ -193,13 +193,20 @@ static void ramps_end_in_the_stationary_contact(void **state) {
 
 // ---- the approach given
 
+/* With approaches measured as far away as they can be given. */
+static void run_measured(marched *self, const char *transient) {
+    scene of = marched_scene(20, 6, "dowson-higginson", 0.05, transient);
+    of.approach_length = 10;
+    marched_all(self, &of);
+}
+
 /* The approach that a load led to, given as a table, leads to that load. */
 static void approach_gives_the_load_back(void **state) {
     static const char name[] = "approach.csv";
     (void)state;
-    run_usual(&first, "end_time: 1, fixed_step: 0.01, "
-                      "load: {law: sine, amplitude: 0.2, period: 0.8}, "
-                      "speed: {law: sine, amplitude: 0.1, period: 1.5}");
+    run_measured(&first, "end_time: 1, fixed_step: 0.01, "
+                         "load: {law: sine, amplitude: 0.2, period: 0.8}, "
+                         "speed: {law: sine, amplitude: 0.1, period: 1.5}");
     FILE *file = fopen(name, "w");
     assert_non_null(file);
     fprintf(file, "time,approach\n");
@@ -226,6 +233,7 @@ static void start_from_a_given_approach(void **state) {
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
                              "end_time: 1, fixed_step: 0.1, load: {law: ramp, from: 1.5, to: 1.5, "
                              "duration: 1}");
+    of.approach_length = 10;
     marched_all(&first, &of);
     of = marched_scene(20, 6, "dowson-higginson", 0.05,
                        "end_time: 1, fixed_step: 0.1, approach: {law: constant}");
@@ -238,6 +246,31 @@ static void start_from_a_given_approach(void **state) {
     }
     marched_end(&first);
     marched_end(&second);
+}
+
+/* A given approach squeezes the film by as much with short steps as with long ones. */
+static void approach_is_well_posed(void **state) {
+    (void)state;
+    run_measured(&first, "end_time: 0.02, fixed_step: 0.002, "
+                         "approach: {law: sine, amplitude: 0.2, period: 1}");
+    run_measured(&second, "end_time: 0.02, fixed_step: 0.0001, "
+                          "approach: {law: sine, amplitude: 0.2, period: 1}");
+    check_close(last_of(&first, first.load), last_of(&second, second.load), 1e-3, 0);
+    check_close(last_of(&first, first.film), last_of(&second, second.film), 1e-3, 0);
+    marched_end(&first);
+    marched_end(&second);
+}
+
+/* Measured within the pressurised zone it does not, and is refused. */
+static void approach_from_within_is_refused(void **state) {
+    (void)state;
+    scene of =
+        marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, approach: {law: constant}");
+    ehd_contact contact;
+    ehd_error error = {""};
+    of.approach_length = 2.9;
+    assert_int_equal(contact_init(&contact, &of, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "approach_length: found 2.9, expected at least 3"));
 }
 
 // ---- no entrainment
@@ -438,6 +471,8 @@ int main(void) {
         cmocka_unit_test(ramps_end_in_the_stationary_contact),
         cmocka_unit_test(approach_gives_the_load_back),
         cmocka_unit_test(start_from_a_given_approach),
+        cmocka_unit_test(approach_is_well_posed),
+        cmocka_unit_test(approach_from_within_is_refused),
         cmocka_unit_test(speed_goes_down_to_zero),
         cmocka_unit_test(start_at_rest),
         cmocka_unit_test(squeeze_is_symmetric),

@@ -155,9 +155,10 @@ static void run_begin(run *self, const char *transient) {
                                 .load_of_start = 1,
                                 .fails_after = INFINITY};
     if (histories_init(&self->histories, &of, &error)) fail_msg("%s", error.text);
+    static const ehd_contact line = {.kind = &contact_line, .approach_length = 1};
     self->march = (march){.settings = march_settings_of(&of, self->histories, of.approach),
                           .histories = self->histories,
-                          .kind = &contact_line,
+                          .reference = &line,
                           .solver = {.self = &self->follower,
                                      .attempt = attempt,
                                      .accept = accept,

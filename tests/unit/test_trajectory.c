@@ -100,7 +100,7 @@ static void add_trajectory(all_steps *steps, const trajectory_scene *of) {
     assert_int_equal(full_march_create(&steps->full, &of->contact, &settings, NAN, &error), EHD_OK);
     march run = {.settings = march_settings_of(&of->scene, histories, NAN),
                  .histories = histories,
-                 .kind = of->contact.kind,
+                 .reference = &of->contact,
                  .solver = full_march_solver(steps->full),
                  .store = keep_step,
                  .sink = steps};
