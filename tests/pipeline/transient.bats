@@ -444,7 +444,7 @@ PYTHON
     [ ! -e r.h5 ]
     entries=$(/usr/bin/python3 -c "import h5py; print(len(h5py.File('r.h5.partial')['time']))")
     fullrun long.yml -o r.h5 --resume --quiet >out
-    grep -q "T = 0 to 20 in 20000 steps" out
+    grep -q "T = 0 to 40 in 40000 steps" out
     fullrun long.yml -o whole.h5 --quiet
     scalars_equal r.h5 whole.h5
     [ "$entries" -lt 20001 ]
