@@ -31,6 +31,9 @@ static lapack_int solve_bends(double *bends, double *diagonal, const double *val
         bends[width + j] -= bends[j];
         bends[inner * width + j] -= bends[(inner + 1) * width + j];
     }
+    if (width == 1) // without a copy to turn it
+        return LAPACKE_dptsv(LAPACK_COL_MAJOR, (lapack_int)inner, 1, diagonal, diagonal + inner,
+                             bends + 1, (lapack_int)inner);
     return LAPACKE_dptsv(LAPACK_ROW_MAJOR, (lapack_int)inner, (lapack_int)width, diagonal,
                          diagonal + inner, bends + width, (lapack_int)width);
 }
@@ -58,15 +61,17 @@ static ehd_status make_table(double **table, const double *values, size_t num, s
 
 /* The kernel's spline by distance, on a line that reaches twice as far as the grid, so that its ends do
  * not matter. */
-static ehd_status make_kernel_table(double **table, const reduced_model *model, ehd_error *error) {
-    size_t num_nodes = model->grid.num_nodes, num = 2 * num_nodes - 1;
+static ehd_status make_kernel_table(double **table, const contact_kind *kind, const ehd_grid *grid,
+                                    ehd_error *error) {
+    size_t num_nodes = grid->num_nodes, num = 2 * num_nodes - 1;
     double *values = malloc(num * sizeof *values), *whole = NULL;
     ehd_status status = EHD_OK;
 
     *table = malloc(num_nodes * 2 * sizeof **table);
     if (!values || !*table) status = ehd_fail(error, EHD_MEMORY, "splines: found no memory");
     for (size_t k = 0; k < num && !status; k++)
-        values[k] = model->kernel[k < num_nodes ? num_nodes - 1 - k : k - (num_nodes - 1)];
+        values[k] =
+            kind->kernel(fabs((double)k - (double)(num_nodes - 1)) * grid->step, grid->step);
     if (!status) status = make_table(&whole, values, num, 1, error);
     if (!status) memcpy(*table, whole + 2 * (num_nodes - 1), num_nodes * 2 * sizeof **table);
     free(values);
@@ -76,19 +81,30 @@ static ehd_status make_kernel_table(double **table, const reduced_model *model, 
 
 // ---- the modes
 
+/* Half as far again as the model's grid goes before the contact, because places of a wide frame lie
+ * farther out in a narrower one. */
+static void widen_grid(film_splines *self, const ehd_grid *grid) {
+    self->margin = (size_t)ceil(0.5 * fabs(grid->x_min) / grid->step);
+    self->grid = *grid;
+    self->grid.x_min -= (double)self->margin * grid->step;
+    self->grid.num_inner += self->margin;
+    self->grid.num_nodes += self->margin;
+}
+
 /* Deflections of the pressure modes cut at cut_exit, [num_nodes, num_pressure]. */
 static ehd_status deflect_modes(double *film, const film_splines *self, const reduced_model *model,
                                 const double *pressure_basis, ehd_error *error) {
-    size_t num_nodes = model->grid.num_nodes, width = self->width;
-    ehd_deflection *deflection = deflection_create(model->kind, &model->grid);
+    size_t num_nodes = self->grid.num_nodes, width = self->width;
+    ehd_deflection *deflection = deflection_create(model->kind, &self->grid);
     double *work = malloc(num_nodes * sizeof *work);
     ehd_status status = EHD_OK;
 
     if (!deflection || !work)
         status = ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", width);
     for (size_t j = 0; j < width && !status; j++) {
-        for (size_t k = 0; k < num_nodes; k++)
-            work[k] = k < self->cut_exit ? pressure_basis[k * width + j] : 0;
+        memset(work, 0, num_nodes * sizeof *work);
+        for (size_t k = 0; k < self->cut_exit; k++)
+            work[self->margin + k] = pressure_basis[k * width + j];
         deflection_apply(work, deflection, work);
         for (size_t k = 0; k < num_nodes; k++)
             film[k * width + j] = work[k];
@@ -98,6 +114,16 @@ static ehd_status deflect_modes(double *film, const film_splines *self, const re
     return status;
 }
 
+/* The modes themselves, going on straight before the model's grid. */
+static void continue_modes(double *film, const film_splines *self, const double *modes) {
+    size_t width = self->width, margin = self->margin;
+
+    memcpy(film + margin * width, modes, (self->grid.num_nodes - margin) * width * sizeof *film);
+    for (size_t k = margin; k-- > 0;)
+        for (size_t j = 0; j < width; j++)
+            film[k * width + j] = 2 * film[(k + 1) * width + j] - film[(k + 2) * width + j];
+}
+
 static bool is_coupled(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED;
 }
@@ -105,17 +131,16 @@ static bool is_coupled(const reduced_model *model) {
 static ehd_status make_film_table(film_splines *self, const reduced_model *model,
                                   const double *pressure_basis, const double *deformation_basis,
                                   ehd_error *error) {
-    size_t num_nodes = model->grid.num_nodes;
-    double *film;
-    ehd_status status;
+    double *film = malloc(self->grid.num_nodes * self->width * sizeof *film);
+    ehd_status status = EHD_OK;
 
-    if (!is_coupled(model))
-        return make_table(&self->film, deformation_basis, num_nodes, self->width, error);
-    film = malloc(num_nodes * self->width * sizeof *film);
-    status =
-        film ? deflect_modes(film, self, model, pressure_basis, error)
-             : ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", self->width);
-    if (!status) status = make_table(&self->film, film, num_nodes, self->width, error);
+    if (!film)
+        status = ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", self->width);
+    else if (is_coupled(model))
+        status = deflect_modes(film, self, model, pressure_basis, error);
+    else
+        continue_modes(film, self, deformation_basis);
+    if (!status) status = make_table(&self->film, film, self->grid.num_nodes, self->width, error);
     free(film);
     return status;
 }
@@ -127,11 +152,12 @@ ehd_status film_splines_build(film_splines *self, const reduced_model *model,
     self->width = is_coupled(model) ? model->num_pressure : model->num_deformation;
     self->cut_exit = (model->least_exit + model->most_exit) / 2;
     self->pressure_basis = pressure_basis;
+    widen_grid(self, &model->grid);
     ehd_status status = make_film_table(self, model, pressure_basis, deformation_basis, error);
     if (!status)
         status = make_table(&self->pressure, pressure_basis, model->grid.num_nodes,
                             model->num_pressure, error);
-    if (!status) status = make_kernel_table(&self->kernel, model, error);
+    if (!status) status = make_kernel_table(&self->kernel, model->kind, &self->grid, error);
     if (status) film_splines_free(self);
     return status;
 }
@@ -167,12 +193,14 @@ void earlier_film_free(earlier_film *self) {
 static void prepare_window(earlier_film *self, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_pressure = model->num_pressure, num_nodes = model->grid.num_nodes;
-    size_t begin = self->exit > EXIT_WINDOW * 2 / 3 ? self->exit - EXIT_WINDOW * 2 / 3 : 0;
+    size_t size = num_nodes < EXIT_WINDOW ? num_nodes : EXIT_WINDOW;
+    size_t begin = self->exit > size * 2 / 3 ? self->exit - size * 2 / 3 : 0;
     double diagonal[2 * EXIT_WINDOW];
 
-    if (begin + EXIT_WINDOW > num_nodes) begin = num_nodes - EXIT_WINDOW;
+    if (begin + size > num_nodes) begin = num_nodes - size;
     self->window_begin = begin;
-    for (size_t i = 0; i < EXIT_WINDOW; i++)
+    self->window_size = size;
+    for (size_t i = 0; i < size; i++)
         self->window[i] =
             begin + i < self->exit
                 ? cblas_ddot((int)num_pressure, splines->pressure + (begin + i) * 2 * num_pressure,
@@ -182,7 +210,7 @@ static void prepare_window(earlier_film *self, const reduced_model *model,
     self->bend[0] =
         cblas_ddot((int)num_pressure, splines->pressure + (begin * 2 + 1) * num_pressure, 1,
                    self->coordinates, 1);
-    solve_bends(self->bend, diagonal, self->window, EXIT_WINDOW, 1);
+    solve_bends(self->bend, diagonal, self->window, size, 1);
 }
 
 void earlier_film_prepare(earlier_film *self, const reduced_model *model,
@@ -202,12 +230,18 @@ typedef struct spline_place {
     double value[2], bend[2];
 } spline_place;
 
+/* Beyond the grid the spline goes on straight. */
 static spline_place spline_at(const ehd_grid *grid, double x) {
     double nodes = (x - grid->x_min) / grid->step + 1, most = (double)(grid->num_nodes - 2);
-    // beyond the grid the last piece goes on: without pressure there, the film is smooth
     double first = fmin(fmax(floor(nodes), 0), most);
     double b = nodes - first, a = 1 - b;
-    return (spline_place){(size_t)first, {a, b}, {(a * a - 1) * a, (b * b - 1) * b}};
+    spline_place at = {(size_t)first, {a, b}, {(a * a - 1) * a, (b * b - 1) * b}};
+
+    if (b < 0)
+        at.bend[0] = -2 * b, at.bend[1] = -b;
+    else if (a < 0)
+        at.bend[0] = -a, at.bend[1] = -2 * a;
+    return at;
 }
 
 // The release is built for any processor; this is what it does most in a step.
@@ -279,8 +313,9 @@ static double cut_deflection(const earlier_film *self, const spline_place *at,
     double sum = 0;
 
     for (size_t i = from; i < to; i++) {
-        const double *here = splines->kernel + 2 * distance(at->node, i);
-        const double *next = splines->kernel + 2 * distance(at->node + 1, i);
+        size_t node = splines->margin + i;
+        const double *here = splines->kernel + 2 * distance(at->node, node);
+        const double *next = splines->kernel + 2 * distance(at->node + 1, node);
         sum += self->cut_pressure[i - model->band_begin] *
                (at->value[0] * here[0] + at->value[1] * next[0] + at->bend[0] * here[1] +
                 at->bend[1] * next[1]);
@@ -288,20 +323,23 @@ static double cut_deflection(const earlier_film *self, const spline_place *at,
     return behind ? sum : -sum;
 }
 
-static double pressure_at(const earlier_film *self, const spline_place *at,
+static double pressure_at(const earlier_film *self, const spline_place *place,
                           const reduced_model *model, const film_splines *splines) {
     const size_t margin = 4; // between the window's ends and where it is used
     const double *coordinates = self->coordinates;
+    spline_place at = *place;
     double sum;
 
-    if (at->node + 1 < self->window_begin + margin) {
-        combine(&sum, at, 1, splines->pressure, model->num_pressure, &coordinates);
+    if (at.node < splines->margin) return 0;
+    at.node -= splines->margin;
+    if (at.node + 1 < self->window_begin + margin) {
+        combine(&sum, &at, 1, splines->pressure, model->num_pressure, &coordinates);
         return sum;
     }
-    if (at->node + margin + 1 >= self->window_begin + EXIT_WINDOW) return 0;
-    size_t place = at->node - self->window_begin;
-    return at->value[0] * self->window[place] + at->value[1] * self->window[place + 1] +
-           at->bend[0] * self->bend[place] + at->bend[1] * self->bend[place + 1];
+    if (at.node + margin + 1 >= self->window_begin + self->window_size) return 0;
+    size_t i = at.node - self->window_begin;
+    return at.value[0] * self->window[i] + at.value[1] * self->window[i + 1] +
+           at.bend[0] * self->bend[i] + at.bend[1] * self->bend[i + 1];
 }
 
 void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
@@ -315,7 +353,7 @@ void earlier_film_masses(double *mass, const earlier_film *const *films, size_t 
 
     for (size_t i = 0; i < num_films; i++) {
         x[i] = frame_stretch(now, &films[i]->frame) * grid_x(&model->grid, node);
-        at[i] = spline_at(&model->grid, x[i]);
+        at[i] = spline_at(&splines->grid, x[i]);
         coordinates[i] = films[i]->coordinates + offset;
     }
     for (size_t i = 0, next; i < num_films; i = next) {

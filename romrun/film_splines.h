@@ -11,15 +11,17 @@
 #include "romrun/reduced_model.h"
 #include "romrun/reduced_solver.h"
 
-/* Tables of values and bends (second derivatives times step^2 / 6) at all nodes; read-only once made. */
+/* Tables of values and bends (second derivatives times step^2 / 6) at nodes; read-only once made. */
 typedef struct film_splines {
+    ehd_grid grid; // the model's, with `margin` nodes more before it
+    size_t margin;
     size_t width; // modes of the film
-    double
-        *film; // [num_nodes, 2, width] coupled: deflection of the pressure modes cut at `cut_exit`
+    double *film; // [num_nodes of grid, 2, width] coupled: deflection of the pressure modes cut at
+                  // cut_exit, a node of the model
     size_t cut_exit;              // amid the trained exits
-    double *pressure;             // [num_nodes, 2, num_pressure] uncut
-    double *kernel;               // [num_nodes, 2] by distance
-    const double *pressure_basis; // [num_nodes, num_pressure], the caller's
+    double *kernel;               // [num_nodes of grid, 2] by distance
+    double *pressure;             // [num_nodes of the model, 2, num_pressure] uncut
+    const double *pressure_basis; // [num_nodes of the model, num_pressure], the caller's
 } film_splines;
 
 /* `pressure_basis` [num_nodes, num_pressure] and, independent, `deformation_basis` [num_nodes,
@@ -41,7 +43,7 @@ typedef struct earlier_film {
     size_t exit;
     reduced_values values;                         // at the needed nodes
     double *cut_pressure;                          // [num_band] P from band_begin on, uncut
-    size_t window_begin;                           // first node of the window
+    size_t window_begin, window_size;              // the window's nodes
     double window[EXIT_WINDOW], bend[EXIT_WINDOW]; // P there, cut; compressible only
 } earlier_film;
 
