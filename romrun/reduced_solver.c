@@ -545,17 +545,22 @@ static double minimum_film(reduced_solver *self, const reduced_state *state) {
 }
 
 /* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
- * is after some more turns. */
+ * is after some more turns. In time, where the exit moves by a node now and then, two nodes often ask for
+ * one another, and it stays at once. */
 typedef struct exit_watch {
-    int direction, turns;
+    int direction, turns, most_turns;
 } exit_watch;
+
+static exit_watch start_watch(bool in_time) {
+    return (exit_watch){.most_turns = in_time ? 0 : 3};
+}
 
 static size_t watch_exit(exit_watch *watch, size_t exit, size_t next) {
     int direction = next > exit ? 1 : next < exit ? -1 : 0;
 
     if (direction && watch->direction && direction != watch->direction) watch->turns++;
     if (direction) watch->direction = direction;
-    if (watch->turns > 3) return exit;
+    if (watch->turns > watch->most_turns) return exit;
     return watch->turns > 0 ? (size_t)((ptrdiff_t)exit + direction) : next;
 }
 
@@ -630,7 +635,7 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch = {0, 0};
+    exit_watch watch = start_watch(squeeze != NULL);
     iterate before = {NAN, NAN, 0}, now;
 
     info->own_jacobian = true;
@@ -753,7 +758,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = {0, 0};
+    exit_watch watch = start_watch(true);
     kept_iterate at = {.change = NAN};
 
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {

@@ -372,8 +372,8 @@ interrupt() {
 
 @test "tables are inputs, and a changed one does not go on" {
     long_scene
-    printf 'time,load,speed\n0,1,1\n10,1.1,1\n20,1,1.1\n' >table.csv
-    printf 'time,radius\n0,1\n10,1.1\n20,1\n' >radius.csv
+    printf 'time,load,speed\n0,1,1\n20,1.1,1\n40,1,1.1\n' >table.csv
+    printf 'time,radius\n0,1\n20,1.1\n40,1\n' >radius.csv
     sed -i 's/load:.*/load: {law: table, file: table.csv, column: load}\
   speed: {law: table, file: table.csv, column: speed}\
   radius: {law: table, file: radius.csv, column: radius}/' long.yml
