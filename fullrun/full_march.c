@@ -10,6 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of the pressure at the grid's end, in Hertz pressures over a half width. With it the central film is 0.15 %
+ * off, measured under loads that vary by half, on grids that end at 1.15 to 2, against one to 4. The squeeze
+ * after a sudden load that is half as large again comes to half of it, for a moment. */
+static const double STEEPEST_END = 0.3;
+
 struct full_march {
     ehd_contact reference;
     double start_film;
@@ -274,6 +279,12 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
     return formula->error * largest / central_film;
 }
 
+/* Where a film is squeezed, the pressure goes on to the grid's end, and little is lost of it there. Not so
+ * where it falls off at once. */
+static bool is_cut(const full_state *state, const ehd_grid *grid) {
+    return state->pressure[grid->num_inner] > STEEPEST_END * grid->step;
+}
+
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     full_march *self = solver;
@@ -302,6 +313,10 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     if (info.status == EHD_OK)
         outcome->local_error = local_error(self, &formula, &next->state, &contact,
                                            outcome->scalars.central_film_thickness);
+    if (info.status == EHD_OK && is_cut(&next->state, &contact.grid)) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = "the exit boundary outside the domain (grid.x_max)";
+    }
     return EHD_OK;
 }
 

@@ -348,6 +348,10 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
 
     if (!options->model)
         return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
+    if (options->resume && !self->output)
+        return ehd_fail(
+            error, EHD_USAGE,
+            "--resume: found without --output, expected the one of the interrupted run");
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
     if (!status && options->resume && !transient)

@@ -40,7 +40,7 @@ static const struct argp_option own_options[] = {
     {.name = "allow-failures",
      .key = KEY_ALLOW_FAILURES,
      .arg = "N",
-     .doc = "Points that may fail before the exit code is 3; default 0"},
+     .doc = "Points that may fail before the exit code is 3, but never all; default 0"},
     {.name = "basis",
      .key = KEY_BASIS,
      .arg = "BASIS.h5",
@@ -173,6 +173,9 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
             status = trajectories_train(&trained, self, &set, options->num_jobs, error);
         if (status == EHD_INTERRUPTED) stopped(self, &points, error);
     }
+    if (!status)
+        status = training_check_outcome(&set, points.num_failed + trained.num_failed,
+                                        self->arguments[0], error);
     if (!status && set.num_trajectories > 0)
         status = snapshots_put_trajectories(file, &set, &trained, error);
     if (!status) status = artefact_finish(&file, error);

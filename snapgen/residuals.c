@@ -320,9 +320,10 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
     if (status == EHD_INTERRUPTED)
         ehd_fail(error, status, "%s: interrupted after %zu of %zu points, nothing written",
                  caller->output, training.num_done, set->num_points);
+    *num_failed = training.num_failed + training.repeated.num_failed;
+    if (!status) status = training_check_outcome(set, *num_failed, plan_path, error);
     if (!status) status = write_file(&file, &training, identity, error);
     artefact_close(&file);
-    size_t num_lost = training.repeated.num_failed;
     for (size_t i = 0; training.traces && i < set->num_points; i++) {
         free(training.traces[i].residual);
         free(training.traces[i].step);
@@ -332,6 +333,5 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
     trajectories_free(&training.repeated);
     reduced_model_free(&model);
     reduced_basis_free(&basis);
-    *num_failed = training.num_failed + num_lost;
     return status;
 }

@@ -153,13 +153,23 @@ static ehd_status keep_shard(training_set *set, const char *plan_path, shard pie
     return make_tree(set, plan_path, error);
 }
 
-/* Dealt out from the last shard on, since the first ones come off worse with points. */
-static void keep_trajectories(training_set *set, shard piece) {
+/* How many of the first shards have points; where these are fewer than the shards, some have none. */
+static size_t shards_with_points(size_t first, size_t num_points, size_t total) {
+    size_t points = num_points * first / total;
+
+    return points < first ? points : first;
+}
+
+/* Dealt out to the shards without points before the others, so that none is empty. */
+static void keep_trajectories(training_set *set, size_t num_points, shard piece) {
+    size_t before = shards_with_points(piece.number - 1, num_points, piece.total);
+    bool has_points = shards_with_points(piece.number, num_points, piece.total) > before;
+    size_t num_without = piece.total - shards_with_points(piece.total, num_points, piece.total);
+    size_t turn = has_points ? num_without + before : piece.number - 1 - before;
     size_t count = 0;
 
-    for (size_t t = 0; t < set->num_trajectories; t++)
-        if (t % piece.total == piece.total - piece.number)
-            set->trajectories[count++] = set->trajectories[t];
+    for (size_t t = turn; t < set->num_trajectories; t += piece.total)
+        set->trajectories[count++] = set->trajectories[t];
     set->num_trajectories = count;
 }
 
@@ -181,19 +191,29 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
-    size_t num_all = set->num_points + set->num_trajectories;
+    size_t num_points = set->num_points, num_all = num_points + set->num_trajectories;
     if (!status && piece.total > num_all)
         status = ehd_fail(error, EHD_USAGE,
                           "--shard: found %zu shards, expected at most %zu, the "
                           "number of points in %s",
                           piece.total, num_all, plan_path);
-    if (!status && set->num_points > 0) status = make_tree(set, plan_path, error);
+    if (!status && num_points > 0) status = make_tree(set, plan_path, error);
     if (!status && piece.total > 1) {
-        if (set->num_points > 0) status = keep_shard(set, plan_path, piece, error);
-        keep_trajectories(set, piece);
+        if (num_points > 0) status = keep_shard(set, plan_path, piece, error);
+        keep_trajectories(set, num_points, piece);
     }
     if (status) training_set_free(set);
     return status;
+}
+
+ehd_status training_check_outcome(const training_set *set, size_t num_failed, const char *plan_path,
+                                  ehd_error *error) {
+    size_t num_all = set->num_points + set->num_trajectories;
+
+    if (num_failed < num_all) return EHD_OK;
+    return ehd_fail(error, EHD_NOT_CONVERGED,
+                    "%s: found none of %zu points converged, expected at least one", plan_path,
+                    num_all);
 }
 
 const char **training_inputs(const training_set *set, const char *plan_path,

@@ -37,7 +37,7 @@ typedef struct training_set {
 /* Neighbours are near in ln M and in the Moes number L that belongs to the Hertz pressure; they are of
  * one group and have the same lubricant. A shard is a set of whole branches as far as possible, with
  * a tree of its own, so that it needs no other shard; all shards together have all points once.
- * Trajectories are dealt out in turn.
+ * Trajectories are dealt out in turn, and none of the shards is empty.
  * EHD_DATA: a point that is no contact, different grids, no point left; EHD_USAGE: more shards than
  * points; EHD_MEMORY. */
 ehd_status training_set_init(
@@ -47,6 +47,10 @@ ehd_status training_set_init(
     const plan *plan, const char *plan_path, shard piece, ehd_error *error);
 
 void training_set_free(training_set *set);
+
+/* Of a training whose points and trajectories all failed nothing can be made: EHD_NOT_CONVERGED. */
+ehd_status training_check_outcome(const training_set *set, size_t num_failed, const char *plan_path,
+                                  ehd_error *error);
 
 /* Paths of the files that the training reads: the plan, the basis (NULL: none) and the tables of the
  * trajectories, NULL at the end. They point into plan_path, basis_path and the set. NULL: no memory. */

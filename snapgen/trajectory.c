@@ -146,6 +146,8 @@ static ehd_status travel(char reason[MARCH_REASON], traveller *self, const scene
     if (!status && !reason[0]) status = run.store(self, &first, 0, error);
     if (!status && !reason[0]) status = march_run(&outcome, &run, error);
     if (!status && outcome) memcpy(reason, run.reason, MARCH_REASON);
+    // of the full model no solution, of the reduced one what the online solver will meet too
+    if (!status && !reason[0] && self->full) memcpy(reason, run.untrusted, MARCH_REASON);
     return status;
 }
 

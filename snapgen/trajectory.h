@@ -28,7 +28,8 @@ void trajectories_free(trajectories *self);
 /* Singular values below 1e-11 of the first are left out of the compressed snapshots. */
 extern const compressor_settings trajectory_compression;
 
-/* With the full model. A trajectory that does not reach its end is a warning and counted. */
+/* With the full model. A trajectory that does not reach its end, or is not to be trusted, is a warning and
+ * counted. */
 ehd_status trajectories_train(
     // output:
     trajectories *self, // free with trajectories_free

@@ -251,8 +251,10 @@ static ehd_status begin(runner *self, ehd_error *error) {
     self->started = self->last_checkpoint = program_seconds();
     if (!status) status = march_begin(&first, &self->march, error);
     if (!status && first.status == EHD_NOT_CONVERGED)
-        return ehd_fail(error, EHD_NOT_CONVERGED, "start: found it not converged: %s",
-                        first.reason);
+        return ehd_fail(error, EHD_NOT_CONVERGED,
+                        "%s: not converged: found no stationary solution to start from (%s), "
+                        "expected one",
+                        self->task->caller->arguments[0], first.reason);
     return status ? status : store(self, &first, 0, error);
 }
 
@@ -320,9 +322,9 @@ static ehd_status judge(const runner *self, ehd_status outcome, ehd_error *error
                         written ? task->caller->output : "", written ? ".partial" : "");
     if (!isnan(self->march.state.untrusted_since) && !task->allow_untrusted)
         return ehd_fail(error, EHD_UNTRUSTED,
-                        "%s: found %s, first at T = %g, expected a result to be trusted "
-                        "(--allow-untrusted takes it all the same)",
-                        path, self->march.untrusted, self->march.state.untrusted_since);
+                        "%s: found %s, first at T = %g, expected a result to be trusted%s", path,
+                        self->march.untrusted, self->march.state.untrusted_since,
+                        task->model ? " (--allow-untrusted takes it all the same)" : "");
     return EHD_OK;
 }
 

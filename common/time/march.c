@@ -4,6 +4,7 @@
 #include "common/program/program.h"
 #include "common/time/bdf.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -20,7 +21,8 @@ static const double LEAST_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
 static const double SAFETY = 0.85;
 enum { WATCHED_ATTEMPTS = 3000 };
-static const double LEAST_STEP = 1e-9; // relative to the first one
+static const double LEAST_STEP = 1e-9;          // relative to the first one
+static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
@@ -86,18 +88,28 @@ double march_expected_load(double load, double load_rate, double step) {
     return fmin(fmax(load + load_rate * step, 0.5 * load), 2 * load);
 }
 
+/* The first multiple of a step after `time`, which may be one itself, rounded. */
+static double next_multiple(double time, double step) {
+    return (floor(time / step * (1 + ROUNDING) + 1e-9) + 1) * step;
+}
+
+/* The earlier one, but `event` where both are the same time, rounded. */
+static double earlier(double time, double event) {
+    return time < event * (1 - ROUNDING) ? time : event;
+}
+
 /* The next time: a step further, or where the histories have an event, a fixed step's multiple is or the
  * march ends. *is_kink: it is that of an event; *jump: the histories jump there. */
 static double next_time(bool *is_kink, bool *jump, const march *self) {
     const double time = self->state.time, step = self->state.step;
     double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    double kink = histories_next_kink(self->histories, time, jump), event = fmin(kink, end);
+    double kink = histories_next_kink(self->histories, time, jump), event = earlier(kink, end);
 
     // a multiple, not a sum, so that times do not drift and a step that was cut falls back into place
-    if (!isnan(fixed)) event = fmin(event, (floor(time / fixed + 1e-9) + 1) * fixed);
+    if (!isnan(fixed)) event = earlier(next_multiple(time, fixed), event);
     *is_kink = event == kink;
     *jump = *jump && *is_kink;
-    if (step >= (event - time) * (1 - 1e-9)) return event;
+    if (step >= (event - time) * (1 - 1e-9) - ROUNDING * event) return event;
     *is_kink = *jump = false;
     // two equal steps rather than a whole one and a sliver
     return step > 0.5 * (event - time) ? time + 0.5 * (event - time) : time + step;
@@ -116,6 +128,11 @@ static double error_after_kink(const march *self, double step, double local_erro
 
     if (!(smooth > 0) || step <= self->settings.first_step) return local_error;
     return local_error * fmax(state->last_step / (2 * step + state->last_step) / smooth, 1);
+}
+
+/* Below it the march ends: shorter steps lead nowhere, or are lost in the rounding of the time. */
+static double least_step(const march *self) {
+    return fmax(LEAST_STEP * self->settings.first_step, ROUNDING * self->state.time);
 }
 
 static double next_step(const march *self, const march_step *outcome) {
@@ -158,11 +175,11 @@ static ehd_status advance(march *self, ehd_error *error) {
     if (failed || (adaptive && !(outcome.local_error <= self->settings.tolerance))) {
         state->num_rejected++;
         state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, &outcome), 0.9 * step);
-        if ((adaptive || failed) && !(state->step > LEAST_STEP * self->settings.first_step))
+        if ((adaptive || failed) && !(state->step > least_step(self)))
             snprintf(self->reason, sizeof self->reason,
                      "found a step size of %.1e at T = %.10g (%s), expected above %.1e",
                      state->step, state->time, failed ? outcome.reason : "local error",
-                     LEAST_STEP * self->settings.first_step);
+                     least_step(self));
         return EHD_OK;
     }
     self->solver.accept(self->solver.self);
@@ -178,6 +195,8 @@ static ehd_status advance(march *self, ehd_error *error) {
         state->last_step = state->step_before = 0;
         state->step = self->settings.first_step;
     }
+    // where this is too long, the march ends as soon as it is rejected
+    state->step = fmax(state->step, 2 * least_step(self));
     return self->store(self->sink, &outcome, (size_t)state->num_steps, error);
 }
 

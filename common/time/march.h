@@ -51,7 +51,7 @@ typedef struct march_solver {
 
 typedef struct march_settings {
     double end_time;
-    double tolerance;  // on the local error of one step
+    double tolerance;  // on the local error of one step; NaN with a fixed step
     double fixed_step; // NaN: steps by the local error
     double first_step; // after the start and after a jump
     bool approach_given;

@@ -239,6 +239,26 @@ PYTHON
     same_data s.h5 t.h5
 }
 
+@test "a plan of which no point converges is exit 3, whatever is allowed, and an existing output stays" {
+    failing_plan
+    sed -i 's/1, 2, 12/1/; s/1, 3/0.5, 1/' failing.yml
+    echo precious >s.h5
+    for allowed in 0 2 1000; do
+        run --separate-stderr snapgen "${failing[@]}" -o s.h5 --force --quiet \
+            --allow-failures $allowed
+        echo "$status $stderr"
+        [ "$status" -eq 3 ]
+        [ -z "$output" ]
+        [ "${#stderr_lines[@]}" -eq 3 ] # one a point
+        [ "${stderr_lines[-1]}" = "snapgen: failing.yml: found none of 2 points converged, expected \
+at least one" ]
+        [ "$(cat s.h5)" = precious ]
+    done
+    run --separate-stderr snapgen "${failing[@]}" -o s.h5 --force --quiet --resume
+    [ "$status" -eq 3 ]
+    [ "$(cat s.h5)" = precious ]
+}
+
 # ---- bad plans
 
 # bad_plan PATTERN [CODE], the plan on stdin

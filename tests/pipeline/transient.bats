@@ -194,6 +194,60 @@ assert (stationary, moving) == (9, 2), (stationary, moving)
 PYTHON
 }
 
+@test "no shard is empty, also where points are fewer than shards" {
+    cat >few.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [11, 14], moes.L: [4]}
+  - scene: scene.yml
+    vary: {transient.end_time: [0.02, 0.04, 0.06]}
+YAML
+    for shards in 1 2 3 4 5; do
+        for ((k = 1; k <= shards; k++)); do
+            snapgen few.yml -o "f$k.h5" --shard "$k/$shards" --quiet --force
+        done
+        /usr/bin/python3 - "$shards" <<'PYTHON'
+import sys, h5py
+stationary, moving = [], []
+for k in range(int(sys.argv[1])):
+    with h5py.File(f"f{k + 1}.h5") as file:
+        of = list(file["trajectory"][...]) if "trajectory" in file else [-1] * len(file["status"])
+        stationary += [m for m, t in zip(file["moes_M"], of) if t < 0]
+        times = file["trajectory_time"][...] if max(of) >= 0 else []
+        moving += [max(s for s, u in zip(times, of) if u == t) for t in set(of) if t >= 0]
+assert sorted(stationary) == [11, 14], stationary
+assert [round(t, 10) for t in sorted(moving)] == [0.02, 0.04, 0.06], moving
+PYTHON
+    done
+}
+
+@test "a training of which nothing converges is exit 3, and an existing output stays" {
+    cat >lost.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    vary: {moes.M: [5000]}
+YAML
+    none() { # NAME COMMAND...: the last line on stderr, and the file as it was
+        echo precious >none.h5
+        run --separate-stderr "$@" -o none.h5 --force --quiet
+        echo "$status $stderr"
+        [ "$status" -eq 3 ]
+        [ -z "$output" ]
+        [ "${stderr_lines[-1]}" = "snapgen: lost.yml: found none of 1 points converged, expected at \
+least one" ]
+        [ "$(cat none.h5)" = precious ]
+    }
+    none snapgen lost.yml
+    none snapgen lost.yml --allow-failures 10
+    # with the projected system: a basis of other contacts
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    none snapgen lost.yml --basis b.h5
+    [ ! -e none.h5.partial ]
+    sed -i 's/scene.yml/base.yml/; s/5000]/5000], moes.L: [1]/' lost.yml
+    none snapgen lost.yml --basis b.h5
+}
+
 # ---- bad histories
 
 # bad_history PATTERN SETTING...: refused before any work
@@ -268,6 +322,9 @@ bad_table() {
         fullrun scene.yml -o r.h5 --start full.h5
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     refused 64 "--resume: found with a stationary scene" fullrun still.yml -o r.h5 --resume
+    refused 64 "output" fullrun scene.yml --resume
+    refused 64 "--resume: found without --output, expected" \
+        romrun scene.yml --model none.h5 --resume
     refused 65 "full.h5: .*51.*stationary" fullrun still.yml -o r.h5 --start full.h5
 }
 
@@ -295,6 +352,44 @@ with h5py.File("r.h5.partial") as file:
 PYTHON
     run fullrun --check r.h5.partial
     [ "$status" -eq 65 ]
+}
+
+@test "a start that cannot be solved is exit 3" {
+    sed -e '/load:/d' -e 's/^transient:/closure: approach\napproach: 100\ntransient:/' \
+        scene.yml >bad.yml
+    run --separate-stderr fullrun bad.yml -o r.h5 --quiet
+    echo "$stderr"
+    [ "$status" -eq 3 ]
+    [ -z "$output" ]
+    [ "$stderr" = "fullrun: bad.yml: not converged: found no stationary solution to start from \
+(approach out of reach), expected one" ]
+    [ ! -e r.h5 ]
+}
+
+# A contact whose load goes to almost nothing, so that its exit leaves a short grid.
+@test "an exit boundary that leaves the domain is done, flagged, and exit 4" {
+    sed -e 's/grid: {/&x_max: 1.2, /' \
+        -e 's/load:.*/load: {law: ramp, from: 1, to: 0.02, start: 0, duration: 1}/' scene.yml >out.yml
+    run --separate-stderr fullrun out.yml -o out.h5 --quiet
+    echo "$stderr"
+    [ "$status" -eq 4 ]
+    [[ $stderr =~ ^"fullrun: out.yml: found the exit boundary outside the domain (grid.x_max), \
+first at T = 0.9"[0-9]*", expected a result to be trusted"$ ]]
+    [[ $output == *"not to be trusted       first at T = 0.9"* ]]
+    fullrun --check out.h5
+    fullrun out.yml -o wide.h5 --quiet --set grid.x_max=2
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("out.h5") as short, h5py.File("wide.h5") as wide:
+    left = wide["exit_position"][...] / wide["contact_half_width"][...] > 1.2
+    flagged = short["status"][...] == 4
+    assert flagged.sum() > 2 and (short["status"][...][~flagged] == 0).all()
+    assert left[flagged].all() and (wide["status"][...] == 0).all()
+PYTHON
+    # of no use for training
+    run --separate-stderr snapgen out.yml -o s.h5 --quiet --allow-failures 1
+    [ "$status" -eq 3 ]
+    [[ ${stderr_lines[0]} == *"not converged: the exit boundary outside the domain (grid.x_max)" ]]
 }
 
 # A run of some seconds.

@@ -332,7 +332,7 @@ static void squeeze_is_symmetric(void **state) {
 static const char busy[] =
     "end_time: 1, tolerance: 1e-3, load: {law: sine, amplitude: 0.3, period: 0.5}, "
     "speed: {law: ramp, from: 1, to: 0.4, start: 0.3, duration: 0.4}, "
-    "radius: {law: step, from: 1, to: 1.2, at: 0.6}";
+    "radius: {law: step, from: 1, to: 1.1, at: 0.6}";
 
 /* Saved in the middle and restored into another object: the same bits as without a stop. */
 static void saved_march_goes_on_with_the_same_bits(void **state) {

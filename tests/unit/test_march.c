@@ -29,6 +29,7 @@ typedef struct follower {
     ehd_status breaks_with; // from attempt fails_at on, an error
     // counts
     size_t num_attempts, num_accepted, num_restarts;
+    double least_step; // of all attempts
     double restart_time[8];
 } follower;
 
@@ -54,6 +55,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
                             .local_error = formula.error * fabs(value - prediction),
                             .iterations = 3};
     if (self->longest_step > 0 && step > self->longest_step) outcome->local_error = 1;
+    self->least_step = fmin(self->least_step, step);
     self->num_attempts++;
     if (self->num_attempts == self->untrusted_at) {
         outcome->status = EHD_UNTRUSTED;
@@ -153,6 +155,7 @@ static void run_begin(run *self, const char *transient) {
                                 .by_history = true,
                                 .ring = bdf_ring_empty(),
                                 .load_of_start = 1,
+                                .least_step = INFINITY,
                                 .fails_after = INFINITY};
     if (histories_init(&self->histories, &of, &error)) fail_msg("%s", error.text);
     static const ehd_contact line = {.kind = &contact_line, .approach_length = 1};
@@ -340,6 +343,69 @@ static void fixed_steps_fall_back_on_multiples(void **state) {
     run_end(&first);
 }
 
+/* As if so many fixed steps had been made. */
+static void run_late(run *self, double step, double steps_before, double end_time,
+                     const char *history) {
+    char transient[256];
+    double time = steps_before * step;
+
+    snprintf(transient, sizeof transient, "end_time: %.17g, fixed_step: %.17g, %s", end_time, step,
+             history);
+    run_begin(self, transient);
+    self->march.state.time = time;
+    self->follower.ring.time[self->follower.ring.place[1]] = time;
+    assert_int_equal(run_on(self), EHD_OK);
+}
+
+/* However many there have been, and however badly a double holds the step. */
+static void fixed_steps_go_on_late_in_time(void **state) {
+    static const struct {
+        double step, steps_before;
+    } cases[] = {{0.005, 26214404},  {0.001, 32768005}, {0.3, 3},    {0.1, 123456789},
+                 {0.007, 999999937}, {0.3, 1e9},        {1e-9, 1e9}, {1. / 3, 4e11}};
+    const size_t num_steps = 1000;
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        double step = cases[i].step, before = cases[i].steps_before;
+        run_late(&first, step, before, (before + (double)num_steps) * step,
+                 "load: {law: constant}");
+        assert_int_equal(first.count, 1 + num_steps);
+        for (size_t k = 1; k <= num_steps; k++)
+            check_close(first.time[k], (before + (double)k) * step, 0, 0);
+        run_end(&first);
+    }
+}
+
+/* A kink late in time, where there is one more step. */
+static void fixed_steps_fall_back_late_in_time(void **state) {
+    (void)state;
+    run_late(&first, 0.005, 26214404, 26214604 * 0.005,
+             "load: {law: ramp, from: 1, to: 2, start: 131072.0312, duration: 1e3}");
+    assert_int_equal(first.count, 1 + 200 + 1);
+    assert_int_equal(entries_at(&first, 131072.0312), 1);
+    for (int k = 1; k <= 200; k++)
+        assert_int_equal(entries_at(&first, (26214404. + k) * 0.005), 1);
+    run_end(&first);
+}
+
+/* 3 * 0.3 is below 0.9 by rounding, and 0.7 + 0.2 too: no step from there to the end, or to a multiple. */
+static void times_that_differ_by_rounding_are_one(void **state) {
+    static const char *const transients[] = {
+        "end_time: 0.9, fixed_step: 0.3",
+        "end_time: 1.2, fixed_step: 0.3, load: {law: ramp, from: 1, to: 2, start: 0.9, duration: "
+        "9}",
+        "end_time: 0.9, fixed_step: 0.1, load: {law: ramp, to: 2, start: 0.7, duration: 0.2}"};
+    const size_t num_steps[] = {3, 4, 9};
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        run_begin(&first, transients[i]);
+        assert_int_equal(run_on(&first), EHD_OK);
+        assert_int_equal(first.count, 1 + num_steps[i]);
+        assert_int_equal(entries_at(&first, first.march.settings.end_time), 1);
+        run_end(&first);
+    }
+}
+
 /* A jump is a new start: the earlier states do not count, and the first step is short again. */
 static void jump_restarts(void **state) {
     (void)state;
@@ -421,6 +487,29 @@ static void step_size_underflows(void **state) {
         // what was found stands
         check_close(last_of(&first, first.time), first.march.state.time, 0, 0);
         check_close(last_of(&first, first.value), exp(-first.march.state.time), 0, 1e-2);
+        run_end(&first);
+    }
+}
+
+/* Steps that the time's own rounding would swallow are not tried, however short the first one was. */
+static void step_size_ends_above_rounding(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        run_begin(&first, "end_time: 2, tolerance: 1e-3, load: {law: step, to: 1.5, at: 1}");
+        first.march.settings.first_step = 1e-13;
+        first.march.state.step = 0.1;
+        if (i == 0)
+            first.follower.fails_after = 0.7; // before the jump
+        else
+            first.march.settings.tolerance = 1e-9; // crawls from there on
+        if (i == 1) first.follower.fails_after = 1;
+        assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
+        assert_non_null(strstr(first.march.reason, "found a step size of "));
+        assert_non_null(strstr(first.march.reason, ", expected above "));
+        assert_null(strstr(first.march.reason, "size of 0.0e+00"));
+        for (size_t k = 1; k < first.count; k++)
+            assert_true(first.step[k] > 0 && first.time[k] > first.time[k - 1]);
+        assert_true(first.follower.least_step > 0);
         run_end(&first);
     }
 }
@@ -561,12 +650,16 @@ int main(void) {
         cmocka_unit_test(pulse_is_followed),
         cmocka_unit_test(kinks_are_hit_exactly),
         cmocka_unit_test(fixed_steps_fall_back_on_multiples),
+        cmocka_unit_test(fixed_steps_go_on_late_in_time),
+        cmocka_unit_test(fixed_steps_fall_back_late_in_time),
+        cmocka_unit_test(times_that_differ_by_rounding_are_one),
         cmocka_unit_test(jump_restarts),
         cmocka_unit_test(jump_and_fixed_steps),
         cmocka_unit_test(jump_at_the_end),
         cmocka_unit_test(jump_at_the_start),
         cmocka_unit_test(failed_step_is_taken_again),
         cmocka_unit_test(step_size_underflows),
+        cmocka_unit_test(step_size_ends_above_rounding),
         cmocka_unit_test(noise_underflows),
         cmocka_unit_test(crawling_ends),
         cmocka_unit_test(errors_end_the_march),

@@ -27,7 +27,7 @@ typedef struct stub_solver {
     size_t num_attempts;   // of this process
     size_t before;         // those of earlier processes, saved
     size_t interrupted_at; // attempt, of all of them
-    bool interrupted_at_start;
+    bool interrupted_at_start, fails_at_start;
     double fails_from; // T
 } stub_solver;
 
@@ -46,6 +46,10 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
     *outcome = (march_step){.reason = "", .frame = *frame, .scalars = scalars_at(0)};
     self->time = 0;
+    if (self->fails_at_start) {
+        outcome->status = EHD_NOT_CONVERGED;
+        outcome->reason = "no way in";
+    }
     if (!self->interrupted_at_start) return EHD_OK;
     raise(SIGINT);
     return ehd_fail(error, EHD_INTERRUPTED, "start: interrupted");
@@ -267,6 +271,18 @@ static void interrupted_at_the_start(void **state) {
     check_contains(out, "T = 0 to 1 in ");
 }
 
+static void a_start_that_fails_is_told(void **state) {
+    (void)state;
+    stub.fails_at_start = true;
+    for (int written = 0; written < 2; written++) {
+        assert_int_equal(run(false, written), EHD_NOT_CONVERGED);
+        assert_string_equal(err, "fullrun: /dev/null: not converged: found no stationary solution "
+                                 "to start from (no way in), expected one\n");
+        assert_string_equal(out, "");
+        assert_true(access(path, F_OK) != 0);
+    }
+}
+
 static void an_early_end_is_told(void **state) {
     (void)state;
     char line[256];
@@ -296,6 +312,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         TEST(resumed_reports_what_an_uninterrupted_run_does),
         TEST(interrupted_at_the_start),
+        TEST(a_start_that_fails_is_told),
         TEST(an_early_end_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
