@@ -148,8 +148,14 @@ static size_t convex_hull(point *hull, point *points, size_t num) {
     return count > 1 ? count - 1 : count;
 }
 
+/* From a corner of the hull to the next one. */
+typedef struct hull_edge {
+    point start, direction; // of length 1
+    double length;
+} hull_edge;
+
 struct trained_range {
-    point *hull; // [count], counter-clockwise, in units of `extent`
+    hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
     point extent;
     double slack; // how far outside of the hull still counts as inside, in units of the extent
@@ -158,7 +164,7 @@ struct trained_range {
 
 trained_range *trained_range_free(trained_range *self) {
     if (self) {
-        free(self->hull);
+        free(self->edges);
         free(self);
     }
     return NULL;
@@ -184,36 +190,43 @@ static void find_extent(trained_range *self, const reduced_states *states) {
     self->slack = stationary ? 1e-9 : 2e-3;
 }
 
+static hull_edge edge_between(point a, point b) {
+    double length = hypot(b.M - a.M, b.pressure - a.pressure), scale = 1 / fmax(length, 1e-300);
+
+    return (hull_edge){a, {(b.M - a.M) * scale, (b.pressure - a.pressure) * scale}, length};
+}
+
 trained_range *trained_range_create(const reduced_model *model) {
     const reduced_states *states = &model->states;
     size_t num = states->num_states;
     trained_range *self = calloc(1, sizeof *self);
-    point *points = malloc((num + 1) * sizeof *points);
+    point *points = malloc((num + 1) * sizeof *points), *hull = malloc((num + 2) * sizeof *hull);
 
-    if (self) self->hull = malloc((num + 2) * sizeof *self->hull);
-    if (!self || !points || !self->hull) {
-        free(points);
-        return trained_range_free(self);
+    if (self) self->edges = malloc((num + 2) * sizeof *self->edges);
+    if (self && self->edges && points && hull) {
+        find_extent(self, states);
+        for (size_t s = 0; s < num; s++)
+            points[s] = (point){states->moes_M[s] / self->extent.M,
+                                states->alpha_p_H[s] / self->extent.pressure};
+        self->count = num ? convex_hull(hull, points, num) : 0;
+        for (size_t i = 0; i < self->count; i++)
+            self->edges[i] = edge_between(hull[i], hull[(i + 1) % self->count]);
+    } else {
+        self = trained_range_free(self);
     }
-    find_extent(self, states);
-    for (size_t s = 0; s < num; s++)
-        points[s] = (point){states->moes_M[s] / self->extent.M,
-                            states->alpha_p_H[s] / self->extent.pressure};
-    self->count = num ? convex_hull(self->hull, points, num) : 0;
     free(points);
+    free(hull);
     return self;
 }
 
 /* How far a point lies to the right of an edge or, within the line that a hull of two points is, beyond its
  * ends. */
-static double outside_edge(point a, point b, point wanted, bool line) {
-    double length = hypot(b.M - a.M, b.pressure - a.pressure);
-    double across = -turn(a, b, wanted) / fmax(length, 1e-300);
-    double along = ((wanted.M - a.M) * (b.M - a.M) +
-                    (wanted.pressure - a.pressure) * (b.pressure - a.pressure)) /
-                   fmax(length, 1e-300);
+static double outside_edge(const hull_edge *edge, point wanted, bool line) {
+    point from = {wanted.M - edge->start.M, wanted.pressure - edge->start.pressure};
+    double across = from.M * edge->direction.pressure - from.pressure * edge->direction.M;
+    double along = from.M * edge->direction.M + from.pressure * edge->direction.pressure;
 
-    return line ? fmax(across, along - length) : across;
+    return line ? fmax(across, along - edge->length) : across;
 }
 
 const char *trained_range_check(const trained_range *self, double moes_M, double alpha_p_H,
@@ -223,9 +236,10 @@ const char *trained_range_check(const trained_range *self, double moes_M, double
     bool line = self->count <= 2, of_trajectories = self->slack > 1e-6;
     double outside = line && !(of_trajectories && self->count == 2) ? INFINITY : -INFINITY;
 
-    for (size_t i = 0; i < self->count; i++)
-        outside = fmax(
-            outside, outside_edge(self->hull[i], self->hull[(i + 1) % self->count], wanted, line));
+    for (size_t i = 0; i < self->count; i++) {
+        double here = outside_edge(&self->edges[i], wanted, line);
+        outside = here > outside ? here : outside;
+    }
     if (!(outside <= self->slack)) return "outside of the trained range of M and alpha p_H";
     if (rate > fmax(rate_slack * self->most_rate, least_rate))
         return "a contact that changes faster than any in training";
