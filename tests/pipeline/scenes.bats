@@ -130,7 +130,7 @@ small_transient() {
     sed -i 's/period: \[.*/period: [0.5, 1]/' plan.yml
     printf '%s\n' "$(head -n 1 cases.csv)" 0.5,0.2,0.005,5010,4192,3949,119 0.75,0.2,0.005,,,, >few.csv
     mv few.csv cases.csv
-    sizes=(model.PRESSURE_MODES=32 model.ROWS=60 model-paper.PRESSURE_MODES=25
+    sizes=(model.PRESSURE_MODES=32 model.ROWS=50 model-paper.PRESSURE_MODES=25
         model-paper.DEFORMATION_MODES=20 model-paper.ROWS=50 FIGURE5_TIME=0.15
         EXTREME_AMPLITUDES=0.1 EXTREME_PERIODS='0.5 1' SNAPGEN_OPTIONS='--jobs 1')
 }
