@@ -544,32 +544,30 @@ static double minimum_film(reduced_solver *self, const reduced_state *state) {
     return least;
 }
 
-/* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
- * is after some more turns. In time, where the exit moves by a node now and then, two nodes often ask for
- * one another, and it stays at once. */
-typedef struct exit_watch {
-    int direction, turns, most_turns;
-} exit_watch;
-
-static exit_watch start_watch(bool in_time) {
-    return (exit_watch){.most_turns = in_time ? 0 : 3};
-}
-
-static size_t watch_exit(exit_watch *watch, size_t exit, size_t next) {
-    int direction = next > exit ? 1 : next < exit ? -1 : 0;
-
-    if (direction && watch->direction && direction != watch->direction) watch->turns++;
-    if (direction) watch->direction = direction;
-    if (watch->turns > watch->most_turns) return exit;
-    return watch->turns > 0 ? (size_t)((ptrdiff_t)exit + direction) : next;
-}
-
 /* Whether an exit that was kept where it is lies near enough to where it should be: a node or two do
  * not move the film, more do. */
 static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted) {
     size_t distance = wanted > exit ? wanted - exit : exit - wanted;
 
     return distance <= (size_t)(SETTLED / model->grid.step) + 1;
+}
+
+/* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
+ * is after some more turns. In time, where neighbouring nodes often ask for one another, it stays as soon
+ * as it has settled. */
+typedef struct exit_watch {
+    bool in_time;
+    int direction, turns;
+} exit_watch;
+
+static size_t watch_exit(exit_watch *watch, const reduced_model *model, size_t exit, size_t next) {
+    int direction = next > exit ? 1 : next < exit ? -1 : 0;
+
+    if (direction && watch->direction && direction != watch->direction) watch->turns++;
+    if (direction) watch->direction = direction;
+    if (watch->turns == 0) return next;
+    if (watch->turns > 3 || (watch->in_time && exit_settled(model, exit, next))) return exit;
+    return (size_t)((ptrdiff_t)exit + direction);
 }
 
 /* Brings the rows and their values to the state, whose values may be known. */
@@ -635,7 +633,7 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch = start_watch(squeeze != NULL);
+    exit_watch watch = {.in_time = squeeze != NULL};
     iterate before = {NAN, NAN, 0}, now;
 
     info->own_jacobian = true;
@@ -656,7 +654,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         double start = program_seconds();
         size_t wanted = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                 : adapt_exit(self, state, contact);
-        size_t exit = watch_exit(&watch, state->exit, wanted);
+        size_t exit = watch_exit(&watch, self->model, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
             bool settled = exit_settled(self->model, exit, wanted);
@@ -758,7 +756,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = start_watch(true);
+    exit_watch watch = {.in_time = true};
     kept_iterate at = {.change = NAN};
 
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
@@ -766,7 +764,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
         if (!take_kept_step(&at, info, state, self, contact)) return false;
         double start = program_seconds();
         size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
-        size_t exit = watch_exit(&watch, state->exit, wanted);
+        size_t exit = watch_exit(&watch, self->model, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
             most_distance)
