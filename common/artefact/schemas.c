@@ -292,6 +292,7 @@ static const artefact_axis model_axes[] = {
     {"row", "1", "index of the selected row, in order of selection"},
     {"needed_node", "1", "index of the film node whose pressure and film the selected rows need"},
     {"band_node", "1", "index of the film node, counted from the first of the exit band"},
+    {"jacobian_mode", "1", "index of the mode of the weighted Jacobian products, strongest first"},
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
     STATE_AXIS,
@@ -301,6 +302,12 @@ static const artefact_field model_fields[] = {
     INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
     REAL("row_weight", "1", NEED_ALWAYS,
          "weight of the selected rows: D times their factor in the least squares", "row"),
+    REAL("row_factor", "1", NEED_OPTIONAL,
+         "that factor; a part of the rows or modes has factors of its own", "row"),
+    REAL("row_jacobian_modes", "1", NEED_OPTIONAL,
+         "modes of the weighted Jacobian products at the selected rows, orthonormal over all rows; "
+         "the factors of a part of the rows follow from them",
+         "row", "jacobian_mode"),
     INTEGER("needed_node_index", NEED_ALWAYS,
             "film nodes that are needed, ascending; film node k + 1 is index k of x, 0 and the "
             "last are the boundary nodes",
@@ -352,6 +359,7 @@ static const artefact_attribute model_attributes[] = {
     ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "last film node at which the exit may lie"),
     ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
+    ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL, "method of the rows' factors"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest singular value of the sampled residual basis"),
     ATTRIBUTE("sigma_min_jacobian", ARTEFACT_REAL, "1", NEED_OWN,
@@ -363,7 +371,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       1,
-                                      0,
+                                      1,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,
