@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun: solves one scene with the reduced model. */
+/* romrun: solves one scene with the reduced model, or measures what the model can do. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
 #include "common/program/program.h"
+#include "romrun/calibrate.h"
 #include "romrun/ehdrom.h"
 #include "romrun/time_compare.h"
+#include "romrun/trade_file.h"
+#include "snapgen/pool.h"
 
 #include <errno.h>
 #include <math.h>
@@ -17,13 +20,16 @@
 
 enum {
     KEY_MODEL = 'm',
+    KEY_JOBS = 'j',
     KEY_PRESSURE_MODES = 0x200,
     KEY_DEFORMATION_MODES,
     KEY_ROWS,
     KEY_AGAINST,
     KEY_ALLOW_UNTRUSTED,
     KEY_REPEAT,
-    KEY_RESUME
+    KEY_RESUME,
+    KEY_CALIBRATE,
+    KEY_TRADE
 };
 
 typedef struct romrun_options {
@@ -31,7 +37,10 @@ typedef struct romrun_options {
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
     bool allow_untrusted, resume;
-    size_t repeats; // of the solution; its median time is reported
+    size_t repeats;        // of the solution; its median time is reported
+    const char *calibrate; // plan; NULL: none
+    bool trade;
+    size_t num_jobs; // 0: by itself
 } romrun_options;
 
 static const struct argp_option own_options[] = {
@@ -59,6 +68,18 @@ static const struct argp_option own_options[] = {
     {.name = "resume",
      .key = KEY_RESUME,
      .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
+    {.name = "calibrate",
+     .key = KEY_CALIBRATE,
+     .arg = "PLAN.yml",
+     .doc = "Measure deviations and time of many sizes of the model on the scenes of a plan, none "
+            "of them "
+            "trained on, and write the model with the table to -o"},
+    {.name = "jobs",
+     .key = KEY_JOBS,
+     .arg = "N",
+     .doc =
+         "Full solutions at a time with --calibrate; as many as there are processors by default"},
+    {.name = "trade", .key = KEY_TRADE, .doc = "Print the table of a calibrated model"},
     {0}};
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
@@ -94,6 +115,15 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_REPEAT:
         status =
             parse_count(&options->repeats, argument, 1, 1000000, "--repeat", EHD_USAGE, &error);
+        break;
+    case KEY_CALIBRATE:
+        options->calibrate = argument;
+        break;
+    case KEY_JOBS:
+        status = parse_count(&options->num_jobs, argument, 1, 4096, "--jobs", EHD_USAGE, &error);
+        break;
+    case KEY_TRADE:
+        options->trade = true;
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -339,19 +369,56 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     return status;
 }
 
-/* Everything between the command line and the exit code. */
-static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
+/* What the command line asks for has to go together. */
+static ehd_status check_usage(const program *self, const romrun_options *options,
+                              ehd_error *error) {
+    const bool solves = !options->calibrate && !options->trade;
+    const char *mode = options->calibrate ? "--calibrate" : "--trade";
+    const ehdrom_sizes *sizes = &options->sizes;
+    const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
+
+    if (self->num_arguments != (solves ? 1 : 0))
+        return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
+                        self->num_arguments, self->num_arguments == 1 ? "" : "s",
+                        solves ? "SCENE.yml --model MODEL.h5" : "none with --calibrate or --trade");
+    if (!options->model)
+        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
+    if (options->calibrate && options->trade)
+        return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
+    if (options->num_jobs > 0 && !options->calibrate)
+        return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
+    if (!solves && (sized || options->against || options->allow_untrusted || options->resume ||
+                    options->repeats > 1))
+        return ehd_fail(error, EHD_USAGE,
+                        "%s: found with an option for solving a scene, expected none", mode);
+    if (options->resume && !self->output)
+        return ehd_fail(
+            error, EHD_USAGE,
+            "--resume: found without --output, expected the one of the interrupted run");
+    if (options->calibrate && !self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    if (options->trade && self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found with --trade, expected without");
+    return EHD_OK;
+}
+
+static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
+    trade_table table;
+    ehd_status status = trade_read(&table, options->model, error);
+    if (status) return status;
+
+    trade_print(&table, stdout);
+    trade_free(&table);
+    return EHD_OK;
+}
+
+/* One scene. */
+static ehd_status run_scene(const program *self, const romrun_options *options, ehd_error *error) {
     ehd_contact contact;
     ehdrom_model *model = NULL;
     scene given;
     char *text = NULL;
 
-    if (!options->model)
-        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
-    if (options->resume && !self->output)
-        return ehd_fail(
-            error, EHD_USAGE,
-            "--resume: found without --output, expected the one of the interrupted run");
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
     if (!status && options->resume && !transient)
@@ -369,15 +436,29 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
     return status;
 }
 
+/* Everything between the command line and the exit code. */
+static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
+    ehd_status status = check_usage(self, options, error);
+
+    if (status) return status;
+    if (options->trade) return print_trade(options, error);
+    if (options->calibrate)
+        return calibrate(self, options->calibrate, options->model,
+                         options->num_jobs ? options->num_jobs : pool_default_workers(), error);
+    return run_scene(self, options, error);
+}
+
 int main(int argc, char **argv) {
     romrun_options own = {.repeats = 1};
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
                                      .own = &own,
-                                     .arguments_doc = "SCENE.yml --model MODEL.h5 -o RESULT.h5",
+                                     .arguments_doc =
+                                         "SCENE.yml --model MODEL.h5 -o RESULT.h5\n"
+                                         "--calibrate PLAN.yml --model MODEL.h5 -o CALIBRATED.h5\n"
+                                         "--trade --model CALIBRATED.h5",
                                      .doc = "Solves one scene with the reduced model.",
                                      .help_tail = print_settings,
-                                     .least_arguments = 1,
                                      .most_arguments = 1};
     ehd_error error = {""};
     program self;

@@ -47,9 +47,15 @@ static ehd_status copy_axis(artefact *to, artefact *from, const char *name, size
     return status;
 }
 
-static bool has_axis(const artefact_field *field, const char *axis) {
-    for (size_t i = 0; axis && i < field_rank(field); i++)
-        if (strcmp(field->axes[i], axis) == 0) return true;
+static bool is_listed(const char *name, const char *const *names) {
+    for (; names && *names; names++)
+        if (strcmp(name, *names) == 0) return true;
+    return false;
+}
+
+static bool has_listed_axis(const artefact_field *field, const char *const *axes) {
+    for (size_t i = 0; i < field_rank(field); i++)
+        if (is_listed(field->axes[i], axes)) return true;
     return false;
 }
 
@@ -76,7 +82,8 @@ static ehd_status copy_field(artefact *to, artefact *from, const artefact_field 
     return status;
 }
 
-ehd_status artefact_copy(artefact *to, artefact *from, const char *except_axis, ehd_error *error) {
+ehd_status artefact_copy(artefact *to, artefact *from, const char *const *except_axes,
+                         ehd_error *error) {
     const artefact_schema *schema = from->schema;
     ehd_status status = EHD_OK;
 
@@ -85,11 +92,11 @@ ehd_status artefact_copy(artefact *to, artefact *from, const char *except_axis, 
             status = copy_attribute(to, from, entry, error);
     for (const artefact_axis *axis = schema->axes; axis->name && !status; axis++) {
         size_t length = artefact_length(from, axis->name);
-        if (length > 0 && !(except_axis && strcmp(axis->name, except_axis) == 0))
+        if (length > 0 && !is_listed(axis->name, except_axes))
             status = copy_axis(to, from, axis->name, length, error);
     }
     for (const artefact_field *field = schema->fields; field->name && !status; field++)
-        if (field_exists(from, field) && !has_axis(field, except_axis))
+        if (field_exists(from, field) && !has_listed_axis(field, except_axes))
             status = copy_field(to, from, field, error);
     return status;
 }

@@ -296,7 +296,14 @@ static const artefact_axis model_axes[] = {
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
     STATE_AXIS,
+    {"position", "1", "index of the measured size of the model, smallest first"},
+    {"quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"},
     {0}};
+
+/* Measured at a size of the model, over the scenes that it solved. */
+#define DEVIATION(quantity, what)                                                                  \
+    REAL("deviation_" quantity, "1", NEED_OPTIONAL, "deviation from the full model: " what,        \
+         "position", "quantile")
 
 static const artefact_field model_fields[] = {
     INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
@@ -348,6 +355,24 @@ static const artefact_field model_fields[] = {
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "
          "the state",
          "state"),
+    INTEGER("position_pressure_modes", NEED_OPTIONAL,
+            "pressure modes in use; this and what follows only in a calibrated model", "position"),
+    INTEGER("position_deformation_modes", NEED_OPTIONAL,
+            "deformation modes in use, 0 for deformation = coupled", "position"),
+    INTEGER("position_rows", NEED_OPTIONAL, "rows in use", "position"),
+    DEVIATION("central_film_thickness", "central film thickness, relative"),
+    DEVIATION("minimum_film_thickness", "minimum film thickness, relative"),
+    DEVIATION("central_pressure", "central pressure, relative"),
+    DEVIATION("pressure", "pressure P, largest of all nodes"),
+    REAL("position_mean_iterations", "1", NEED_OPTIONAL, "Newton iterations of a scene in the mean",
+         "position"),
+    REAL("position_most_iterations", "1", NEED_OPTIONAL, "Newton iterations of a scene at most",
+         "position"),
+    REAL("position_seconds", "s", NEED_OPTIONAL, "median time of a solution, with the model open",
+         "position"),
+    INTEGER("position_failures", NEED_OPTIONAL,
+            "scenes that did not converge or were not to be trusted; they count nowhere else",
+            "position"),
     {0}};
 
 static const artefact_attribute model_attributes[] = {
@@ -367,11 +392,13 @@ static const artefact_attribute model_attributes[] = {
     ATTRIBUTE("sigma_min_over_exits", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest of both over all exits seen in training"),
     BASIS_ATTRIBUTE,
+    ATTRIBUTE("calibration_scenes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "scenes that each position was measured on, none of them a training solution"),
     {0}};
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       1,
-                                      1,
+                                      2,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,
