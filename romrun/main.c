@@ -29,13 +29,15 @@ enum {
     KEY_REPEAT,
     KEY_RESUME,
     KEY_CALIBRATE,
-    KEY_TRADE
+    KEY_TRADE,
+    KEY_ACCURACY
 };
 
 typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
+    double accuracy; // of the central film, to choose the sizes by; 0: not given
     bool allow_untrusted, resume;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
@@ -54,6 +56,12 @@ static const struct argp_option own_options[] = {
      .arg = "N",
      .doc = "Use only the first N deformation modes"},
     {.name = "rows", .key = KEY_ROWS, .arg = "N", .doc = "Use only the first N rows"},
+    {.name = "accuracy",
+     .key = KEY_ACCURACY,
+     .arg = "X",
+     .doc =
+         "Use as much of a calibrated model as its central film needs to have deviated by at most "
+         "X, such as 1e-3"},
     {.name = "against",
      .key = KEY_AGAINST,
      .arg = "RESULT.h5",
@@ -102,6 +110,10 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_ROWS:
         status =
             parse_count(&options->sizes.rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
+        break;
+    case KEY_ACCURACY:
+        status =
+            parse_real(&options->accuracy, argument, 1e-15, 1, "--accuracy", EHD_USAGE, &error);
         break;
     case KEY_AGAINST:
         options->against = argument;
@@ -317,25 +329,13 @@ static ehd_status compare_in_time(const time_trace *trace, const time_series *fu
     return EHD_OK;
 }
 
-/* The settings, and what else of the command line the solution depends on. */
-static char *text_with_sizes(const char *text, const ehdrom_sizes *sizes) {
-    char *whole = NULL;
-
-    if (asprintf(&whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)\n", text,
-                 sizes->pressure_modes, sizes->deformation_modes, sizes->rows) < 0)
-        whole = NULL;
-    return whole;
-}
-
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 ehdrom_model *model, const ehd_contact *contact, const scene *given,
                                 const char *text, ehd_error *error) {
     ehdrom_transient *in_time = NULL;
     time_series full = {0};
     time_trace trace = {0};
-    char *whole_text = text_with_sizes(text, &options->sizes);
-    ehd_status status = whole_text ? ehdrom_prepare_transient(model, error)
-                                   : ehd_fail(error, EHD_MEMORY, "settings: found no memory");
+    ehd_status status = ehdrom_prepare_transient(model, error);
 
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
     if (!status && options->against) {
@@ -348,7 +348,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
-                                    .settings_text = whole_text,
+                                    .settings_text = text,
                                     .model = options->model,
                                     .against = options->against,
                                     .solver = ehdrom_march(in_time),
@@ -365,7 +365,62 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     time_trace_free(&trace);
     time_series_free(&full);
     ehdrom_transient_free(in_time);
-    free(whole_text);
+    return status;
+}
+
+/* The settings of the scene, and what else of the command line the solution depends on. */
+static char *text_with_sizes(const char *text, const romrun_options *options) {
+    const ehdrom_sizes *sizes = &options->sizes;
+    char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT], *whole = NULL;
+
+    if (options->accuracy > 0) {
+        number_show(number, options->accuracy);
+        snprintf(accuracy, sizeof accuracy, ", accuracy %s", number);
+    }
+    if (asprintf(&whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s\n",
+                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy) < 0)
+        whole = NULL;
+    return whole;
+}
+
+/* The fastest sizes that were measured to be good enough, and a note of which and why. */
+static ehd_status choose_sizes(ehdrom_sizes *sizes, const program *self,
+                               const romrun_options *options, ehd_error *error) {
+    const double up = 1.006; // what is shown with three digits can be asked for
+    trade_table table;
+    char name[TRADE_NAME];
+    ehd_status status = trade_read(&table, options->model, error);
+    if (status) return status;
+
+    size_t chosen = trade_cheapest(&table, options->accuracy);
+    size_t best = trade_most_accurate(&table);
+    if (chosen < table.num_positions) {
+        const trade_position *position = &table.positions[chosen];
+        *sizes = position->sizes;
+        trade_name(name, sizes);
+        program_note(
+            self,
+            "--accuracy %g: %s, the fastest of %zu sizes whose central film was at most so "
+            "far off: %.3g on %zu scenes, in %.3g ms",
+            options->accuracy, name, table.num_positions,
+            position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST], table.num_scenes,
+            position->seconds * 1e3);
+    } else if (best < table.num_positions) {
+        const trade_position *position = &table.positions[best];
+        trade_name(name, &position->sizes);
+        status =
+            ehd_fail(error, EHD_DATA,
+                     "--accuracy: found %g, expected at least %.3g, the best that %s was "
+                     "measured to give (%s)",
+                     options->accuracy, up * position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST],
+                     options->model, name);
+    } else {
+        status = ehd_fail(error, EHD_DATA,
+                          "--accuracy: found no size of %s that solved all %zu scenes of its "
+                          "calibration, expected one",
+                          options->model, table.num_scenes);
+    }
+    trade_free(&table);
     return status;
 }
 
@@ -385,10 +440,14 @@ static ehd_status check_usage(const program *self, const romrun_options *options
         return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
     if (options->calibrate && options->trade)
         return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
+    if (options->accuracy > 0 && sized)
+        return ehd_fail(error, EHD_USAGE,
+                        "--accuracy: found with --pressure-modes, --deformation-modes or --rows, "
+                        "expected one or the other");
     if (options->num_jobs > 0 && !options->calibrate)
         return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
-    if (!solves && (sized || options->against || options->allow_untrusted || options->resume ||
-                    options->repeats > 1))
+    if (!solves && (sized || options->accuracy > 0 || options->against ||
+                    options->allow_untrusted || options->resume || options->repeats > 1))
         return ehd_fail(error, EHD_USAGE,
                         "%s: found with an option for solving a scene, expected none", mode);
     if (options->resume && !self->output)
@@ -412,27 +471,47 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
     return EHD_OK;
 }
 
+/* What belongs to scenes of one regime only. */
+static ehd_status check_regime(const romrun_options *options, bool transient, ehd_error *error) {
+    if (options->resume && !transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--resume: found with a stationary scene, expected a transient one");
+    if (options->repeats > 1 && transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--repeat: found with a transient scene, expected a stationary one");
+    if (options->accuracy > 0 && transient)
+        return ehd_fail(
+            error, EHD_USAGE,
+            "--accuracy: found with a transient scene, expected a stationary one, which "
+            "is what models are measured on");
+    return EHD_OK;
+}
+
 /* One scene. */
-static ehd_status run_scene(const program *self, const romrun_options *options, ehd_error *error) {
+static ehd_status run_scene(const program *self, const romrun_options *given_options,
+                            ehd_error *error) {
+    romrun_options options = *given_options;
     ehd_contact contact;
     ehdrom_model *model = NULL;
     scene given;
-    char *text = NULL;
-
-    ehd_status status = contact_load(&contact, &given, &text, self, error);
+    char *scene_lines = NULL, *text = NULL;
+    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
-    if (!status && options->resume && !transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--resume: found with a stationary scene, expected a transient one");
-    if (!status && options->repeats > 1 && transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--repeat: found with a transient scene, expected a stationary one");
-    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
+
+    if (!status) status = check_regime(&options, transient, error);
+    if (!status && options.accuracy > 0)
+        status = choose_sizes(&options.sizes, self, &options, error);
+    if (!status) {
+        text = text_with_sizes(scene_lines, &options);
+        if (!text) status = ehd_fail(error, EHD_MEMORY, "settings: found no memory");
+    }
+    if (!status) status = ehdrom_open(&model, options.model, &options.sizes, error);
     if (!status)
-        status = transient ? run_transient(self, options, model, &contact, &given, text, error)
-                           : run_stationary(self, options, model, &contact, &given, text, error);
+        status = transient ? run_transient(self, &options, model, &contact, &given, text, error)
+                           : run_stationary(self, &options, model, &contact, &given, text, error);
     ehdrom_close(model);
     free(text);
+    free(scene_lines);
     return status;
 }
 

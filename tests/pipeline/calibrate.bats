@@ -103,6 +103,48 @@ PYTHON
     refuse 66 "none.h5" romrun --trade --model none.h5
 }
 
+@test "--accuracy takes the fastest size that is good enough" {
+    cat >choose.py <<'PYTHON'
+import sys, h5py, numpy
+with h5py.File("c.h5") as f:
+    worst = f["deviation_central_film_thickness"][:, 2]
+    usable = f["position_failures"][...] == 0
+    best = worst[usable].min()
+    wanted = 2 * best
+    good = numpy.where(usable & (worst <= wanted), f["position_seconds"][...], numpy.inf)
+    chosen = good.argmin()
+    print(wanted, best / 2, f["position_pressure_modes"][chosen], f["position_rows"][chosen])
+PYTHON
+    read -r wanted too_good modes rows <<<"$(/usr/bin/python3 choose.py)"
+    run --separate-stderr romrun scene.yml --model c.h5 --accuracy "$wanted" -o x.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == "romrun: --accuracy "*": $modes pressure modes, $rows rows, the fastest of "* ]]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o y.h5 --quiet
+    [ "$(number x.h5 central_film_thickness)" = "$(number y.h5 central_film_thickness)" ]
+    [[ $(h5dump -a settings x.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
+    rm x.h5 y.h5
+    refuse 65 "--accuracy: found .*, expected at least .*, the best that c.h5 was measured to give" \
+        romrun scene.yml --model c.h5 --accuracy "$too_good" -o x.h5
+    # what the message names can be asked for
+    least=$(sed 's/.*expected at least \([^,]*\),.*/\1/' <<<"$stderr")
+    romrun scene.yml --model c.h5 --accuracy "$least" --quiet
+    refuse 65 "m.h5: found a model that is not calibrated" \
+        romrun scene.yml --model m.h5 --accuracy 0.1 -o x.h5
+}
+
+@test "--accuracy never takes a size that failed on a scene" {
+    cp c.h5 x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f:
+    f['position_failures'][...] = 1"
+    refused 65 "found no size of x.h5 that solved all 4 scenes" \
+        romrun scene.yml --model x.h5 --accuracy 1
+    run romrun --trade --model x.h5
+    [ "$(grep -c '^\*  ' <<<"$output")" -eq 0 ]
+}
+
 @test "a calibrated model is a model" {
     romrun scene.yml --model m.h5 -o first.h5
     romrun scene.yml --model c.h5 -o second.h5
@@ -169,5 +211,17 @@ YAML
     refuse 64 "--jobs: found" romrun --calibrate check.yml --model m.h5 -o x.h5 --jobs 0
     refuse 64 "--calibrate: found with an option for solving" \
         romrun --calibrate check.yml --model m.h5 -o x.h5 --rows 20
+    refuse 64 "--calibrate: found with an option for solving" \
+        romrun --calibrate check.yml --model m.h5 -o x.h5 --accuracy 0.1
+    for option in --rows --pressure-modes --deformation-modes; do
+        refuse 64 "--accuracy: found with" romrun scene.yml --model c.h5 -o x.h5 --accuracy 0.1 $option 9
+    done
+    for number in 0 -1 nan inf 2 x 1e-3x ''; do
+        refuse 64 "--accuracy: found" romrun scene.yml --model c.h5 -o x.h5 "--accuracy=$number"
+    done
+    sed 's/regime: stationary/regime: transient/' scene.yml >transient.yml
+    echo 'transient: {end_time: 0.1, load: {law: sine, amplitude: 0.1, period: 1}}' >>transient.yml
+    refuse 64 "--accuracy: found with a transient scene" \
+        romrun transient.yml --model c.h5 -o x.h5 --accuracy 0.1
     refuse 64 "--trade: found with an option for solving" romrun --trade --model c.h5 --repeat 5
 }
