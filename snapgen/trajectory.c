@@ -230,42 +230,16 @@ static ehd_status finish_trajectory(void *shared, void *worker, size_t number, s
     return status;
 }
 
-static ehd_status begin_nothing(void **worker, void *shared, ehd_error *error) {
-    (void)shared, (void)error;
-    *worker = NULL;
-    return EHD_OK;
-}
-
-static void end_nothing(void *worker) {
-    (void)worker;
-}
-
 static ehd_status run_pool(task *self, size_t num_workers, ehd_error *error) {
-    size_t num = self->result->num_trajectories;
-    size_t *parent = malloc(num * sizeof *parent), *order = malloc(num * sizeof *order);
-    ehd_status status = EHD_OK;
+    const pool_work work = {.num_points = self->result->num_trajectories,
+                            .num_workers = num_workers,
+                            .shared = self,
+                            .solve = solve_trajectory,
+                            .finish = finish_trajectory};
 
-    if (!parent || !order) status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
-    for (size_t t = 0; t < num && !status; t++) {
-        parent[t] = NO_PARENT;
-        order[t] = t;
-    }
-    if (!status) {
-        const pool_work work = {.num_points = num,
-                                .parent = parent,
-                                .order = order,
-                                .num_workers = num_workers,
-                                .shared = self,
-                                .begin = begin_nothing,
-                                .end = end_nothing,
-                                .solve = solve_trajectory,
-                                .finish = finish_trajectory};
-        progress_start(&self->progress, self->caller, PARTS_SHOWN);
-        status = pool_run(&work, error);
-        progress_finish(&self->progress);
-    }
-    free(parent);
-    free(order);
+    progress_start(&self->progress, self->caller, PARTS_SHOWN);
+    ehd_status status = pool_run(&work, error);
+    progress_finish(&self->progress);
     return status;
 }
 
