@@ -2,6 +2,7 @@
 #include "romrun/calibration.h"
 
 #include "common/program/program.h"
+#include "common/time/march.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,10 +32,10 @@ static ehd_status samples_init(samples *self, size_t num_scenes, size_t num_node
 
     *self = (samples){0};
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++) {
-        self->deviation[q] = malloc(num_scenes * sizeof(double));
+        self->deviation[q] = malloc((num_scenes + 1) * sizeof(double));
         complete = complete && self->deviation[q];
     }
-    self->seconds = malloc(num_scenes * REPEATS * sizeof(double));
+    self->seconds = malloc((num_scenes + 1) * REPEATS * sizeof(double));
     self->pressure = malloc(num_nodes * sizeof(double));
     self->film = malloc(num_nodes * sizeof(double));
     if (complete && self->seconds && self->pressure && self->film) return EHD_OK;
@@ -109,5 +110,89 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
     if (!status) evaluate(position, &taken);
     samples_free(&taken);
     ehdrom_solver_free(solver);
+    return status;
+}
+
+// ---- in time
+
+/* What the steps of all trajectories came to. */
+typedef struct repetition {
+    double worst[TRADE_PRESSURE];
+    double iterations, seconds;
+    size_t num_steps;
+} repetition;
+
+static void add_step(repetition *self, const march_step *outcome, const recorded_step *step,
+                     const ehd_contact *reference) {
+    const contact_scalars *full = &step->scalars;
+    const contact_scalars reduced =
+        frame_to_reference(&outcome->scalars, &outcome->frame, reference);
+    const double deviation[TRADE_PRESSURE] = {
+        relative(reduced.central_film_thickness, full->central_film_thickness),
+        relative(reduced.minimum_film_thickness, full->minimum_film_thickness),
+        relative(reduced.central_pressure, full->central_pressure)};
+
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        self->worst[q] = fmax(self->worst[q], deviation[q]);
+}
+
+/* The start, or a step that is accepted. */
+static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
+                              const recorded_step *step, bool start, ehd_error *error) {
+    ehd_status status =
+        start ? solver->start(outcome, solver->self, &step->frame, error)
+              : solver->attempt(outcome, solver->self, &step->frame, step->step, error);
+
+    if (status || outcome->status || start) return status;
+    outcome->frame = step->frame;
+    solver->accept(solver->self);
+    if (step->jump) solver->restart(solver->self);
+    return EHD_OK;
+}
+
+/* *lost: a step did not converge or was not to be trusted. */
+static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
+                         const recording *wanted, ehd_error *error) {
+    ehdrom_transient *in_time = NULL;
+    repetition here = *sum;
+    march_step outcome = {.status = EHD_OK};
+    ehd_status status = ehdrom_transient_create(&in_time, model, wanted->reference, error);
+    if (status) return status;
+
+    const march_solver solver = ehdrom_march(in_time);
+    for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
+        double before = program_seconds();
+        status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
+        double seconds = program_seconds() - before;
+        if (program_interrupted()) status = ehd_fail(error, EHD_INTERRUPTED, "%s", "");
+        if (status || outcome.status) break;
+        add_step(&here, &outcome, &wanted->steps[i], wanted->reference);
+        if (i == 0) continue; // not a step
+        here.seconds += seconds;
+        here.iterations += (double)outcome.iterations;
+        here.num_steps++;
+    }
+    *lost = outcome.status != EHD_OK;
+    if (!*lost) *sum = here;
+    ehdrom_transient_free(in_time);
+    return status;
+}
+
+ehd_status calibration_measure_in_time(trade_position *position, ehdrom_model *model,
+                                       const recording *recordings, size_t num_recordings,
+                                       ehd_error *error) {
+    repetition sum = {0};
+    ehd_status status = ehdrom_prepare_transient(model, error);
+
+    position->num_lost = 0;
+    for (size_t t = 0; t < num_recordings && !status; t++) {
+        bool lost = false;
+        status = repeat(&lost, &sum, model, &recordings[t], error);
+        position->num_lost += lost;
+    }
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        position->worst_in_time[q] = sum.num_steps ? sum.worst[q] : NAN;
+    position->step_iterations = sum.num_steps ? sum.iterations / (double)sum.num_steps : NAN;
+    position->step_seconds = sum.num_steps ? sum.seconds / (double)sum.num_steps : NAN;
     return status;
 }

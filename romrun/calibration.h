@@ -3,6 +3,7 @@
 #ifndef EHD_CALIBRATION_H
 #define EHD_CALIBRATION_H
 
+#include "romrun/recording.h"
 #include "romrun/trade.h"
 
 /* A scene and what the full model says of it. */
@@ -16,8 +17,17 @@ typedef struct solved_scene {
  * of the position. Errors of ehdrom_solve; EHD_INTERRUPTED with an empty text. */
 ehd_status calibration_measure(
     // output:
-    trade_position *position, // all but its sizes
+    trade_position *position, // what belongs to scenes
     // input:
     const ehdrom_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
+
+/* Repeats trajectories with the same steps, prepares the model for it. Errors as before. */
+ehd_status calibration_measure_in_time(
+    // output:
+    trade_position *position, // what belongs to trajectories
+    // in and out:
+    ehdrom_model *model,
+    // input:
+    const recording *recordings, size_t num_recordings, ehd_error *error);
 
 #endif

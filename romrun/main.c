@@ -384,42 +384,48 @@ static char *text_with_sizes(const char *text, const romrun_options *options) {
 }
 
 /* The fastest sizes that were measured to be good enough, and a note of which and why. */
-static ehd_status choose_sizes(ehdrom_sizes *sizes, const program *self,
-                               const romrun_options *options, ehd_error *error) {
+static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, const program *self,
+                              const romrun_options *options, bool in_time, ehd_error *error) {
     const double up = 1.006; // what is shown with three digits can be asked for
-    trade_table table;
+    size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
+    size_t chosen = trade_cheapest(table, options->accuracy, in_time);
+    size_t best = trade_most_accurate(table, in_time);
+    const char *what = in_time ? "trajectories" : "scenes";
     char name[TRADE_NAME];
-    ehd_status status = trade_read(&table, options->model, error);
-    if (status) return status;
 
-    size_t chosen = trade_cheapest(&table, options->accuracy);
-    size_t best = trade_most_accurate(&table);
-    if (chosen < table.num_positions) {
-        const trade_position *position = &table.positions[chosen];
-        *sizes = position->sizes;
-        trade_name(name, sizes);
-        program_note(
-            self,
-            "--accuracy %g: %s, the fastest of %zu sizes whose central film was at most so "
-            "far off: %.3g on %zu scenes, in %.3g ms",
-            options->accuracy, name, table.num_positions,
-            position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST], table.num_scenes,
-            position->seconds * 1e3);
-    } else if (best < table.num_positions) {
-        const trade_position *position = &table.positions[best];
-        trade_name(name, &position->sizes);
-        status =
-            ehd_fail(error, EHD_DATA,
-                     "--accuracy: found %g, expected at least %.3g, the best that %s was "
-                     "measured to give (%s)",
-                     options->accuracy, up * position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST],
-                     options->model, name);
-    } else {
-        status = ehd_fail(error, EHD_DATA,
-                          "--accuracy: found no size of %s that solved all %zu scenes of its "
-                          "calibration, expected one",
-                          options->model, table.num_scenes);
-    }
+    if (num_measured == 0)
+        return ehd_fail(error, EHD_DATA, "%s: found a calibration without %s, expected some",
+                        options->model, what);
+    if (best == table->num_positions)
+        return ehd_fail(error, EHD_DATA,
+                        "--accuracy: found no size of %s that solved all %zu %s of its "
+                        "calibration, expected one",
+                        options->model, num_measured, what);
+    const trade_position *position =
+        &table->positions[chosen < table->num_positions ? chosen : best];
+    const trade_price price = trade_price_of(position, in_time);
+    trade_name(name, &position->sizes);
+    if (chosen == table->num_positions)
+        return ehd_fail(error, EHD_DATA,
+                        "--accuracy: found %g, expected at least %.3g, the best that %s was "
+                        "measured to give (%s)",
+                        options->accuracy, up * price.deviation, options->model, name);
+    *sizes = position->sizes;
+    program_note(
+        self,
+        "--accuracy %g: %s, the fastest of %zu sizes whose central film was at most so far "
+        "off: %.3g on %zu %s, in %.3g ms%s",
+        options->accuracy, name, table->num_positions, price.deviation, num_measured, what,
+        price.seconds * 1e3, in_time ? " a step" : "");
+    return EHD_OK;
+}
+
+static ehd_status choose_sizes(ehdrom_sizes *sizes, const program *self,
+                               const romrun_options *options, bool in_time, ehd_error *error) {
+    trade_table table;
+    ehd_status status = trade_read(&table, options->model, error);
+
+    if (!status) status = choose_from(sizes, &table, self, options, in_time, error);
     trade_free(&table);
     return status;
 }
@@ -479,11 +485,6 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     if (options->repeats > 1 && transient)
         return ehd_fail(error, EHD_USAGE,
                         "--repeat: found with a transient scene, expected a stationary one");
-    if (options->accuracy > 0 && transient)
-        return ehd_fail(
-            error, EHD_USAGE,
-            "--accuracy: found with a transient scene, expected a stationary one, which "
-            "is what models are measured on");
     return EHD_OK;
 }
 
@@ -500,7 +501,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
 
     if (!status) status = check_regime(&options, transient, error);
     if (!status && options.accuracy > 0)
-        status = choose_sizes(&options.sizes, self, &options, error);
+        status = choose_sizes(&options.sizes, self, &options, transient, error);
     if (!status) {
         text = text_with_sizes(scene_lines, &options);
         if (!text) status = ehd_fail(error, EHD_MEMORY, "settings: found no memory");

@@ -70,48 +70,51 @@ double trade_quantile_of(double *values, size_t count, double quantile) {
 
 // ---- choosing
 
-static double worst_film(const trade_position *position) {
-    return position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
+trade_price trade_price_of(const trade_position *position, bool in_time) {
+    if (in_time)
+        return (trade_price){position->worst_in_time[TRADE_CENTRAL_FILM], position->step_seconds,
+                             position->num_lost};
+    return (trade_price){position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST], position->seconds,
+                         position->num_failures};
 }
 
-bool trade_is_beaten(const trade_table *table, size_t position) {
-    const trade_position *self = &table->positions[position];
+bool trade_is_beaten(const trade_table *table, size_t position, bool in_time) {
+    const trade_price self = trade_price_of(&table->positions[position], in_time);
 
-    if (self->num_failures > 0) return true;
+    if (self.num_failures > 0) return true;
     for (size_t i = 0; i < table->num_positions; i++) {
-        const trade_position *other = &table->positions[i];
-        if (other->num_failures == 0 && other->seconds <= self->seconds &&
-            worst_film(other) <= worst_film(self) &&
-            (other->seconds < self->seconds || worst_film(other) < worst_film(self)))
+        const trade_price other = trade_price_of(&table->positions[i], in_time);
+        if (other.num_failures == 0 && other.seconds <= self.seconds &&
+            other.deviation <= self.deviation &&
+            (other.seconds < self.seconds || other.deviation < self.deviation))
             return true;
     }
     return false;
 }
 
-size_t trade_cheapest(const trade_table *table, double deviation) {
+size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
     size_t best = table->num_positions;
     double seconds = INFINITY;
 
     for (size_t i = 0; i < table->num_positions; i++) {
-        const trade_position *position = &table->positions[i];
-        if (position->num_failures > 0 || !(worst_film(position) <= deviation) ||
-            !(position->seconds < seconds))
+        const trade_price price = trade_price_of(&table->positions[i], in_time);
+        if (price.num_failures > 0 || !(price.deviation <= deviation) || !(price.seconds < seconds))
             continue;
         best = i;
-        seconds = position->seconds;
+        seconds = price.seconds;
     }
     return best;
 }
 
-size_t trade_most_accurate(const trade_table *table) {
+size_t trade_most_accurate(const trade_table *table, bool in_time) {
     size_t best = table->num_positions;
     double deviation = INFINITY;
 
     for (size_t i = 0; i < table->num_positions; i++) {
-        const trade_position *position = &table->positions[i];
-        if (position->num_failures > 0 || !(worst_film(position) < deviation)) continue;
+        const trade_price price = trade_price_of(&table->positions[i], in_time);
+        if (price.num_failures > 0 || !(price.deviation < deviation)) continue;
         best = i;
-        deviation = worst_film(position);
+        deviation = price.deviation;
     }
     return best;
 }
@@ -127,14 +130,18 @@ void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes) {
                  sizes->rows);
 }
 
-void trade_print(const trade_table *table, FILE *stream) {
-    const char *const quantities[NUM_TRADE_QUANTITIES] = {"central film", "minimum film",
-                                                          "central pressure", "pressure / p_H"};
+static const char *const quantities[NUM_TRADE_QUANTITIES] = {"central film", "minimum film",
+                                                             "central pressure", "pressure / p_H"};
 
-    fprintf(stream,
-            "%zu scenes; deviations from the full model: median, 95 %%, worst\n"
-            "* not beaten in both time and worst central film by a position without failures\n"
-            "%19s",
+static void print_sizes(const trade_table *table, size_t i, bool in_time, FILE *stream) {
+    const ehdrom_sizes *sizes = &table->positions[i].sizes;
+
+    fprintf(stream, "%c %5zu%6zu%6zu", trade_is_beaten(table, i, in_time) ? ' ' : '*',
+            sizes->pressure_modes, sizes->deformation_modes, sizes->rows);
+}
+
+static void print_scenes(const trade_table *table, FILE *stream) {
+    fprintf(stream, "%zu scenes: median, 95 %% and worst deviation from the full model\n%19s",
             table->num_scenes, "");
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         fprintf(stream, "  %-23s", quantities[q]);
@@ -144,13 +151,35 @@ void trade_print(const trade_table *table, FILE *stream) {
     fprintf(stream, "  %5s %4s  %6s  %s\n", "mean", "most", "ms", "failures");
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_position *position = &table->positions[i];
-        fprintf(stream, "%c %5zu%6zu%6zu", trade_is_beaten(table, i) ? ' ' : '*',
-                position->sizes.pressure_modes, position->sizes.deformation_modes,
-                position->sizes.rows);
+        print_sizes(table, i, false, stream);
         for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
             fprintf(stream, "  %7.1e %7.1e %7.1e", position->deviation[q][TRADE_MEDIAN],
                     position->deviation[q][TRADE_95], position->deviation[q][TRADE_WORST]);
         fprintf(stream, "  %5.1f %4.0f  %6.3f  %zu\n", position->mean_iterations,
                 position->most_iterations, position->seconds * 1e3, position->num_failures);
     }
+}
+
+static void print_trajectories(const trade_table *table, FILE *stream) {
+    fprintf(stream,
+            "%zu trajectories: worst deviation from the full model with the same steps; iterations "
+            "and time of a step\n  %5s%6s%6s",
+            table->num_trajectories, "modes", "+", "rows");
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        fprintf(stream, "  %16s", quantities[q]);
+    fprintf(stream, "  %10s  %6s  %s\n", "iterations", "ms", "failures");
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_position *position = &table->positions[i];
+        print_sizes(table, i, true, stream);
+        for (int q = 0; q < TRADE_PRESSURE; q++)
+            fprintf(stream, "  %16.1e", position->worst_in_time[q]);
+        fprintf(stream, "  %10.1f  %6.3f  %zu\n", position->step_iterations,
+                position->step_seconds * 1e3, position->num_lost);
+    }
+}
+
+void trade_print(const trade_table *table, FILE *stream) {
+    fputs("* not beaten in both time and worst central film by a size without failures\n", stream);
+    if (table->num_scenes > 0) print_scenes(table, stream);
+    if (table->num_trajectories > 0) print_trajectories(table, stream);
 }

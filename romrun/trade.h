@@ -25,10 +25,15 @@ typedef struct trade_position {
     double mean_iterations, most_iterations; // Newton, of a scene
     double seconds;                          // of a solution, median
     size_t num_failures;                     // scenes not converged or not to be trusted
+    // on trajectories that were repeated with the steps of the full model
+    double worst_in_time[TRADE_PRESSURE]; // of all steps; the pressure at all nodes is not compared
+    double step_iterations, step_seconds; // of a step, mean
+    size_t num_lost; // trajectories with a step that did not converge or was not to be trusted
 } trade_position;
 
 typedef struct trade_table {
-    size_t num_scenes, num_positions;
+    size_t num_scenes, num_trajectories; // what it was measured on
+    size_t num_positions;
     trade_position *positions; // [num_positions]
 } trade_table;
 
@@ -46,15 +51,24 @@ ehd_status trade_ladder(
 double trade_quantile_of(double *values, size_t count, double quantile);
 
 /* Whether a position with no failures is as fast and as accurate in the worst central film as this one, and
- * better in one of the two; or this one had failures, and there is nothing to beat. */
-bool trade_is_beaten(const trade_table *table, size_t position);
+ * better in one of the two; or this one had failures, and there is nothing to beat. `in_time`: in what was
+ * measured on trajectories, here and below. */
+bool trade_is_beaten(const trade_table *table, size_t position, bool in_time);
 
 /* The fastest position without failures whose worst central film deviates by no more; num_positions: there is
  * none. */
-size_t trade_cheapest(const trade_table *table, double deviation);
+size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
 /* The position without failures with the smallest of the worst central film; num_positions: all failed. */
-size_t trade_most_accurate(const trade_table *table);
+size_t trade_most_accurate(const trade_table *table, bool in_time);
+
+/* What these choose by. */
+typedef struct trade_price {
+    double deviation; // worst central film
+    double seconds;   // of a solution or a step
+    size_t num_failures;
+} trade_price;
+trade_price trade_price_of(const trade_position *position, bool in_time);
 
 /* "80 pressure modes, 120 rows" */
 enum { TRADE_NAME = 96 };

@@ -305,6 +305,12 @@ static const artefact_axis model_axes[] = {
     REAL("deviation_" quantity, "1", NEED_OPTIONAL, "deviation from the full model: " what,        \
          "position", "quantile")
 
+/* The same on trajectories. */
+#define WORST_IN_TIME(quantity, what)                                                              \
+    REAL("worst_in_time_" quantity, "1", NEED_OPTIONAL,                                            \
+         "largest relative deviation from the full model with the same time steps: " what,         \
+         "position")
+
 static const artefact_field model_fields[] = {
     INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
     REAL("row_weight", "1", NEED_ALWAYS,
@@ -373,6 +379,16 @@ static const artefact_field model_fields[] = {
     INTEGER("position_failures", NEED_OPTIONAL,
             "scenes that did not converge or were not to be trusted; they count nowhere else",
             "position"),
+    WORST_IN_TIME("central_film_thickness", "central film thickness"),
+    WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
+    WORST_IN_TIME("central_pressure", "central pressure"),
+    REAL("position_step_iterations", "1", NEED_OPTIONAL,
+         "Newton iterations of a step of a trajectory in the mean", "position"),
+    REAL("position_step_seconds", "s", NEED_OPTIONAL, "time of a step in the mean", "position"),
+    INTEGER("position_lost_trajectories", NEED_OPTIONAL,
+            "trajectories with a step that did not converge or was not to be trusted; they count "
+            "nowhere else",
+            "position"),
     {0}};
 
 static const artefact_attribute model_attributes[] = {
@@ -394,6 +410,8 @@ static const artefact_attribute model_attributes[] = {
     BASIS_ATTRIBUTE,
     ATTRIBUTE("calibration_scenes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "scenes that each position was measured on, none of them a training solution"),
+    ATTRIBUTE("calibration_trajectories", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "trajectories that each position was measured on"),
     {0}};
 
 const artefact_schema schema_model = {"ehdrom-model",

@@ -139,20 +139,37 @@ static void the_cheapest_that_is_good_enough(void **state) {
     trade_position positions[] = {
         measured(NAN, NAN, 9), measured(1e-1, 1, 0), measured(1e-9, 0.5, 1), measured(1e-3, 3, 0),
         measured(1e-2, 2, 0),  measured(2e-3, 4, 0), measured(1e-2, 2.5, 0)};
-    const trade_table table = {9, sizeof positions / sizeof *positions, positions};
-    const trade_table failed = {9, 1, positions};
+    const trade_table table = {9, 0, sizeof positions / sizeof *positions, positions};
+    const trade_table failed = {9, 0, 1, positions};
     const bool beaten[] = {true, false, true, false, false, true, true};
     (void)state;
 
-    assert_int_equal(trade_cheapest(&table, 1), 1);
-    assert_int_equal(trade_cheapest(&table, 1e-2), 4);
-    assert_int_equal(trade_cheapest(&table, 5e-3), 3);
-    assert_int_equal(trade_cheapest(&table, 1e-3), 3);
-    assert_int_equal(trade_cheapest(&table, 9e-4), table.num_positions);
-    assert_int_equal(trade_most_accurate(&table), 3);
-    assert_int_equal(trade_most_accurate(&failed), 1);
+    assert_int_equal(trade_cheapest(&table, 1, false), 1);
+    assert_int_equal(trade_cheapest(&table, 1e-2, false), 4);
+    assert_int_equal(trade_cheapest(&table, 5e-3, false), 3);
+    assert_int_equal(trade_cheapest(&table, 1e-3, false), 3);
+    assert_int_equal(trade_cheapest(&table, 9e-4, false), table.num_positions);
+    assert_int_equal(trade_most_accurate(&table, false), 3);
+    assert_int_equal(trade_most_accurate(&failed, false), 1);
     for (size_t i = 0; i < table.num_positions; i++)
-        assert_int_equal(trade_is_beaten(&table, i), beaten[i]);
+        assert_int_equal(trade_is_beaten(&table, i, false), beaten[i]);
+}
+
+/* Each regime chooses by its own numbers. */
+static void in_time_it_may_be_another(void **state) {
+    trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
+    const trade_table table = {9, 1, 2, positions};
+    (void)state;
+
+    positions[0].worst_in_time[TRADE_CENTRAL_FILM] = 1e-1;
+    positions[1].worst_in_time[TRADE_CENTRAL_FILM] = 1e-4;
+    positions[0].step_seconds = positions[1].step_seconds = 1;
+    assert_int_equal(trade_cheapest(&table, 1e-2, false), 0);
+    assert_int_equal(trade_cheapest(&table, 1e-2, true), 1);
+    assert_int_equal(trade_most_accurate(&table, true), 1);
+    assert_true(trade_is_beaten(&table, 1, false) && !trade_is_beaten(&table, 1, true));
+    positions[1].num_lost = 1;
+    assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
 
 // ---- measuring
@@ -254,7 +271,7 @@ static void write_table(const trade_table *table) {
 
 static void a_table_comes_back(void **state) {
     trade_position positions[] = {measured(0.125, 2e-4, 0), measured(NAN, NAN, 7)};
-    const trade_table table = {7, 2, positions};
+    const trade_table table = {7, 2, 2, positions};
     trade_table found;
     ehdrom_model *model;
     (void)state;
@@ -263,6 +280,11 @@ static void a_table_comes_back(void **state) {
     positions[1].sizes = (ehdrom_sizes){12, 0, 121};
     positions[0].mean_iterations = 4.5;
     positions[0].most_iterations = 9;
+    positions[0].num_lost = 1;
+    positions[0].step_iterations = 3.5;
+    positions[0].step_seconds = 1e-4;
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        positions[0].worst_in_time[q] = 0.5 + q;
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         for (int i = 0; i < NUM_TRADE_QUANTILES; i++)
             positions[0].deviation[q][i] = q + 0.1 * i;
@@ -270,6 +292,7 @@ static void a_table_comes_back(void **state) {
     check_ok(artefact_check(calibrated, &error));
     check_ok(trade_read(&found, calibrated, &error));
     assert_int_equal(found.num_scenes, 7);
+    assert_int_equal(found.num_trajectories, 2);
     assert_int_equal(found.num_positions, 2);
     assert_memory_equal(&found.positions[0], &positions[0], sizeof positions[0]);
     assert_memory_equal(&found.positions[1].sizes, &positions[1].sizes, sizeof(ehdrom_sizes));
@@ -293,7 +316,7 @@ static void table_is_refused(const trade_table *table, const char *words_of_it) 
 
 static void tables_that_do_not_fit_are_refused(void **state) {
     trade_position position = measured(0.1, 1, 0);
-    trade_table table = {3, 1, &position}, found;
+    trade_table table = {3, 0, 1, &position}, found;
     (void)state;
 
     assert_int_equal(trade_read(&found, path, &error), EHD_DATA);
@@ -308,6 +331,10 @@ static void tables_that_do_not_fit_are_refused(void **state) {
     position.num_failures = 4;
     table_is_refused(&table, "position_failures: found 4, expected 0 to 3");
     position.num_failures = 0;
+    position.num_lost = 6;
+    table.num_trajectories = 5;
+    table_is_refused(&table, "position_lost_trajectories: found 6, expected 0 to 5");
+    table.num_trajectories = 0;
     position.deviation[TRADE_PRESSURE][TRADE_95] = -1;
     table_is_refused(&table, "deviation_pressure: found -1, expected at least 0");
     table.num_scenes = 0;
@@ -320,6 +347,7 @@ int main(void) {
         cmocka_unit_test(every_position_can_be_opened),
         cmocka_unit_test(quantiles_are_values_of_the_set),
         cmocka_unit_test(the_cheapest_that_is_good_enough),
+        cmocka_unit_test(in_time_it_may_be_another),
         cmocka_unit_test(a_full_model_deviates_by_what_it_is_told),
         cmocka_unit_test(scenes_that_fail_count_as_failures_only),
         cmocka_unit_test(failing_allocations_are_reported),
