@@ -2,6 +2,7 @@
 #include "romrun/reduced_solver.h"
 
 #include "common/program/program.h"
+#include "romrun/band_minimum.h"
 #include "romrun/least_squares.h"
 
 #include <cblas.h>
@@ -520,28 +521,24 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
     return self->observer(self->observer_context, residual, step, error);
 }
 
-/* Film minimum in the band: every node within a stride's reach of the least of a coarse look. */
+/* The band's film of a state, for band_minimum. */
+typedef struct film_of_state {
+    const reduced_solver *solver;
+    const reduced_state *state;
+} film_of_state;
+
+static double film_at(const void *context, size_t node) {
+    const film_of_state *self = context;
+
+    return band_film(self->solver, self->state->coordinates, self->state->exit, node);
+}
+
 static double minimum_film(reduced_solver *self, const reduced_state *state) {
+    const film_of_state film = {self, state};
     const reduced_model *model = self->model;
-    size_t last = state->exit + 1;
-    size_t stride = (last - model->band_begin) / 24 + 1, best = model->band_begin;
-    double least = INFINITY;
 
     expand_band(self, state->coordinates, window_begin(model, state->exit), state->exit);
-    for (; stride > 0; stride = stride > 1 ? (stride + 2) / 4 : 0) {
-        size_t reach = 4 * stride, middle = best;
-        size_t from = middle > model->band_begin + reach ? middle - reach : model->band_begin;
-        size_t to = middle + reach < last ? middle + reach : last;
-        if (isinf(least)) from = model->band_begin, to = last;
-        for (size_t node = from; node <= to; node += stride) {
-            double film = band_film(self, state->coordinates, state->exit, node);
-            if (film < least) {
-                least = film;
-                best = node;
-            }
-        }
-    }
-    return least;
+    return band_minimum(film_at, &film, model->band_begin, state->exit + 1);
 }
 
 /* Whether an exit that was kept where it is lies near enough to where it should be: a node or two do
