@@ -77,7 +77,7 @@ static ehd_status keep_inside(training_set *set, const reduced_model *model,
     size_t num_before = set->num_points;
     bool *keep = calloc(num_before + 1, sizeof *keep);
     ehd_status status =
-        range && keep ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+        keep ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
 
     if (!status)
         status = choose_points(keep, set, model, range, self, plan_path, model_path, error);

@@ -6,10 +6,11 @@
 #include "common/program/program.h"
 #include <stddef.h>
 
-/* Solves the points of the plan with the full model, then with each position of the ladder, and writes
- * self->output. Points outside of the model's trained range are left out with a note; a point that it was
- * trained on is EHD_DATA, and so is a plan of which nothing is left. EHD_NOT_CONVERGED: written, but points
- * that the full model did not solve are missing in it. */
+/* Solves the points and trajectories of the plan with the full model, then with each position of the ladder, and
+ * writes self->output. What lies outside of the model's trained range is left out with a note; a point that it was
+ * trained on is EHD_DATA, and so is a plan of which nothing is left. Of trajectories the model does not know which
+ * it was trained on. EHD_NOT_CONVERGED: written, but without what the full model did not solve; or nothing
+ * converged, and nothing is written. */
 ehd_status calibrate(const program *self, const char *plan_path, const char *model_path,
                      size_t num_workers, ehd_error *error);
 

@@ -530,16 +530,16 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
 
 int main(int argc, char **argv) {
     romrun_options own = {.repeats = 1};
-    const program_options options = {.options = own_options,
-                                     .parse = parse_own,
-                                     .own = &own,
-                                     .arguments_doc =
-                                         "SCENE.yml --model MODEL.h5 -o RESULT.h5\n"
-                                         "--calibrate PLAN.yml --model MODEL.h5 -o CALIBRATED.h5\n"
-                                         "--trade --model CALIBRATED.h5",
-                                     .doc = "Solves one scene with the reduced model.",
-                                     .help_tail = print_settings,
-                                     .most_arguments = 1};
+    const program_options options = {
+        .options = own_options,
+        .parse = parse_own,
+        .own = &own,
+        .arguments_doc = "SCENE.yml --model MODEL.h5 -o RESULT.h5\n"
+                         "--calibrate PLAN.yml --model MODEL.h5 -o CALIBRATED.h5\n"
+                         "--trade --model CALIBRATED.h5",
+        .doc = "Solves one scene with the reduced model, or measures what the model can do.",
+        .help_tail = print_settings,
+        .most_arguments = 1};
     ehd_error error = {""};
     program self;
 
