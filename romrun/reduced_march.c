@@ -368,8 +368,8 @@ static void keep_factors(reduced_march *self) {
 
 /* Whether the factors still serve the next step, by how they did in this one. */
 static bool factors_serve(const reduced_march *self, size_t exit) {
-    const size_t most_iterations = 2;
-    const double most_rate_change = 0.1;
+    const size_t most_iterations = 3;
+    const double most_rate_change = 0.25;
 
     return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
            exit == self->factors.exit &&

@@ -550,20 +550,27 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
 }
 
 /* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
- * is after some more turns. In time, where neighbouring nodes often ask for one another, it stays as soon
- * as it has settled. */
+ * is after some more turns. Neighbours that ask for one another, which keeps the pressure from converging,
+ * do so for ever: then it stays at once. */
 typedef struct exit_watch {
-    bool in_time;
+    double change; // of the pressure, in the last iteration
     int direction, turns;
 } exit_watch;
 
-static size_t watch_exit(exit_watch *watch, const reduced_model *model, size_t exit, size_t next) {
-    int direction = next > exit ? 1 : next < exit ? -1 : 0;
+static const exit_watch unwatched = {.change = INFINITY};
 
+/* `change` of the pressure in this iteration, which is `small` where a node's move could make it. */
+static size_t watch_exit(exit_watch *watch, double change, double small, size_t exit, size_t next) {
+    const double decrease = 0.6; // that is none
+    int direction = next > exit ? 1 : next < exit ? -1 : 0;
+    bool neighbours = next == exit + 1 || next + 1 == exit;
+    bool cycles = neighbours && change < small && change > decrease * watch->change;
+
+    watch->change = change;
     if (direction && watch->direction && direction != watch->direction) watch->turns++;
     if (direction) watch->direction = direction;
     if (watch->turns == 0) return next;
-    if (watch->turns > 3 || (watch->in_time && exit_settled(model, exit, next))) return exit;
+    if (watch->turns > (cycles ? 1 : 3)) return exit;
     return (size_t)((ptrdiff_t)exit + direction);
 }
 
@@ -617,6 +624,7 @@ static const char *take_step(iterate *now, reduced_info *info, reduced_state *st
 }
 
 static const double PRESSURE_TOLERANCE = 1e-4; // of the Hertz pressure
+static const double CYCLE = 5e-3;              // that a node's move of the exit may make, in time
 
 /* Linear convergence at the observed rate says what another iteration would change. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
@@ -630,7 +638,7 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch = {.in_time = squeeze != NULL};
+    exit_watch watch = unwatched;
     iterate before = {NAN, NAN, 0}, now;
 
     info->own_jacobian = true;
@@ -651,7 +659,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         double start = program_seconds();
         size_t wanted = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                 : adapt_exit(self, state, contact);
-        size_t exit = watch_exit(&watch, self->model, state->exit, wanted);
+        size_t exit = watch_exit(&watch, now.change, squeeze ? CYCLE : 0, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
             bool settled = exit_settled(self->model, exit, wanted);
@@ -669,6 +677,7 @@ static const size_t MOST_KEPT_ITERATIONS = 8;
 // changes of P in the L2 norm, which the coordinates in orthonormal modes give on any grid
 static const double MOST_KEPT_CHANGE = 2e-3; // in one iteration, beyond which damping might matter
 static const double KEPT_TOLERANCE = 7e-6;
+static const double KEPT_CYCLE = 3e-4;    // that a node's move of the exit may make
 static const double MOST_KEPT_RATE = 0.5; // of convergence
 
 void reduced_drop_factors(reduced_solver *self) {
@@ -753,7 +762,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = {.in_time = true};
+    exit_watch watch = unwatched;
     kept_iterate at = {.change = NAN};
 
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
@@ -761,7 +770,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
         if (!take_kept_step(&at, info, state, self, contact)) return false;
         double start = program_seconds();
         size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
-        size_t exit = watch_exit(&watch, self->model, state->exit, wanted);
+        size_t exit = watch_exit(&watch, at.change, KEPT_CYCLE, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
             most_distance)
@@ -805,6 +814,9 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     scalars.central_film_thickness = at_centre(model, self->film);
     scalars.central_pressure = at_centre(model, self->pressure);
     scalars.minimum_film_thickness = minimum_film(self, state);
+    // in time a dip passes through the front of the contact too, where only the needed nodes are known
+    for (size_t q = 0; q < self->num_alive; q++)
+        scalars.minimum_film_thickness = fmin(scalars.minimum_film_thickness, self->film[q]);
     scalars.rigid_approach = state->coordinates[model->num_unknowns - 1];
     scalars.exit_position = grid_x(&model->grid, state->exit);
     scalars.load = load_of(self) / model->kind->load;
