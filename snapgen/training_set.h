@@ -46,6 +46,10 @@ ehd_status training_set_init(
     // input:
     const plan *plan, const char *plan_path, shard piece, ehd_error *error);
 
+/* Takes the neighbours away, so that every point starts cold and its solution depends on the point
+ * alone. EHD_MEMORY. */
+ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error);
+
 void training_set_free(training_set *set);
 
 /* Of a training whose points and trajectories all failed nothing can be made: EHD_NOT_CONVERGED. */

@@ -159,6 +159,10 @@ static const artefact_field snapshots_fields[] = {
     REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0", "state"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "state"),
+    REAL("complementarity", "1", NEED_OPTIONAL,
+         "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
+         "at any node of a stationary point",
+         "state"),
     INTEGER("trajectory", NEED_OPTIONAL,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
             "state"),
@@ -187,7 +191,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           1,
-                                          0,
+                                          1,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,

@@ -14,7 +14,7 @@ copy_scene() {
     cp -r "$root/scenes/$1" own
     cd own || return
     rm -rf out
-    sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
+    [ ! -e scene.yml ] || sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
     sed -i -e 's/^model.*PRESSURE_MODES *=.*/&\nmodel.PRESSURE_MODES = 12\nmodel-fast.PRESSURE_MODES = 10\nmodel-paper.PRESSURE_MODES = 12/' \
         -e 's/^model.*DEFORMATION_MODES *=.*/&\nmodel-paper.DEFORMATION_MODES = 8/' \
         -e 's/^model.*ROWS *=.*/&\nmodel.ROWS = 40\nmodel-fast.ROWS = 40\nmodel-paper.ROWS = 40/' \
@@ -263,4 +263,24 @@ small_oscillator() {
     refused 65 "grid: found" oscillator coarse.yml out/model.h5 x.csv
     refused 73 "no/x.csv" oscillator scene.yml out/model.h5 no/x.csv
     [ ! -e x.csv ]
+}
+
+@test "the convergence map: all points of a small one, and it tells those that fail" {
+    copy_scene convergence-map
+    sed -i -e "s/M='1, .*' step=.*/M='5, 12' step=0.02 ;;/" -e "s/M='50, .*' step=.*/M='50, 70' step=0.01 ;;/" \
+        -e 's/moes.L: .*/moes.L: [0, 5, 10]/' plan.sh
+    run_make LEAST_POINTS=72
+    [ "$status" -eq 0 ]
+    [[ $output == *"72 points, 0 failed"* ]]
+    [ "$(head -c 4 out/map.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/map.svg
+    run_make -n
+    [[ ! $output =~ bin/$programs ]]
+
+    run_make LEAST_POINTS=73
+    [ "$status" -ne 0 ]
+    run_make LEAST_POINTS=72 SET='--set grid.x_max=1.1' # too short for the lightest
+    [ "$status" -ne 0 ]
+    echo "$output"
+    [[ $output == *"failed: barus,incompressible,5,10,"*"72 points, 9 failed"* ]]
 }
