@@ -131,6 +131,15 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     return status;
 }
 
+ehd_grid full_coarser_grid(const ehd_grid *grid) {
+    ehd_grid coarse = *grid;
+
+    coarse.step *= 2;
+    coarse.num_inner = (grid->num_inner + 1) / 2;
+    coarse.num_nodes = coarse.num_inner + 2;
+    return coarse;
+}
+
 /* Solves on a grid of twice the step and interpolates its pressure and exit to this one, so that the
  * Newton count on the finest grid does not grow with its nodes. Leaves *started false where the
  * coarse problem did not converge. */
@@ -143,9 +152,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
     full_info info;
 
     *started = false;
-    coarse.grid.step *= 2;
-    coarse.grid.num_inner = (contact->grid.num_inner + 1) / 2;
-    coarse.grid.num_nodes = coarse.grid.num_inner + 2;
+    coarse.grid = full_coarser_grid(&contact->grid);
     settings.tolerance = 1e-6; // better would not help: the discretisation error is larger
     ehd_status status =
         full_solver_create(&coarse_solver, contact->kind, &coarse.grid, &settings, error);
