@@ -284,3 +284,16 @@ small_oscillator() {
     echo "$output"
     [[ $output == *"failed: barus,incompressible,5,10,"*"72 points, 9 failed"* ]]
 }
+
+@test "the convergence map: estimates of inlet and step beside what is measured" {
+    copy_scene convergence-map
+    run_make estimates ESTIMATE_LOW=5 ESTIMATE_HIGH=60 ESTIMATE_L='5 20'
+    [ "$status" -eq 0 ]
+    [[ $output == *"inlet  noted and true 2, not noted and true 2, noted though less 0, missed 0;"* ]]
+    [[ $output == *"step   noted and true 0, not noted and true 4, noted though less 0, missed 0;"* ]]
+    [ "$(wc -l <out/estimates.csv)" -eq 5 ]
+    awk -F, 'function near(a, b) { return a / b > 0.7 && a / b < 1.4 }
+        NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
+    sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
+    [[ $(awk -v limit=1 -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
+}
