@@ -57,10 +57,8 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
                               argument);
         break;
     case KEY_WEIGHTS:
-        options->weights = weightings;
-        while (options->weights->name && strcmp(options->weights->name, argument))
-            options->weights++;
-        if (!options->weights->name)
+        options->weights = weighting_find(argument);
+        if (!options->weights)
             status = ehd_fail(&error, EHD_USAGE, "--weights: found %.40s, expected one of --help",
                               argument);
         break;
@@ -137,9 +135,16 @@ static ehd_status write_model(const program *self, const select_options *options
                               const reduced_basis *basis, const row_choice *choice,
                               const char *identity, ehd_error *error) {
     const char *const inputs[] = {self->arguments[0], options->basis, NULL};
-    const model_origin origin = {options->method->name,        identity,
-                                 choice->sigma_min_residual,   choice->sigma_min_jacobian,
-                                 choice->sigma_min_over_exits, choice->sigma_min_by_exit};
+    const model_origin origin = {.method = options->method->name,
+                                 .basis_identity = identity,
+                                 .sigma_min_residual = choice->sigma_min_residual,
+                                 .sigma_min_jacobian = choice->sigma_min_jacobian,
+                                 .sigma_min_over_exits = choice->sigma_min_over_exits,
+                                 .sigma_min_by_exit = choice->sigma_min_by_exit,
+                                 .weights = options->weights->name,
+                                 .factors = choice->factors,
+                                 .num_jacobian_modes = choice->num_jacobian_modes,
+                                 .jacobian_modes = choice->jacobian_modes};
     reduced_model model = {0};
     char text[128];
     ehd_status status = reduced_model_build(&model, basis, choice->rows, choice->num_rows, error);

@@ -11,6 +11,7 @@
 void row_choice_free(row_choice *choice) {
     free(choice->rows);
     free(choice->factors);
+    free(choice->jacobian_modes);
     free(choice->sigma_min_by_exit);
     memset(choice, 0, sizeof *choice);
 }
@@ -53,7 +54,7 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
     size_t count = 0;
 
     for (size_t r = 0; r < choice->num_rows; r++)
-        if (choice->rows[r] < exit) kept[count++] = choice->rows[r] - 1;
+        if (choice->rows[r] + 1 < exit) kept[count++] = choice->rows[r];
     *sigma_min = INFINITY;
     for (int i = 0; i < 2; i++) {
         double sigma;
@@ -65,18 +66,22 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
     return EHD_OK;
 }
 
-static ehd_status measure(row_choice *choice, const pod_basis pods[2], const size_t *picked,
-                          const reduced_basis *basis, ehd_error *error) {
+static ehd_status measure(row_choice *choice, const pod_basis pods[2], const reduced_basis *basis,
+                          ehd_error *error) {
     const reduced_states *states = &basis->states;
     size_t num_columns =
         basis->num_pressure < pods[0].num_modes ? basis->num_pressure : pods[0].num_modes;
     double *const sigmas[] = {&choice->sigma_min_residual, &choice->sigma_min_jacobian};
     size_t *kept = malloc(choice->num_rows * sizeof *kept);
-    ehd_status status = kept ? EHD_OK : ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+    ehd_status status = EHD_OK;
+
+    choice->sigma_min_by_exit = malloc((states->num_states + 1) * sizeof(double));
+    if (!kept || !choice->sigma_min_by_exit)
+        status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
 
     for (int i = 0; i < 2 && !status; i++)
         status = selection_sigma_min(sigmas[i], pods[i].modes, pods[i].num_modes, pods[i].num_nodes,
-                                     picked, choice->num_rows, error);
+                                     choice->rows, choice->num_rows, error);
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
         size_t same = 0; // an earlier state with this exit
@@ -120,6 +125,38 @@ static ehd_status check_rows(size_t num_rows, const reduced_basis *basis, ehd_er
     return EHD_OK;
 }
 
+static ehd_status select_rows(row_choice *choice, const pod_basis pods[2], size_t num_rows,
+                              const selection_method *method, ehd_error *error) {
+    const selection_bases bases = {pods[0].num_nodes,
+                                   {pods[0].num_modes, pods[1].num_modes},
+                                   {pods[0].modes, pods[1].modes},
+                                   {pods[0].singular_values, pods[1].singular_values}};
+
+    choice->num_rows = num_rows;
+    choice->rows = malloc(num_rows * sizeof *choice->rows);
+    if (!choice->rows)
+        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
+    return method->select(choice->rows, &bases, num_rows, error);
+}
+
+/* The leading modes of the Jacobian products at the rows, and what they weigh. */
+static ehd_status weigh_rows(row_choice *choice, const pod_basis *products, size_t num_unknowns,
+                             const weighting *weights, ehd_error *error) {
+    size_t num_rows = choice->num_rows;
+    size_t num_modes = num_unknowns < products->num_modes ? num_unknowns : products->num_modes;
+
+    choice->num_jacobian_modes = num_modes;
+    choice->jacobian_modes = malloc(num_rows * num_modes * sizeof(double));
+    choice->factors = malloc(num_rows * sizeof(double));
+    if (!choice->jacobian_modes || !choice->factors)
+        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
+    for (size_t r = 0; r < num_rows; r++)
+        for (size_t j = 0; j < num_modes; j++)
+            choice->jacobian_modes[r * num_modes + j] =
+                products->modes[j * products->num_nodes + choice->rows[r]];
+    return weights->weigh(choice->factors, choice->jacobian_modes, num_rows, num_modes, error);
+}
+
 ehd_status row_choice_make(row_choice *choice, const double *residuals, const double *steps,
                            size_t num_snapshots, const reduced_basis *basis,
                            const selection_method *method, const weighting *weights,
@@ -138,36 +175,12 @@ ehd_status row_choice_make(row_choice *choice, const double *residuals, const do
                             wanted_modes(method, num_rows, num_unknowns), error);
     if (!status) status = limit_rows(&num_rows, pods, method, given, error);
     if (!status) status = check_rows(num_rows, basis, error);
-    if (status) {
-        pod_free(&pods[0]);
-        pod_free(&pods[1]);
-        return status;
-    }
-    choice->num_rows = num_rows;
-    choice->rows = malloc(num_rows * sizeof *choice->rows);
-    choice->factors = malloc(num_rows * sizeof(double));
-    choice->sigma_min_by_exit = malloc((basis->states.num_states + 1) * sizeof(double));
-    if (!choice->rows || !choice->factors || !choice->sigma_min_by_exit)
-        status = ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
-    if (!status) {
-        const selection_bases bases = {num_inner,
-                                       {pods[0].num_modes, pods[1].num_modes},
-                                       {pods[0].modes, pods[1].modes},
-                                       {pods[0].singular_values, pods[1].singular_values}};
-        status = method->select(choice->rows, &bases, num_rows, error);
-    }
-    size_t *picked = malloc((num_rows + 1) * sizeof *picked);
-    if (!status && !picked) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
-    if (!status) {
-        memcpy(picked, choice->rows, num_rows * sizeof *picked);
-        for (size_t r = 0; r < num_rows; r++)
-            choice->rows[r]++; // row 0 of the snapshots belongs to node 1
-        size_t num_columns = num_unknowns < pods[1].num_modes ? num_unknowns : pods[1].num_modes;
-        status = weights->weigh(choice->factors, pods[1].modes, num_columns, num_inner, picked,
-                                num_rows, error);
-    }
-    if (!status) status = measure(choice, pods, picked, basis, error);
-    free(picked);
+    if (!status) status = select_rows(choice, pods, num_rows, method, error);
+    if (!status) status = weigh_rows(choice, &pods[1], num_unknowns, weights, error);
+    if (!status) status = measure(choice, pods, basis, error);
+    // row 0 of the snapshots belongs to node 1
+    for (size_t r = 0; r < choice->num_rows && !status; r++)
+        choice->rows[r]++;
     pod_free(&pods[0]);
     pod_free(&pods[1]);
     if (status) row_choice_free(choice);

@@ -4,13 +4,15 @@
 #define EHD_ROW_CHOICE_H
 
 #include "deimselect/selection.h"
-#include "deimselect/weighting.h"
 #include "romrun/reduced_model.h"
+#include "romrun/weighting.h"
 
 typedef struct row_choice {
     size_t num_rows;
     size_t *rows;                                  // [num_rows] grid nodes in order of selection
     double *factors;                               // [num_rows] of the row weights, besides D
+    size_t num_jacobian_modes;                     // as many as unknowns, where there are
+    double *jacobian_modes;                        // [num_rows, num_jacobian_modes] at the rows
     double sigma_min_residual, sigma_min_jacobian; // of the bases sampled at the rows
     double sigma_min_over_exits;
     double *sigma_min_by_exit; // [num_states]

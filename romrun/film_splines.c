@@ -232,10 +232,11 @@ typedef struct spline_place {
 
 /* Beyond the grid the spline goes on straight. */
 static spline_place spline_at(const ehd_grid *grid, double x) {
-    double nodes = (x - grid->x_min) / grid->step + 1, most = (double)(grid->num_nodes - 2);
-    double first = fmin(fmax(floor(nodes), 0), most);
-    double b = nodes - first, a = 1 - b;
-    spline_place at = {(size_t)first, {a, b}, {(a * a - 1) * a, (b * b - 1) * b}};
+    double nodes = (x - grid->x_min) / grid->step + 1;
+    size_t last = grid->num_nodes - 2;
+    size_t first = nodes < (double)last ? nodes > 0 ? (size_t)nodes : 0 : last;
+    double b = nodes - (double)first, a = 1 - b;
+    spline_place at = {first, {a, b}, {(a * a - 1) * a, (b * b - 1) * b}};
 
     if (b < 0)
         at.bend[0] = -2 * b, at.bend[1] = -b;
@@ -300,26 +301,23 @@ static void combine(double *sum, const spline_place *at, size_t num, const doubl
     }
 }
 
-static size_t distance(size_t a, size_t b) {
-    return a > b ? a - b : b - a;
-}
-
-/* Deflection of what the state's exit adds to the modes cut at cut_exit, or takes away from them. */
+/* Deflection of what the state's exit adds to the modes cut at cut_exit, or takes away from them. The kernel
+ * at the place's two nodes has neighbouring rows in its table: the nearer node's first. */
 static double cut_deflection(const earlier_film *self, const spline_place *at,
                              const reduced_model *model, const film_splines *splines) {
     bool behind = self->exit > splines->cut_exit;
-    size_t from = behind ? splines->cut_exit : self->exit;
-    size_t to = behind ? self->exit : splines->cut_exit;
-    double sum = 0;
+    size_t from = splines->margin + (behind ? splines->cut_exit : self->exit);
+    size_t to = splines->margin + (behind ? self->exit : splines->cut_exit);
+    const double *pressure = self->cut_pressure - (model->band_begin + splines->margin);
+    four_modes left = {0}, right = {0}; // value and bend of the nearer node, then of the other
+    size_t i = from;
 
-    for (size_t i = from; i < to; i++) {
-        size_t node = splines->margin + i;
-        const double *here = splines->kernel + 2 * distance(at->node, node);
-        const double *next = splines->kernel + 2 * distance(at->node + 1, node);
-        sum += self->cut_pressure[i - model->band_begin] *
-               (at->value[0] * here[0] + at->value[1] * next[0] + at->bend[0] * here[1] +
-                at->bend[1] * next[1]);
-    }
+    for (; i < to && i <= at->node; i++)
+        left += pressure[i] * *(const four_modes *)(splines->kernel + 2 * (at->node - i));
+    for (; i < to; i++)
+        right += pressure[i] * *(const four_modes *)(splines->kernel + 2 * (i - at->node - 1));
+    double sum = at->value[0] * (left[0] + right[2]) + at->bend[0] * (left[1] + right[3]) +
+                 at->value[1] * (left[2] + right[0]) + at->bend[1] * (left[3] + right[1]);
     return behind ? sum : -sum;
 }
 

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* romrun: solves one scene with the reduced model. */
+/* romrun: solves one scene with the reduced model, or measures what the model can do. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
 #include "common/program/program.h"
+#include "romrun/calibrate.h"
 #include "romrun/ehdrom.h"
 #include "romrun/time_compare.h"
+#include "romrun/trade_file.h"
+#include "snapgen/pool.h"
 
 #include <errno.h>
 #include <math.h>
@@ -17,21 +20,29 @@
 
 enum {
     KEY_MODEL = 'm',
+    KEY_JOBS = 'j',
     KEY_PRESSURE_MODES = 0x200,
     KEY_DEFORMATION_MODES,
     KEY_ROWS,
     KEY_AGAINST,
     KEY_ALLOW_UNTRUSTED,
     KEY_REPEAT,
-    KEY_RESUME
+    KEY_RESUME,
+    KEY_CALIBRATE,
+    KEY_TRADE,
+    KEY_ACCURACY
 };
 
 typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
+    double accuracy; // of the central film, to choose the sizes by; 0: not given
     bool allow_untrusted, resume;
-    size_t repeats; // of the solution; its median time is reported
+    size_t repeats;        // of the solution; its median time is reported
+    const char *calibrate; // plan; NULL: none
+    bool trade;
+    size_t num_jobs; // 0: by itself
 } romrun_options;
 
 static const struct argp_option own_options[] = {
@@ -45,6 +56,12 @@ static const struct argp_option own_options[] = {
      .arg = "N",
      .doc = "Use only the first N deformation modes"},
     {.name = "rows", .key = KEY_ROWS, .arg = "N", .doc = "Use only the first N rows"},
+    {.name = "accuracy",
+     .key = KEY_ACCURACY,
+     .arg = "X",
+     .doc =
+         "Use as much of a calibrated model as its central film needs to have deviated by at most "
+         "X, such as 1e-3"},
     {.name = "against",
      .key = KEY_AGAINST,
      .arg = "RESULT.h5",
@@ -59,6 +76,18 @@ static const struct argp_option own_options[] = {
     {.name = "resume",
      .key = KEY_RESUME,
      .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
+    {.name = "calibrate",
+     .key = KEY_CALIBRATE,
+     .arg = "PLAN.yml",
+     .doc = "Measure deviations and time of many sizes of the model on the scenes of a plan, none "
+            "of them "
+            "trained on, and write the model with the table to -o"},
+    {.name = "jobs",
+     .key = KEY_JOBS,
+     .arg = "N",
+     .doc =
+         "Full solutions at a time with --calibrate; as many as there are processors by default"},
+    {.name = "trade", .key = KEY_TRADE, .doc = "Print the table of a calibrated model"},
     {0}};
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
@@ -82,6 +111,10 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
         status =
             parse_count(&options->sizes.rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
         break;
+    case KEY_ACCURACY:
+        status =
+            parse_real(&options->accuracy, argument, 1e-15, 1, "--accuracy", EHD_USAGE, &error);
+        break;
     case KEY_AGAINST:
         options->against = argument;
         break;
@@ -94,6 +127,15 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_REPEAT:
         status =
             parse_count(&options->repeats, argument, 1, 1000000, "--repeat", EHD_USAGE, &error);
+        break;
+    case KEY_CALIBRATE:
+        options->calibrate = argument;
+        break;
+    case KEY_JOBS:
+        status = parse_count(&options->num_jobs, argument, 1, 4096, "--jobs", EHD_USAGE, &error);
+        break;
+    case KEY_TRADE:
+        options->trade = true;
         break;
     default:
         return ARGP_ERR_UNKNOWN;
@@ -287,25 +329,13 @@ static ehd_status compare_in_time(const time_trace *trace, const time_series *fu
     return EHD_OK;
 }
 
-/* The settings, and what else of the command line the solution depends on. */
-static char *text_with_sizes(const char *text, const ehdrom_sizes *sizes) {
-    char *whole = NULL;
-
-    if (asprintf(&whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)\n", text,
-                 sizes->pressure_modes, sizes->deformation_modes, sizes->rows) < 0)
-        whole = NULL;
-    return whole;
-}
-
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 ehdrom_model *model, const ehd_contact *contact, const scene *given,
                                 const char *text, ehd_error *error) {
     ehdrom_transient *in_time = NULL;
     time_series full = {0};
     time_trace trace = {0};
-    char *whole_text = text_with_sizes(text, &options->sizes);
-    ehd_status status = whole_text ? ehdrom_prepare_transient(model, error)
-                                   : ehd_fail(error, EHD_MEMORY, "settings: found no memory");
+    ehd_status status = ehdrom_prepare_transient(model, error);
 
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
     if (!status && options->against) {
@@ -318,7 +348,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
-                                    .settings_text = whole_text,
+                                    .settings_text = text,
                                     .model = options->model,
                                     .against = options->against,
                                     .solver = ehdrom_march(in_time),
@@ -335,38 +365,167 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     time_trace_free(&trace);
     time_series_free(&full);
     ehdrom_transient_free(in_time);
-    free(whole_text);
+    return status;
+}
+
+/* The settings of the scene, and what else of the command line the solution depends on. */
+static char *text_with_sizes(const char *text, const romrun_options *options) {
+    const ehdrom_sizes *sizes = &options->sizes;
+    char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT], *whole = NULL;
+
+    if (options->accuracy > 0) {
+        number_show(number, options->accuracy);
+        snprintf(accuracy, sizeof accuracy, ", accuracy %s", number);
+    }
+    if (asprintf(&whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s\n",
+                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy) < 0)
+        whole = NULL;
+    return whole;
+}
+
+/* The fastest sizes that were measured to be good enough, and a note of which and why. */
+static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, const program *self,
+                              const romrun_options *options, bool in_time, ehd_error *error) {
+    const double up = 1.006; // what is shown with three digits can be asked for
+    size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
+    size_t chosen = trade_cheapest(table, options->accuracy, in_time);
+    size_t best = trade_most_accurate(table, in_time);
+    const char *what = in_time ? "trajectories" : "scenes";
+    char name[TRADE_NAME];
+
+    if (num_measured == 0)
+        return ehd_fail(error, EHD_DATA, "%s: found a calibration without %s, expected some",
+                        options->model, what);
+    if (best == table->num_positions)
+        return ehd_fail(error, EHD_DATA,
+                        "--accuracy: found no size of %s that solved all %zu %s of its "
+                        "calibration, expected one",
+                        options->model, num_measured, what);
+    const trade_position *position =
+        &table->positions[chosen < table->num_positions ? chosen : best];
+    const trade_price price = trade_price_of(position, in_time);
+    trade_name(name, &position->sizes);
+    if (chosen == table->num_positions)
+        return ehd_fail(error, EHD_DATA,
+                        "--accuracy: found %g, expected at least %.3g, the best that %s was "
+                        "measured to give (%s)",
+                        options->accuracy, up * price.deviation, options->model, name);
+    *sizes = position->sizes;
+    program_note(
+        self,
+        "--accuracy %g: %s, the fastest of %zu sizes whose central film was at most so far "
+        "off: %.3g on %zu %s, in %.3g ms%s",
+        options->accuracy, name, table->num_positions, price.deviation, num_measured, what,
+        price.seconds * 1e3, in_time ? " a step" : "");
+    return EHD_OK;
+}
+
+static ehd_status choose_sizes(ehdrom_sizes *sizes, const program *self,
+                               const romrun_options *options, bool in_time, ehd_error *error) {
+    trade_table table;
+    ehd_status status = trade_read(&table, options->model, error);
+
+    if (!status) status = choose_from(sizes, &table, self, options, in_time, error);
+    trade_free(&table);
+    return status;
+}
+
+/* What the command line asks for has to go together. */
+static ehd_status check_usage(const program *self, const romrun_options *options,
+                              ehd_error *error) {
+    const bool solves = !options->calibrate && !options->trade;
+    const char *mode = options->calibrate ? "--calibrate" : "--trade";
+    const ehdrom_sizes *sizes = &options->sizes;
+    const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
+
+    if (self->num_arguments != (solves ? 1 : 0))
+        return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
+                        self->num_arguments, self->num_arguments == 1 ? "" : "s",
+                        solves ? "SCENE.yml --model MODEL.h5" : "none with --calibrate or --trade");
+    if (!options->model)
+        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
+    if (options->calibrate && options->trade)
+        return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
+    if (options->accuracy > 0 && sized)
+        return ehd_fail(error, EHD_USAGE,
+                        "--accuracy: found with --pressure-modes, --deformation-modes or --rows, "
+                        "expected one or the other");
+    if (options->num_jobs > 0 && !options->calibrate)
+        return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
+    if (!solves && (sized || options->accuracy > 0 || options->against ||
+                    options->allow_untrusted || options->resume || options->repeats > 1))
+        return ehd_fail(error, EHD_USAGE,
+                        "%s: found with an option for solving a scene, expected none", mode);
+    if (options->resume && !self->output)
+        return ehd_fail(
+            error, EHD_USAGE,
+            "--resume: found without --output, expected the one of the interrupted run");
+    if (options->calibrate && !self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    if (options->trade && self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found with --trade, expected without");
+    return EHD_OK;
+}
+
+static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
+    trade_table table;
+    ehd_status status = trade_read(&table, options->model, error);
+    if (status) return status;
+
+    trade_print(&table, stdout);
+    trade_free(&table);
+    return EHD_OK;
+}
+
+/* What belongs to scenes of one regime only. */
+static ehd_status check_regime(const romrun_options *options, bool transient, ehd_error *error) {
+    if (options->resume && !transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--resume: found with a stationary scene, expected a transient one");
+    if (options->repeats > 1 && transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--repeat: found with a transient scene, expected a stationary one");
+    return EHD_OK;
+}
+
+/* One scene. */
+static ehd_status run_scene(const program *self, const romrun_options *given_options,
+                            ehd_error *error) {
+    romrun_options options = *given_options;
+    ehd_contact contact;
+    ehdrom_model *model = NULL;
+    scene given;
+    char *scene_lines = NULL, *text = NULL;
+    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
+    bool transient = !status && strcmp(given.regime, "transient") == 0;
+
+    if (!status) status = check_regime(&options, transient, error);
+    if (!status && options.accuracy > 0)
+        status = choose_sizes(&options.sizes, self, &options, transient, error);
+    if (!status) {
+        text = text_with_sizes(scene_lines, &options);
+        if (!text) status = ehd_fail(error, EHD_MEMORY, "settings: found no memory");
+    }
+    if (!status) status = ehdrom_open(&model, options.model, &options.sizes, error);
+    if (!status)
+        status = transient ? run_transient(self, &options, model, &contact, &given, text, error)
+                           : run_stationary(self, &options, model, &contact, &given, text, error);
+    ehdrom_close(model);
+    free(text);
+    free(scene_lines);
     return status;
 }
 
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, const romrun_options *options, ehd_error *error) {
-    ehd_contact contact;
-    ehdrom_model *model = NULL;
-    scene given;
-    char *text = NULL;
+    ehd_status status = check_usage(self, options, error);
 
-    if (!options->model)
-        return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
-    if (options->resume && !self->output)
-        return ehd_fail(
-            error, EHD_USAGE,
-            "--resume: found without --output, expected the one of the interrupted run");
-    ehd_status status = contact_load(&contact, &given, &text, self, error);
-    bool transient = !status && strcmp(given.regime, "transient") == 0;
-    if (!status && options->resume && !transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--resume: found with a stationary scene, expected a transient one");
-    if (!status && options->repeats > 1 && transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--repeat: found with a transient scene, expected a stationary one");
-    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
-    if (!status)
-        status = transient ? run_transient(self, options, model, &contact, &given, text, error)
-                           : run_stationary(self, options, model, &contact, &given, text, error);
-    ehdrom_close(model);
-    free(text);
-    return status;
+    if (status) return status;
+    if (options->trade) return print_trade(options, error);
+    if (options->calibrate)
+        return calibrate(self, options->calibrate, options->model,
+                         options->num_jobs ? options->num_jobs : pool_default_workers(), error);
+    return run_scene(self, options, error);
 }
 
 int main(int argc, char **argv) {
@@ -374,10 +533,12 @@ int main(int argc, char **argv) {
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
                                      .own = &own,
-                                     .arguments_doc = "SCENE.yml --model MODEL.h5 -o RESULT.h5",
+                                     .arguments_doc =
+                                         "SCENE.yml --model MODEL.h5 -o RESULT.h5\n"
+                                         "--calibrate PLAN.yml --model MODEL.h5 -o CALIBRATED.h5\n"
+                                         "--trade --model CALIBRATED.h5",
                                      .doc = "Solves one scene with the reduced model.",
                                      .help_tail = print_settings,
-                                     .least_arguments = 1,
                                      .most_arguments = 1};
     ehd_error error = {""};
     program self;

@@ -2,6 +2,7 @@
 #include "romrun/model_file.h"
 
 #include "romrun/basis_file.h"
+#include "romrun/weighting.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -101,6 +102,16 @@ static ehd_status put_attributes(artefact *file, const reduced_model *model,
     return status;
 }
 
+static ehd_status put_weighting(artefact *file, const model_origin *origin, ehd_error *error) {
+    if (!origin->weights) return EHD_OK;
+    ehd_status status =
+        artefact_put_axis(file, "jacobian_mode", origin->num_jacobian_modes, NULL, error);
+    if (!status) status = artefact_put_text(file, "weights", origin->weights, error);
+    if (!status) status = artefact_put(file, "row_factor", origin->factors, error);
+    if (!status) status = artefact_put(file, "row_jacobian_modes", origin->jacobian_modes, error);
+    return status;
+}
+
 ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error) {
@@ -111,6 +122,7 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
     if (!status) status = put_axes(file, model, error);
     if (!status) status = put_attributes(file, model, origin, error);
     if (!status) status = put_tables(file, model, error);
+    if (!status) status = put_weighting(file, origin, error);
     if (!status)
         status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
                              basis->num_pressure, 1, error);
@@ -132,6 +144,7 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
 /* What is stored, against which the wanted sizes are checked. */
 typedef struct stored_sizes {
     size_t pressure, deformation, rows, needed, band;
+    size_t jacobian; // modes of the Jacobian products
 } stored_sizes;
 
 static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const char *option,
@@ -209,6 +222,55 @@ static ehd_status match_needed(size_t **places, const reduced_model *model, arte
     return status;
 }
 
+/* The factors of the first rows and modes alone, in place of those of the whole. */
+static ehd_status weigh_again(reduced_model *model, artefact *file, const stored_sizes *stored,
+                              const weighting *weights, ehd_error *error) {
+    size_t num_rows = model->num_rows;
+    size_t num_modes =
+        model->num_unknowns < stored->jacobian ? model->num_unknowns : stored->jacobian;
+    double *factors = malloc(num_rows * sizeof *factors), *before = NULL, *sampled = NULL;
+    ehd_status status = factors ? EHD_OK : no_memory(file, error);
+
+    if (!status)
+        status = read_part(&before, file, "row_factor", stored->rows, 1, NULL, num_rows, 1, error);
+    if (!status)
+        status = read_part(&sampled, file, "row_jacobian_modes", stored->rows, stored->jacobian,
+                           NULL, num_rows, num_modes, error);
+    for (size_t r = 0; r < num_rows && !status; r++)
+        if (!(before[r] > 0))
+            status = ehd_fail(error, EHD_DATA, "%s: row_factor: found %g, expected above 0",
+                              artefact_path(file), before[r]);
+    if (!status) status = weights->weigh(factors, sampled, num_rows, num_modes, error);
+    for (size_t r = 0; r < num_rows && !status; r++)
+        model->row_weight[r] *= factors[r] / before[r];
+    free(sampled);
+    free(before);
+    free(factors);
+    return status;
+}
+
+/* Weights belong to a list of rows and to the modes it was weighed for, so that a part has its own. */
+static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
+                             ehd_error *error) {
+    bool whole = model->num_rows == stored->rows && model->num_pressure == stored->pressure &&
+                 model->num_deformation == stored->deformation;
+    char *name = NULL;
+
+    if (whole || !artefact_has(file, "weights") || !artefact_has(file, "row_factor") ||
+        !artefact_has(file, "row_jacobian_modes"))
+        return EHD_OK;
+    ehd_status status = artefact_get_text(file, "weights", &name, error);
+    const weighting *weights = status ? NULL : weighting_find(name);
+    if (!status && !weights)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: weights: found %.40s, expected one that is known, for a part of the "
+                          "rows or modes",
+                          artefact_path(file), name);
+    if (!status) status = weigh_again(model, file, stored, weights, error);
+    free(name);
+    return status;
+}
+
 static ehd_status read_rows(reduced_model *model, artefact *file, const stored_sizes *stored,
                             ehd_error *error) {
     ehd_status status =
@@ -217,6 +279,7 @@ static ehd_status read_rows(reduced_model *model, artefact *file, const stored_s
     if (!status)
         status = read_part(&model->row_weight, file, "row_weight", stored->rows, 1, NULL,
                            model->num_rows, 1, error);
+    if (!status) status = weigh_part(model, file, stored, error);
     if (!status) status = reduced_model_list_needed(model, error);
     return status;
 }
@@ -344,6 +407,7 @@ static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artef
     stored->pressure = artefact_length(file, "pressure_mode");
     stored->deformation = coupled ? 0 : artefact_length(file, "deformation_mode");
     stored->rows = artefact_length(file, "row");
+    stored->jacobian = artefact_length(file, "jacobian_mode");
     stored->needed = artefact_length(file, "needed_node");
     stored->band = model->num_band = artefact_length(file, "band_node");
     ehd_status status = choose_size(&model->num_pressure, wanted->pressure_modes, stored->pressure,

@@ -14,6 +14,12 @@ typedef struct model_origin {
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
     const double *sigma_min_by_exit; // [num_states]
+    // what other weights than the stored ones follow from; weights NULL: not known
+    const char *weights;       // name of the weighting
+    const double *factors;     // [num_rows] that it gave, of which row_weight is D times
+    size_t num_jacobian_modes; // sampled
+    const double
+        *jacobian_modes; // [num_rows, num_jacobian_modes] at the rows, orthonormal over all
 } model_origin;
 
 /* Writes and finishes caller->output. The basis gives what is needed for full fields. */
@@ -21,8 +27,9 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
-/* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. EHD_DATA also for sizes larger
- * than what is stored and fewer rows than unknowns. */
+/* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. A part of a model
+ * gets the weights that its own rows and modes ask for, where the file says what these follow from, else
+ * those of the whole. EHD_DATA also for sizes larger than what is stored and fewer rows than modes. */
 ehd_status model_read(
     // output:
     reduced_model *model, // free with reduced_model_free

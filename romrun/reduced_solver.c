@@ -2,6 +2,7 @@
 #include "romrun/reduced_solver.h"
 
 #include "common/program/program.h"
+#include "romrun/band_minimum.h"
 #include "romrun/least_squares.h"
 
 #include <cblas.h>
@@ -520,48 +521,24 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
     return self->observer(self->observer_context, residual, step, error);
 }
 
-/* Film minimum in the band: every node within a stride's reach of the least of a coarse look. */
+/* The band's film of a state, for band_minimum. */
+typedef struct film_of_state {
+    const reduced_solver *solver;
+    const reduced_state *state;
+} film_of_state;
+
+static double film_at(const void *context, size_t node) {
+    const film_of_state *self = context;
+
+    return band_film(self->solver, self->state->coordinates, self->state->exit, node);
+}
+
 static double minimum_film(reduced_solver *self, const reduced_state *state) {
+    const film_of_state film = {self, state};
     const reduced_model *model = self->model;
-    size_t last = state->exit + 1;
-    size_t stride = (last - model->band_begin) / 24 + 1, best = model->band_begin;
-    double least = INFINITY;
 
     expand_band(self, state->coordinates, window_begin(model, state->exit), state->exit);
-    for (; stride > 0; stride = stride > 1 ? (stride + 2) / 4 : 0) {
-        size_t reach = 4 * stride, middle = best;
-        size_t from = middle > model->band_begin + reach ? middle - reach : model->band_begin;
-        size_t to = middle + reach < last ? middle + reach : last;
-        if (isinf(least)) from = model->band_begin, to = last;
-        for (size_t node = from; node <= to; node += stride) {
-            double film = band_film(self, state->coordinates, state->exit, node);
-            if (film < least) {
-                least = film;
-                best = node;
-            }
-        }
-    }
-    return least;
-}
-
-/* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
- * is after some more turns. In time, where the exit moves by a node now and then, two nodes often ask for
- * one another, and it stays at once. */
-typedef struct exit_watch {
-    int direction, turns, most_turns;
-} exit_watch;
-
-static exit_watch start_watch(bool in_time) {
-    return (exit_watch){.most_turns = in_time ? 0 : 3};
-}
-
-static size_t watch_exit(exit_watch *watch, size_t exit, size_t next) {
-    int direction = next > exit ? 1 : next < exit ? -1 : 0;
-
-    if (direction && watch->direction && direction != watch->direction) watch->turns++;
-    if (direction) watch->direction = direction;
-    if (watch->turns > watch->most_turns) return exit;
-    return watch->turns > 0 ? (size_t)((ptrdiff_t)exit + direction) : next;
+    return band_minimum(film_at, &film, model->band_begin, state->exit + 1);
 }
 
 /* Whether an exit that was kept where it is lies near enough to where it should be: a node or two do
@@ -570,6 +547,24 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
     size_t distance = wanted > exit ? wanted - exit : exit - wanted;
 
     return distance <= (size_t)(SETTLED / model->grid.step) + 1;
+}
+
+/* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
+ * is after some more turns. In time, where neighbouring nodes often ask for one another, it stays as soon
+ * as it has settled. */
+typedef struct exit_watch {
+    bool in_time;
+    int direction, turns;
+} exit_watch;
+
+static size_t watch_exit(exit_watch *watch, const reduced_model *model, size_t exit, size_t next) {
+    int direction = next > exit ? 1 : next < exit ? -1 : 0;
+
+    if (direction && watch->direction && direction != watch->direction) watch->turns++;
+    if (direction) watch->direction = direction;
+    if (watch->turns == 0) return next;
+    if (watch->turns > 3 || (watch->in_time && exit_settled(model, exit, next))) return exit;
+    return (size_t)((ptrdiff_t)exit + direction);
 }
 
 /* Brings the rows and their values to the state, whose values may be known. */
@@ -635,7 +630,7 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch = start_watch(squeeze != NULL);
+    exit_watch watch = {.in_time = squeeze != NULL};
     iterate before = {NAN, NAN, 0}, now;
 
     info->own_jacobian = true;
@@ -656,7 +651,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         double start = program_seconds();
         size_t wanted = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                 : adapt_exit(self, state, contact);
-        size_t exit = watch_exit(&watch, state->exit, wanted);
+        size_t exit = watch_exit(&watch, self->model, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
             bool settled = exit_settled(self->model, exit, wanted);
@@ -758,7 +753,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = start_watch(true);
+    exit_watch watch = {.in_time = true};
     kept_iterate at = {.change = NAN};
 
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
@@ -766,7 +761,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
         if (!take_kept_step(&at, info, state, self, contact)) return false;
         double start = program_seconds();
         size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
-        size_t exit = watch_exit(&watch, state->exit, wanted);
+        size_t exit = watch_exit(&watch, self->model, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
             most_distance)

@@ -32,10 +32,15 @@ static void fail(pool *self, ehd_status status, const ehd_error *error) {
     self->error = *error;
 }
 
+static size_t parent_of(const pool *self, size_t point) {
+    return self->work->parent ? self->work->parent[point] : NO_PARENT;
+}
+
 /* The next point whose parent is finished, or NO_PARENT. */
 static size_t free_point(const pool *self) {
     for (size_t i = 0; i < self->work->num_points; i++) {
-        size_t point = self->work->order[i], parent = self->work->parent[point];
+        size_t point = self->work->order ? self->work->order[i] : i;
+        size_t parent = parent_of(self, point);
         if (!self->taken[point] && (parent == NO_PARENT || self->finished[parent])) return point;
     }
     return NO_PARENT;
@@ -63,7 +68,7 @@ static size_t take_point(pool *self) {
 /* Takes the lock away while the point is solved. */
 static ehd_status run_point(pool *self, void *worker, size_t point, ehd_error *error) {
     const pool_work *work = self->work;
-    size_t parent = work->parent[point];
+    size_t parent = parent_of(self, point);
     ehd_status status =
         work->start ? work->start(work->shared, worker, point, parent, error) : EHD_OK;
     if (status) return status;
@@ -81,7 +86,8 @@ static void *run_worker(void *argument) {
     pool *self = argument;
     void *worker = NULL;
     ehd_error error = {""};
-    ehd_status status = self->work->begin(&worker, self->work->shared, &error);
+    const pool_work *work = self->work;
+    ehd_status status = work->begin ? work->begin(&worker, work->shared, &error) : EHD_OK;
 
     pthread_mutex_lock(&self->lock);
     if (status) fail(self, status, &error);
@@ -93,7 +99,7 @@ static void *run_worker(void *argument) {
     }
     pthread_cond_broadcast(&self->changed);
     pthread_mutex_unlock(&self->lock);
-    self->work->end(worker);
+    if (work->end) work->end(worker);
     return NULL;
 }
 

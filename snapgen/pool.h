@@ -14,12 +14,13 @@ typedef ehd_status pool_task(void *shared, void *worker, size_t point, size_t pa
 
 typedef struct pool_work {
     size_t num_points;
-    const size_t *parent; // [num_points]
-    const size_t *order;  // [num_points], which free point is taken first (tree_order)
-    const bool *done;     // [num_points], from an earlier run; NULL: none
-    size_t num_workers;   // threads at most
-    void *shared;         // handed to all tasks
-    // what a thread needs for itself, such as a solver
+    const size_t *parent; // [num_points]; NULL: no point waits for another
+    const size_t
+        *order; // [num_points], which free point is taken first (tree_order); NULL: as numbered
+    const bool *done;   // [num_points], from an earlier run; NULL: none
+    size_t num_workers; // threads at most
+    void *shared;       // handed to all tasks
+    // what a thread needs for itself, such as a solver; NULL: nothing
     ehd_status (*begin)(void **worker, void *shared, ehd_error *error);
     void (*end)(void *worker);
     pool_task *solve;  // several at a time; `finish` of the parent has returned

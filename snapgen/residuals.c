@@ -269,17 +269,10 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
     return status;
 }
 
+/* Every point starts from a trained solution, so none waits for another. */
 static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
     size_t num_points = training->set->num_points;
-    if (num_points == 0) return EHD_OK;
-    size_t *parent = malloc(num_points * sizeof *parent);
-    if (!parent) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
-
-    // every point starts from a trained solution, so none waits for another
-    for (size_t i = 0; i < num_points; i++)
-        parent[i] = NO_PARENT;
     const pool_work work = {.num_points = num_points,
-                            .parent = parent,
                             .order = training->set->order,
                             .num_workers = num_workers,
                             .shared = training,
@@ -287,10 +280,11 @@ static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_
                             .end = end_tracer,
                             .solve = trace_point,
                             .finish = finish_point};
+
+    if (num_points == 0) return EHD_OK;
     progress_start(&training->progress, training->caller, num_points);
     ehd_status status = pool_run(&work, error);
     progress_finish(&training->progress);
-    free(parent);
     return status;
 }
 

@@ -124,11 +124,19 @@ static ehd_status make_tree(training_set *set, const char *plan_path, ehd_error 
     return status;
 }
 
-// ---- shards
+// ---- parts
 
-static int compare_numbers(const void *left, const void *right) {
-    size_t a = *(const size_t *)left, b = *(const size_t *)right;
-    return (a > b) - (a < b);
+ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
+                             ehd_error *error) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        if (!keep[i]) continue;
+        set->contacts[count] = set->contacts[i];
+        set->groups[count++] = set->groups[i];
+    }
+    set->num_points = count;
+    return count > 0 ? make_tree(set, plan_path, error) : EHD_OK;
 }
 
 /* Keeps a contiguous piece of the walk through the tree, in the order of the plan. */
@@ -137,20 +145,16 @@ static ehd_status keep_shard(training_set *set, const char *plan_path, shard pie
     size_t begin = set->num_points * (piece.number - 1) / piece.total;
     size_t end = set->num_points * piece.number / piece.total;
     size_t *walk = malloc(set->num_points * sizeof *walk);
-    if (!walk) return no_memory(plan_path, error);
+    bool *keep = calloc(set->num_points, sizeof *keep);
+    ehd_status status = walk && keep ? tree_walk(walk, set->parent, set->num_points, error)
+                                     : no_memory(plan_path, error);
 
-    ehd_status status = tree_walk(walk, set->parent, set->num_points, error);
-    if (!status) {
-        qsort(walk + begin, end - begin, sizeof *walk, compare_numbers);
-        for (size_t i = begin; i < end; i++) { // sorted, so nothing is overwritten too early
-            set->contacts[i - begin] = set->contacts[walk[i]];
-            set->groups[i - begin] = set->groups[walk[i]];
-        }
-        set->num_points = end - begin;
-    }
+    for (size_t i = begin; i < end && !status; i++)
+        keep[walk[i]] = true;
+    if (!status) status = training_set_keep(set, keep, plan_path, error);
+    free(keep);
     free(walk);
-    if (status || set->num_points == 0) return status;
-    return make_tree(set, plan_path, error);
+    return status;
 }
 
 /* How many of the first shards have points; where these are fewer than the shards, some have none. */

@@ -6,6 +6,7 @@
 #include "common/physics/contact.h"
 #include "common/settings/scene.h"
 #include "snapgen/tree.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 /* A piece of a plan: the k-th of N, 1/1 for all of it. */
@@ -49,6 +50,10 @@ ehd_status training_set_init(
 /* Takes the neighbours away, so that every point starts cold and its solution depends on the point
  * alone. EHD_MEMORY. */
 ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error);
+
+/* Leaves only the points that `keep`, [num_points], says, in a tree of their own. EHD_MEMORY. */
+ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
+                             ehd_error *error);
 
 void training_set_free(training_set *set);
 

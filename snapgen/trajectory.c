@@ -5,6 +5,7 @@
 #include "romrun/reduced_march.h"
 #include "snapgen/pool.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,13 +24,16 @@ typedef struct task {
     bool *done;                     // [num_trajectories]
     size_t num_merged;
     snapshot_compressor *all_first, *all_second;
-    size_t num_done;
+    pthread_mutex_t showing; // guards what follows
+    double *travelled;       // [num_trajectories] parts of their ways
     progress progress;
 } task;
 
+enum { PARTS_SHOWN = 1000 }; // of all ways
+
 /* One trajectory under way. */
 typedef struct traveller {
-    const task *owner;
+    task *owner;
     size_t number;
     full_march *full;       // or
     reduced_march *reduced; // the one of the two that is used
@@ -50,6 +54,20 @@ static const ehd_contact *reference_of(const traveller *self) {
     return &self->owner->set->trajectories[self->number].contact;
 }
 
+static void show_progress(task *owner, size_t number, double time) {
+    size_t num = owner->result->num_trajectories;
+    double sum = 0;
+    char shown[64];
+
+    pthread_mutex_lock(&owner->showing);
+    owner->travelled[number] = time / owner->set->trajectories[number].scene.end_time;
+    for (size_t t = 0; t < num; t++)
+        sum += owner->travelled[t];
+    snprintf(shown, sizeof shown, "trajectory %zu of %zu at T = %.4g", number + 1, num, time);
+    progress_show(&owner->progress, (size_t)(PARTS_SHOWN * sum / (double)num), shown);
+    pthread_mutex_unlock(&owner->showing);
+}
+
 static ehd_status store_full(void *sink, const march_step *step, size_t index, ehd_error *error) {
     traveller *self = sink;
     const full_state *state = full_march_state(self->full, NULL);
@@ -57,6 +75,7 @@ static ehd_status store_full(void *sink, const march_step *step, size_t index, e
 
     kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
                          state->exit, state->pressure, state->film);
+    show_progress(self->owner, self->number, step->frame.time);
     return compressor_add(self->first, state->pressure, 1, error);
 }
 
@@ -67,6 +86,7 @@ static ehd_status store_reduced(void *sink, const march_step *step, size_t index
 
     kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
                          reduced_march_state(self->reduced, NULL).exit, NULL, NULL);
+    show_progress(self->owner, self->number, step->frame.time);
     return EHD_OK;
 }
 
@@ -191,11 +211,12 @@ static ehd_status finish_trajectory(void *shared, void *worker, size_t number, s
                                     ehd_error *error) {
     task *owner = shared;
     trajectories *result = owner->result;
-    char name[POINT_NAME];
     ehd_status status = EHD_OK;
     (void)worker, (void)parent;
 
     owner->done[number] = true;
+    if (result->failed[number]) // which did not get there
+        show_progress(owner, number, owner->set->trajectories[number].scene.end_time);
     result->num_failed += result->failed[number];
     result->num_steps += owner->first[number].num_snapshots;
     for (;
@@ -206,47 +227,19 @@ static ehd_status finish_trajectory(void *shared, void *worker, size_t number, s
         if (!status)
             status = merge_one(owner->all_second, &owner->second[t], result->failed[t], error);
     }
-    name_trajectory(name, owner, number);
-    progress_show(&owner->progress, ++owner->num_done, name);
     return status;
 }
 
-static ehd_status begin_nothing(void **worker, void *shared, ehd_error *error) {
-    (void)shared, (void)error;
-    *worker = NULL;
-    return EHD_OK;
-}
-
-static void end_nothing(void *worker) {
-    (void)worker;
-}
-
 static ehd_status run_pool(task *self, size_t num_workers, ehd_error *error) {
-    size_t num = self->result->num_trajectories;
-    size_t *parent = malloc(num * sizeof *parent), *order = malloc(num * sizeof *order);
-    ehd_status status = EHD_OK;
+    const pool_work work = {.num_points = self->result->num_trajectories,
+                            .num_workers = num_workers,
+                            .shared = self,
+                            .solve = solve_trajectory,
+                            .finish = finish_trajectory};
 
-    if (!parent || !order) status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
-    for (size_t t = 0; t < num && !status; t++) {
-        parent[t] = NO_PARENT;
-        order[t] = t;
-    }
-    if (!status) {
-        const pool_work work = {.num_points = num,
-                                .parent = parent,
-                                .order = order,
-                                .num_workers = num_workers,
-                                .shared = self,
-                                .begin = begin_nothing,
-                                .end = end_nothing,
-                                .solve = solve_trajectory,
-                                .finish = finish_trajectory};
-        progress_start(&self->progress, self->caller, num);
-        status = pool_run(&work, error);
-        progress_finish(&self->progress);
-    }
-    free(parent);
-    free(order);
+    progress_start(&self->progress, self->caller, PARTS_SHOWN);
+    ehd_status status = pool_run(&work, error);
+    progress_finish(&self->progress);
     return status;
 }
 
@@ -264,8 +257,10 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     self->second = calloc(num, sizeof *self->second);
     self->done = calloc(num, sizeof *self->done);
     self->histories = calloc(num, sizeof *self->histories);
+    self->travelled = calloc(num, sizeof *self->travelled);
+    pthread_mutex_init(&self->showing, NULL);
     if (!result->kept || !result->failed || !self->first || !self->second || !self->done ||
-        !self->histories)
+        !self->histories || !self->travelled)
         status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
     for (size_t t = 0; t < num && !status; t++)
         status = histories_init(&self->histories[t], &self->set->trajectories[t].scene, error);
@@ -282,6 +277,8 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
         if (self->second) compressed_set_free(&self->second[t]);
         if (self->histories) histories_free(self->histories[t]);
     }
+    pthread_mutex_destroy(&self->showing);
+    free(self->travelled);
     free(self->histories);
     free(self->first);
     free(self->second);

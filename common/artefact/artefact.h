@@ -158,6 +158,16 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
  * after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged. */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
+/* Puts all axes, fields and attributes of an opened file that its schema knows into a file of the same
+ * schema that has none yet, but for some axes and the fields along them. */
+ehd_status artefact_copy(
+    // output:
+    artefact *to,
+    // input:
+    artefact *from,
+    const char *const *except_axes, // NULL at the end; NULL: none
+    ehd_error *error);
+
 /* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the final
  * name. Frees the file in any case; on failure the .partial file stays. All fields that the schema
  * calls NEED_ALWAYS or NEED_OWN must have been written, and a growing axis have an entry (else

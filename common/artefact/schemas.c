@@ -311,15 +311,35 @@ static const artefact_axis model_axes[] = {
     {"row", "1", "index of the selected row, in order of selection"},
     {"needed_node", "1", "index of the film node whose pressure and film the selected rows need"},
     {"band_node", "1", "index of the film node, counted from the first of the exit band"},
+    {"jacobian_mode", "1", "index of the mode of the weighted Jacobian products, strongest first"},
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
     STATE_AXIS,
+    {"position", "1", "index of the measured size of the model, smallest first"},
+    {"quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"},
     {0}};
+
+/* Measured at a size of the model, over the scenes that it solved. */
+#define DEVIATION(quantity, what)                                                                  \
+    REAL("deviation_" quantity, "1", NEED_OPTIONAL, "deviation from the full model: " what,        \
+         "position", "quantile")
+
+/* The same on trajectories. */
+#define WORST_IN_TIME(quantity, what)                                                              \
+    REAL("worst_in_time_" quantity, "1", NEED_OPTIONAL,                                            \
+         "largest relative deviation from the full model with the same time steps: " what,         \
+         "position")
 
 static const artefact_field model_fields[] = {
     INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
     REAL("row_weight", "1", NEED_ALWAYS,
          "weight of the selected rows: D times their factor in the least squares", "row"),
+    REAL("row_factor", "1", NEED_OPTIONAL,
+         "that factor; a part of the rows or modes has factors of its own", "row"),
+    REAL("row_jacobian_modes", "1", NEED_OPTIONAL,
+         "modes of the weighted Jacobian products at the selected rows, orthonormal over all rows; "
+         "the factors of a part of the rows follow from them",
+         "row", "jacobian_mode"),
     INTEGER("needed_node_index", NEED_ALWAYS,
             "film nodes that are needed, ascending; film node k + 1 is index k of x, 0 and the "
             "last are the boundary nodes",
@@ -360,6 +380,34 @@ static const artefact_field model_fields[] = {
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "
          "the state",
          "state"),
+    INTEGER("position_pressure_modes", NEED_OPTIONAL,
+            "pressure modes in use; this and what follows only in a calibrated model", "position"),
+    INTEGER("position_deformation_modes", NEED_OPTIONAL,
+            "deformation modes in use, 0 for deformation = coupled", "position"),
+    INTEGER("position_rows", NEED_OPTIONAL, "rows in use", "position"),
+    DEVIATION("central_film_thickness", "central film thickness, relative"),
+    DEVIATION("minimum_film_thickness", "minimum film thickness, relative"),
+    DEVIATION("central_pressure", "central pressure, relative"),
+    DEVIATION("pressure", "pressure P, largest of all nodes"),
+    REAL("position_mean_iterations", "1", NEED_OPTIONAL, "Newton iterations of a scene in the mean",
+         "position"),
+    REAL("position_most_iterations", "1", NEED_OPTIONAL, "Newton iterations of a scene at most",
+         "position"),
+    REAL("position_seconds", "s", NEED_OPTIONAL, "median time of a solution, with the model open",
+         "position"),
+    INTEGER("position_failures", NEED_OPTIONAL,
+            "scenes that did not converge or were not to be trusted; they count nowhere else",
+            "position"),
+    WORST_IN_TIME("central_film_thickness", "central film thickness"),
+    WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
+    WORST_IN_TIME("central_pressure", "central pressure"),
+    REAL("position_step_iterations", "1", NEED_OPTIONAL,
+         "Newton iterations of a step of a trajectory in the mean", "position"),
+    REAL("position_step_seconds", "s", NEED_OPTIONAL, "time of a step in the mean", "position"),
+    INTEGER("position_lost_trajectories", NEED_OPTIONAL,
+            "trajectories with a step that did not converge or was not to be trusted; they count "
+            "nowhere else",
+            "position"),
     {0}};
 
 static const artefact_attribute model_attributes[] = {
@@ -371,6 +419,7 @@ static const artefact_attribute model_attributes[] = {
     ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "last film node at which the exit may lie"),
     ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
+    ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL, "method of the rows' factors"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest singular value of the sampled residual basis"),
     ATTRIBUTE("sigma_min_jacobian", ARTEFACT_REAL, "1", NEED_OWN,
@@ -378,11 +427,15 @@ static const artefact_attribute model_attributes[] = {
     ATTRIBUTE("sigma_min_over_exits", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest of both over all exits seen in training"),
     BASIS_ATTRIBUTE,
+    ATTRIBUTE("calibration_scenes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "scenes that each position was measured on, none of them a training solution"),
+    ATTRIBUTE("calibration_trajectories", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "trajectories that each position was measured on"),
     {0}};
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       1,
-                                      0,
+                                      2,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

@@ -202,10 +202,10 @@ static ehd_status advance(march *self, ehd_error *error) {
 
 /* Ends a march that crawls: where a model's own noise is above the tolerance, steps get shorter until the noise
  * of a step is, and the end is out of reach. */
-static void watch_progress(march *self, double *mark, double shortest) {
-    const double least_progress = 0.01; // of the shortest time, in so many attempts
+static void watch_progress(march *self, double *mark, double usual) {
+    const double least_progress = 0.01; // of the usual one, in so many attempts
 
-    if (!(self->state.time - *mark > least_progress * shortest))
+    if (!(self->state.time - *mark > least_progress * usual))
         snprintf(self->reason, sizeof self->reason,
                  "found %d attempts between T = %.8g and %.8g, expected them to get further (step "
                  "%.1e)",
@@ -214,17 +214,18 @@ static void watch_progress(march *self, double *mark, double shortest) {
 }
 
 ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error) {
-    double shortest = fmin(histories_shortest_time(self->histories), self->settings.end_time);
-    double mark = self->state.time;
-    bool adaptive = isnan(self->settings.fixed_step);
+    double fixed = self->settings.fixed_step, mark = self->state.time;
+    double usual = isnan(fixed)
+                       ? fmin(histories_shortest_time(self->histories), self->settings.end_time)
+                       : WATCHED_ATTEMPTS * fixed;
     ehd_status status = EHD_OK;
 
     for (size_t attempts = 1;
          !status && self->state.time < self->settings.end_time && !self->reason[0]; attempts++) {
         status = program_interrupted() ? ehd_fail(error, EHD_INTERRUPTED, "interrupted")
                                        : advance(self, error);
-        if (adaptive && !status && !self->reason[0] && attempts % WATCHED_ATTEMPTS == 0)
-            watch_progress(self, &mark, shortest);
+        if (!status && !self->reason[0] && attempts % WATCHED_ATTEMPTS == 0)
+            watch_progress(self, &mark, usual);
     }
     *outcome = self->reason[0] ? EHD_NOT_CONVERGED : EHD_OK;
     return status;

@@ -90,7 +90,7 @@ int main(int argc, char **argv) {
         printf(
             "M = %-4g L = %-3g H_c %.8f %s, %zu iterations: %.3f ms (%.3f to %.3f) = rows %.3f + "
             "least squares %.3f + exit %.3f + other %.3f; another iteration changes H_c by %.1e\n",
-            contact.moes_M, contact.moes_L, median->central_film_thickness,
+            contact.moes_M, contact.moes_L, median->scalars.central_film_thickness,
             median->status ? "NOT CONVERGED" : "converged", median->iterations,
             median->seconds * 1e3, infos[0].seconds * 1e3, infos[repeats - 1].seconds * 1e3,
             median->seconds_rows * 1e3, median->seconds_linear * 1e3, median->seconds_exit * 1e3,

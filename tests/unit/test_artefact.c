@@ -255,6 +255,47 @@ static void round_trip(void **state) {
     artefact_close(&file);
 }
 
+/* What the copy says behind its provenance, which is its own. */
+static char *copied_content(const char *name, const char *const *except_axes) {
+    artefact *from = reopen(), *to = NULL;
+
+    check_ok(artefact_create(&to, name, &schema_snapshots, &forcing, "copied\n", NULL, &error));
+    check_ok(artefact_copy(to, from, except_axes, &error));
+    check_ok(artefact_finish(&to, &error));
+    artefact_close(&from);
+    char *content = content_of(name);
+    assert_non_null(content);
+    return content;
+}
+
+static void copies_are_equal(void **state) {
+    static const char first_line[] = "-0x1p+0 0x1p-1\n"; // x_min and step
+    static const char *const except[] = {"compressed", NULL};
+    const double values[NUM_STATES] = {3, 2, 1};
+    artefact *file = NULL;
+    char other[160];
+    (void)state;
+
+    snprintf(other, sizeof other, "%s/other.h5", folder);
+    check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, "", NULL, &error));
+    put_grid(file);
+    put_fields(file);
+    check_ok(artefact_put_axis(file, "compressed", NUM_STATES, NULL, &error));
+    check_ok(artefact_put(file, "compressed_singular_values", values, &error));
+    check_ok(artefact_finish(&file, &error));
+    char *whole = content_of(path), *same = copied_content(other, NULL);
+    assert_non_null(whole);
+    assert_non_null(strstr(whole, "compressed_singular_values 1: 0x1.8p+1"));
+    assert_string_equal(strstr(same, first_line), strstr(whole, first_line));
+    assert_non_null(strstr(same, "copied\n"));
+    char *without = copied_content(other, except);
+    assert_non_null(strstr(without, "compressed_singular_values 0:"));
+    assert_non_null(strstr(without, "pressure 1: 0x1"));
+    free(whole);
+    free(same);
+    free(without);
+}
+
 static void provenance(void **state) {
     (void)state;
     char input[96];
@@ -1191,6 +1232,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
         TEST(round_trip),
+        TEST(copies_are_equal),
         TEST(provenance),
         TEST(long_texts),
         TEST(misuse_is_internal),

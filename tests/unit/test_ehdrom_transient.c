@@ -105,7 +105,12 @@ static ehdrom_model *make_model(const snapshot_set *set, deformation_kind kind, 
         .name = "deimselect", .argc = 1, .argv = words, .force = true, .output = path};
     const bases_settings settings = {{.num_modes = NUM_MODES}, {.num_modes = NUM_MODES}, kind};
     const double sigmas[NUM_STATES] = {1};
-    const model_origin origin = {"joint", "0123", 1, 1, 1, sigmas};
+    const model_origin origin = {.method = "joint",
+                                 .basis_identity = "0123",
+                                 .sigma_min_residual = 1,
+                                 .sigma_min_jacobian = 1,
+                                 .sigma_min_over_exits = 1,
+                                 .sigma_min_by_exit = sigmas};
     reduced_basis basis;
     reduced_model built;
     pod_basis pressure, deformation;

@@ -4,6 +4,7 @@
 #include "romrun/ehdrom.h"
 #include "romrun/model_file.h"
 #include "romrun/reduced_solver.h"
+#include "romrun/weighting.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 
@@ -14,11 +15,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_ROWS = 40 };
+enum { NUM_ROWS = 40, NUM_JACOBIAN_MODES = 10 };
 
 static trained training; // 121 nodes
 static reduced_basis bases[2];
 static size_t rows[NUM_ROWS]; // from before the contact to behind the exits
+static double factors[NUM_ROWS], jacobian_modes[NUM_ROWS][NUM_JACOBIAN_MODES];
 static char folder[64], path[128];
 static ehd_error error;
 static char *words[] = {"podbuild", NULL};
@@ -41,7 +43,10 @@ static int set_up(void **state) {
     trained_basis(&bases[1], &training, DEFORMATION_COUPLED, 9, 0);
     for (size_t r = 0; r < NUM_ROWS; r++)
         rows[r] = 40 + (r * 27) % 67; // 40 … 106, not ascending
-    return 0;
+    for (size_t r = 0; r < NUM_ROWS; r++)
+        for (size_t j = 0; j < NUM_JACOBIAN_MODES; j++)
+            jacobian_modes[r][j] = 0.2 * sin((double)(rows[r] * (j + 1)));
+    return weighting_quadrature(factors, &jacobian_modes[0][0], NUM_ROWS, NUM_JACOBIAN_MODES, NULL);
 }
 
 static int tear_down(void **state) {
@@ -65,14 +70,29 @@ static void write_basis(const reduced_basis *basis) {
     check_ok(basis_write(basis, &origin, &self, "energy: 1\n", NULL, &error));
 }
 
-static void write_model(const reduced_model *model, const reduced_basis *basis) {
+/* `weights`: name of the weighting, NULL for a file that does not say what the weights follow from. */
+static void write_weighted(const reduced_model *model, const reduced_basis *basis,
+                           const char *weights) {
     double sigmas[TRAINED_STATES];
     const program self = writer();
 
     for (size_t s = 0; s < TRAINED_STATES; s++)
         sigmas[s] = 0.25;
-    const model_origin origin = {"joint", "0123", 0.5, 0.5, 0.25, sigmas};
+    const model_origin origin = {.method = "joint",
+                                 .basis_identity = "0123",
+                                 .sigma_min_residual = 0.5,
+                                 .sigma_min_jacobian = 0.5,
+                                 .sigma_min_over_exits = 0.25,
+                                 .sigma_min_by_exit = sigmas,
+                                 .weights = weights,
+                                 .factors = factors,
+                                 .num_jacobian_modes = NUM_JACOBIAN_MODES,
+                                 .jacobian_modes = &jacobian_modes[0][0]};
     check_ok(model_write(model, basis, &origin, &self, "rows: 40\n", NULL, &error));
+}
+
+static void write_model(const reduced_model *model, const reduced_basis *basis) {
+    write_weighted(model, basis, NULL);
 }
 
 static void build_model(reduced_model *model, const reduced_basis *basis, size_t num_rows) {
@@ -287,6 +307,65 @@ static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
         reduced_model_free(&whole);
         reduced_basis_free(&small);
     }
+}
+
+/* Weights of the first rows and as many Jacobian modes as there are unknowns. */
+static void expected_weights(double *weights, const reduced_basis *basis, size_t num_rows,
+                             size_t num_modes) {
+    double sampled[NUM_ROWS * NUM_JACOBIAN_MODES];
+
+    for (size_t i = 0; i < num_rows * num_modes; i++)
+        sampled[i] = jacobian_modes[i / num_modes][i % num_modes];
+    assert_int_equal(weighting_quadrature(weights, sampled, num_rows, num_modes, NULL), EHD_OK);
+    for (size_t r = 0; r < num_rows; r++)
+        weights[r] *= basis->weight[rows[r]];
+}
+
+/* The whole has the weights that are stored. */
+static void a_part_is_weighed_by_itself(void **state) {
+    const struct {
+        ehdrom_sizes sizes;
+        size_t num_rows, num_modes;
+    } cases[] = {{{0, 0, 0}, NUM_ROWS, 10},
+                 {{0, 0, 30}, 30, 10},
+                 {{7, 0, 0}, NUM_ROWS, 8},
+                 {{6, 0, 20}, 20, 7}};
+    reduced_model model;
+    double weights[NUM_ROWS];
+    (void)state;
+
+    build_model(&model, &bases[1], NUM_ROWS);
+    for (size_t r = 0; r < NUM_ROWS; r++)
+        model.row_weight[r] *= factors[r];
+    write_weighted(&model, &bases[1], "quadrature");
+    check_ok(artefact_check(path, &error));
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        reduced_model found;
+        check_ok(model_read(&found, path, &cases[i].sizes, &error));
+        expected_weights(weights, &bases[1], cases[i].num_rows, cases[i].num_modes);
+        check_close_array(found.row_weight, weights, cases[i].num_rows, 1e-14, 0);
+        reduced_model_free(&found);
+    }
+    reduced_model_free(&model);
+}
+
+static void a_part_of_unknown_weights_is_refused(void **state) {
+    const ehdrom_sizes part = {.rows = 30};
+    reduced_model model, found;
+    (void)state;
+
+    build_model(&model, &bases[1], NUM_ROWS);
+    write_weighted(&model, &bases[1], "other");
+    model_is_refused(&part, "weights: found other, expected");
+    check_ok(model_read(&found, path, &everything, &error));
+    reduced_model_free(&found);
+    write_weighted(&model, &bases[1], "quadrature");
+    patch_real("row_factor", 1, 0);
+    model_is_refused(&part, "row_factor: found 0, expected above 0");
+    write_weighted(&model, &bases[1], "quadrature");
+    patch_real("row_jacobian_modes", 1, NAN);
+    model_is_refused(&part, "row_jacobian_modes: found a value");
+    reduced_model_free(&model);
 }
 
 // ---- what is refused
@@ -506,6 +585,8 @@ int main(void) {
         cmocka_unit_test(a_model_comes_back),
         cmocka_unit_test(a_prefix_of_the_rows_is_the_model_of_those_rows),
         cmocka_unit_test(a_prefix_of_the_modes_is_the_model_of_those_modes),
+        cmocka_unit_test(a_part_is_weighed_by_itself),
+        cmocka_unit_test(a_part_of_unknown_weights_is_refused),
         cmocka_unit_test(bad_bases_are_refused),
         cmocka_unit_test(bad_models_are_refused),
         cmocka_unit_test(sizes_beyond_the_model_are_refused),

@@ -26,6 +26,7 @@ typedef struct follower {
     size_t fails_at;        // number of the attempt that does not
     size_t untrusted_at;    // and of the one that is not to be trusted
     double longest_step;    // above it the local error is too large; 0: as it is
+    double hardest_step;    // and above this it does not converge; 0: it does
     ehd_status breaks_with; // from attempt fails_at on, an error
     // counts
     size_t num_attempts, num_accepted, num_restarts;
@@ -61,7 +62,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = "a strange value";
     }
-    if (frame->time > self->fails_after || self->num_attempts == self->fails_at) {
+    if (frame->time > self->fails_after || self->num_attempts == self->fails_at ||
+        (self->hardest_step > 0 && step > self->hardest_step)) {
         if (self->breaks_with) return ehd_fail(error, self->breaks_with, "follower: broken");
         outcome->status = EHD_NOT_CONVERGED;
         outcome->reason = "no will";
@@ -533,6 +535,18 @@ static void crawling_ends(void **state) {
     assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
     assert_non_null(strstr(first.march.reason, "expected them to get further"));
     assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
+    run_end(&first);
+
+    // fixed ones too, of which only small parts converge
+    run_begin(&first, "end_time: 1, fixed_step: 0.01");
+    first.follower.hardest_step = 1e-6;
+    assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
+    assert_non_null(strstr(first.march.reason, "expected them to get further"));
+    assert_true(first.follower.num_attempts < MOST_STEPS && first.march.state.time > 0);
+    run_end(&first);
+    // but not those that are meant to be short
+    run_begin(&first, "end_time: 1e-5, fixed_step: 2e-9");
+    assert_int_equal(run_on(&first), EHD_OK);
     run_end(&first);
 }
 

@@ -120,6 +120,37 @@ static void test_every_point_once(void **state) {
     }
 }
 
+static ehd_status count_point(void *shared, void *worker, size_t point, size_t parent,
+                              ehd_error *error) {
+    int *finished = shared;
+    (void)error;
+    assert_null(worker);
+    assert_int_equal(parent, NO_PARENT);
+    finished[point]++;
+    return EHD_OK;
+}
+
+static ehd_status do_nothing(void *shared, void *worker, size_t point, size_t parent,
+                             ehd_error *error) {
+    (void)shared, (void)worker, (void)point, (void)parent, (void)error;
+    return EHD_OK;
+}
+
+/* Neither parents nor an order nor anything for a thread. */
+static void test_a_plain_list(void **state) {
+    int finished[NUM_POINTS] = {0};
+    const pool_work work = {.num_points = NUM_POINTS,
+                            .num_workers = 3,
+                            .shared = finished,
+                            .solve = do_nothing,
+                            .finish = count_point};
+    (void)state;
+
+    assert_int_equal(pool_run(&work, NULL), EHD_OK);
+    for (size_t i = 0; i < NUM_POINTS; i++)
+        assert_int_equal(finished[i], 1);
+}
+
 static void test_done_points_are_left_alone(void **state) {
     bool done[NUM_POINTS];
     notes noted = new_notes();
@@ -178,6 +209,7 @@ static void test_no_memory(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_point_once),
+        cmocka_unit_test(test_a_plain_list),
         cmocka_unit_test(test_done_points_are_left_alone),
         cmocka_unit_test(test_a_failure_stops_the_pool),
         cmocka_unit_test(test_a_worker_that_cannot_begin),

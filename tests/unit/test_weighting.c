@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Row weights: exact where the selected rows can stand for all of them. */
-#include "deimselect/weighting.h"
+#include "romrun/weighting.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
@@ -13,26 +13,26 @@
 
 enum { NUM_MODES = 3, NUM_PAIRS = 12, NUM_NODES = 2 * NUM_PAIRS };
 
-/* Orthonormal cosines over NUM_PAIRS nodes, each node doubled: rows k and k + NUM_PAIRS are equal. */
-static void make_modes(double *modes) {
-    for (size_t j = 0; j < NUM_MODES; j++)
-        for (size_t k = 0; k < NUM_NODES; k++) {
-            double phase = M_PI * (double)j * ((double)(k % NUM_PAIRS) + 0.5) / NUM_PAIRS;
+/* Orthonormal cosines over NUM_PAIRS nodes, each node doubled, at some rows, [num_rows, NUM_MODES]: rows k
+ * and k + NUM_PAIRS are equal. */
+static void sample_cosines(double *sampled, const size_t *rows, size_t num_rows) {
+    for (size_t r = 0; r < num_rows; r++)
+        for (size_t j = 0; j < NUM_MODES; j++) {
+            double phase = M_PI * (double)j * ((double)(rows[r] % NUM_PAIRS) + 0.5) / NUM_PAIRS;
             double norm = sqrt((j == 0 ? 1. : 2.) / NUM_NODES);
-            modes[j * NUM_NODES + k] = norm * cos(phase);
+            sampled[r * NUM_MODES + j] = norm * cos(phase);
         }
 }
 
 static void all_rows_weigh_one(void **state) {
-    double modes[NUM_MODES * NUM_NODES], factors[NUM_NODES];
+    double sampled[NUM_NODES * NUM_MODES], factors[NUM_NODES];
     size_t rows[NUM_NODES];
     (void)state;
 
-    make_modes(modes);
     for (size_t r = 0; r < NUM_NODES; r++)
         rows[r] = r;
-    assert_int_equal(
-        weighting_quadrature(factors, modes, NUM_MODES, NUM_NODES, rows, NUM_NODES, NULL), EHD_OK);
+    sample_cosines(sampled, rows, NUM_NODES);
+    assert_int_equal(weighting_quadrature(factors, sampled, NUM_NODES, NUM_MODES, NULL), EHD_OK);
     for (size_t r = 0; r < NUM_NODES; r++)
         check_close(factors[r], 1, 1e-6, 0);
 }
@@ -40,21 +40,20 @@ static void all_rows_weigh_one(void **state) {
 /* One of each pair of equal rows: together they must weigh as all, so that
  * sum w q q^T = 1 to the tolerance of the solution. */
 static void half_of_the_rows_stand_for_all(void **state) {
-    double modes[NUM_MODES * NUM_NODES], factors[NUM_PAIRS];
+    double sampled[NUM_PAIRS * NUM_MODES], factors[NUM_PAIRS];
     size_t rows[NUM_PAIRS];
     (void)state;
 
-    make_modes(modes);
     for (size_t r = 0; r < NUM_PAIRS; r++)
         rows[r] = r % 2 ? r : r + NUM_PAIRS;
-    assert_int_equal(
-        weighting_quadrature(factors, modes, NUM_MODES, NUM_NODES, rows, NUM_PAIRS, NULL), EHD_OK);
+    sample_cosines(sampled, rows, NUM_PAIRS);
+    assert_int_equal(weighting_quadrature(factors, sampled, NUM_PAIRS, NUM_MODES, NULL), EHD_OK);
     for (size_t i = 0; i < NUM_MODES; i++)
         for (size_t j = 0; j < NUM_MODES; j++) {
             double sum = 0;
             for (size_t r = 0; r < NUM_PAIRS; r++)
-                sum += factors[r] * factors[r] * modes[i * NUM_NODES + rows[r]] *
-                       modes[j * NUM_NODES + rows[r]];
+                sum += factors[r] * factors[r] * sampled[r * NUM_MODES + i] *
+                       sampled[r * NUM_MODES + j];
             check_close(sum, i == j, 0, 1e-4);
         }
 }
@@ -62,25 +61,29 @@ static void half_of_the_rows_stand_for_all(void **state) {
 /* Rows (1, 0), (0, 1) and (1, 1): the first two are exact, so that the third would get zero weight;
  * the bound keeps it a say. */
 static void weights_stay_positive(void **state) {
-    const double modes[] = {1, 0, 1, 0, 1, 1};
-    const size_t rows[] = {0, 1, 2};
+    const double sampled[] = {1, 0, 0, 1, 1, 1};
     double factors[3];
     (void)state;
 
-    assert_int_equal(weighting_quadrature(factors, modes, 2, 3, rows, 3, NULL), EHD_OK);
+    assert_int_equal(weighting_quadrature(factors, sampled, 3, 2, NULL), EHD_OK);
     check_close(factors[2], sqrt(0.05), 1e-9, 0);
     assert_true(factors[0] > 0.9 && factors[1] > 0.9);
 }
 
 static void plain_weights_are_one(void **state) {
-    const double modes[] = {0.6, 0.8};
-    const size_t rows[] = {1, 0};
+    const double sampled[] = {0.6, 0.8};
     double factors[2] = {0, 0};
     (void)state;
 
-    assert_int_equal(weighting_plain(factors, modes, 1, 2, rows, 2, NULL), EHD_OK);
+    assert_int_equal(weighting_plain(factors, sampled, 2, 1, NULL), EHD_OK);
     check_close(factors[0], 1, 0, 0);
     check_close(factors[1], 1, 0, 0);
+}
+
+static void weightings_are_found_by_name(void **state) {
+    (void)state;
+    assert_ptr_equal(weighting_find("plain")->weigh, weighting_plain);
+    assert_null(weighting_find("plai"));
 }
 
 int main(void) {
@@ -89,6 +92,7 @@ int main(void) {
         cmocka_unit_test(half_of_the_rows_stand_for_all),
         cmocka_unit_test(weights_stay_positive),
         cmocka_unit_test(plain_weights_are_one),
+        cmocka_unit_test(weightings_are_found_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Weights of the selected rows: how much each counts in the online least squares, besides D. */
+/* Weights of the selected rows: how much each counts in the online least squares, besides D. They belong
+ * to the whole list of rows, so that a part of the list has weights of its own. */
 #ifndef EHD_WEIGHTING_H
 #define EHD_WEIGHTING_H
 
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* Writes one positive factor a row. `modes` are the leading modes of the weighted Jacobian products,
- * as many as there are unknowns. EHD_MEMORY. */
+/* Writes one positive factor a row. `sampled` are the leading modes of the weighted Jacobian products at
+ * the rows, as many as there are unknowns, of modes that are orthonormal over all nodes. EHD_MEMORY. */
 typedef ehd_status weighting_function(
     // output:
     double *factors, // [num_rows]
     // input:
-    const double *modes, size_t num_modes, size_t num_nodes, // [num_modes, num_nodes] orthonormal
-    const size_t *rows, size_t num_rows,                     // into the nodes of the modes
+    const double *sampled, size_t num_rows, size_t num_modes, // [num_rows, num_modes]
     ehd_error *error);
 
 typedef struct weighting {
@@ -23,6 +23,9 @@ typedef struct weighting {
 } weighting;
 
 extern const weighting weightings[]; // ends with a row whose name is NULL
+
+/* The entry of this name, or NULL. */
+const weighting *weighting_find(const char *name);
 
 /* One for every row, as published. */
 weighting_function weighting_plain;

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One artefact into another of the same kind. */
+#include "common/artefact/internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(const artefact *file, const char *name, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory", shown_name(file), name);
+}
+
+static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_attribute *attribute,
+                                 ehd_error *error) {
+    const char *name = attribute->name;
+    int64_t integer = 0;
+    double real = 0;
+    char *text = NULL;
+    ehd_status status;
+
+    switch (attribute->type) {
+    case ARTEFACT_INTEGER:
+        status = artefact_get_integer(from, name, &integer, error);
+        return status ? status : artefact_put_integer(to, name, integer, error);
+    case ARTEFACT_REAL:
+        status = artefact_get_real(from, name, &real, error);
+        return status ? status : artefact_put_real(to, name, real, error);
+    default:
+        status = artefact_get_text(from, name, &text, error);
+        if (!status) status = artefact_put_text(to, name, text, error);
+        free(text);
+        return status;
+    }
+}
+
+/* Values that are 0, 1, 2, … are those of an index. */
+static ehd_status copy_axis(artefact *to, artefact *from, const char *name, size_t length,
+                            ehd_error *error) {
+    double *values = malloc(length * sizeof *values);
+    bool scale = artefact_has_scale(from, name), index = true;
+    ehd_status status = values ? EHD_OK : no_memory(to, name, error);
+
+    if (!status && scale) status = artefact_get_axis(from, name, values, error);
+    for (size_t i = 0; i < length && scale && !status; i++)
+        index = index && values[i] == (double)i;
+    if (!status) status = artefact_put_axis(to, name, length, index ? NULL : values, error);
+    free(values);
+    return status;
+}
+
+static bool is_listed(const char *name, const char *const *names) {
+    for (; names && *names; names++)
+        if (strcmp(name, *names) == 0) return true;
+    return false;
+}
+
+static bool has_listed_axis(const artefact_field *field, const char *const *axes) {
+    for (size_t i = 0; i < field_rank(field); i++)
+        if (is_listed(field->axes[i], axes)) return true;
+    return false;
+}
+
+static ehd_status copy_field(artefact *to, artefact *from, const artefact_field *field,
+                             ehd_error *error) {
+    bool integer = field->type == ARTEFACT_INTEGER;
+    size_t count = 1;
+    ehd_status status;
+
+    for (size_t i = 0; i < field_rank(field); i++)
+        count *= artefact_length(from, field->axes[i]);
+    int64_t *integers = malloc(count * sizeof *integers);
+    double *reals = malloc(count * sizeof *reals);
+    if (!integers || !reals)
+        status = no_memory(to, field->name, error);
+    else
+        status = integer ? artefact_get_integers(from, field->name, integers, error)
+                         : artefact_get(from, field->name, reals, error);
+    if (!status)
+        status = integer ? artefact_put_integers(to, field->name, integers, error)
+                         : artefact_put(to, field->name, reals, error);
+    free(integers);
+    free(reals);
+    return status;
+}
+
+ehd_status artefact_copy(artefact *to, artefact *from, const char *const *except_axes,
+                         ehd_error *error) {
+    const artefact_schema *schema = from->schema;
+    ehd_status status = EHD_OK;
+
+    for (const artefact_attribute *entry = schema->attributes; entry->name && !status; entry++)
+        if (hdf5_has_attribute(from->id, entry->name))
+            status = copy_attribute(to, from, entry, error);
+    for (const artefact_axis *axis = schema->axes; axis->name && !status; axis++) {
+        size_t length = artefact_length(from, axis->name);
+        if (length > 0 && !is_listed(axis->name, except_axes))
+            status = copy_axis(to, from, axis->name, length, error);
+    }
+    for (const artefact_field *field = schema->fields; field->name && !status; field++)
+        if (field_exists(from, field) && !has_listed_axis(field, except_axes))
+            status = copy_field(to, from, field, error);
+    return status;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Speed for accuracy: what each size of a model was measured to deviate and to cost. */
+#ifndef EHD_TRADE_H
+#define EHD_TRADE_H
+
+#include "romrun/ehdrom.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+enum trade_quantity {
+    TRADE_CENTRAL_FILM,
+    TRADE_MINIMUM_FILM,
+    TRADE_CENTRAL_PRESSURE,
+    TRADE_PRESSURE, // largest difference of all nodes, in Hertz pressures; the others are relative
+    NUM_TRADE_QUANTITIES
+};
+enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
+extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
+
+/* A size of the model, and what it came to on the scenes that it solved: NaN where it solved none. */
+typedef struct trade_position {
+    ehdrom_sizes sizes; // 0 only for the deformation modes of a coupled basis
+    double deviation[NUM_TRADE_QUANTITIES][NUM_TRADE_QUANTILES];
+    double mean_iterations, most_iterations; // Newton, of a scene
+    double seconds;                          // of a solution, median
+    size_t num_failures;                     // scenes not converged or not to be trusted
+    // on trajectories that were repeated with the steps of the full model
+    double worst_in_time[TRADE_PRESSURE]; // of all steps; the pressure at all nodes is not compared
+    double step_iterations, step_seconds; // of a step, mean
+    size_t num_lost; // trajectories with a step that did not converge or was not to be trusted
+} trade_position;
+
+typedef struct trade_table {
+    size_t num_scenes, num_trajectories; // what it was measured on
+    size_t num_positions;
+    trade_position *positions; // [num_positions]
+} trade_table;
+
+void trade_free(trade_table *table);
+
+/* The sizes to measure: pressure modes from about 10 to all in strides of about sqrt(2), deformation modes
+ * in proportion; rows 1.2, 1.5 and 2 times the pressure modes, and all. EHD_MEMORY. */
+ehd_status trade_ladder(
+    // output:
+    trade_table *table, // free with trade_free; only the sizes are filled
+    // input:
+    const ehdrom_properties *whole, ehd_error *error);
+
+/* The value that the part `quantile` of the values does not exceed (nearest rank); sorts them. NaN of none. */
+double trade_quantile_of(double *values, size_t count, double quantile);
+
+/* Whether a position with no failures is as fast and as accurate in the worst central film as this one, and
+ * better in one of the two; or this one had failures, and there is nothing to beat. `in_time`: in what was
+ * measured on trajectories, here and below. */
+bool trade_is_beaten(const trade_table *table, size_t position, bool in_time);
+
+/* The fastest position without failures whose worst central film deviates by no more; num_positions: there is
+ * none. */
+size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
+
+/* The position without failures with the smallest of the worst central film; num_positions: all failed. */
+size_t trade_most_accurate(const trade_table *table, bool in_time);
+
+/* What these choose by. */
+typedef struct trade_price {
+    double deviation; // worst central film
+    double seconds;   // of a solution or a step
+    size_t num_failures;
+} trade_price;
+trade_price trade_price_of(const trade_position *position, bool in_time);
+
+/* "80 pressure modes, 120 rows" */
+enum { TRADE_NAME = 96 };
+void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes);
+
+void trade_print(const trade_table *table, FILE *stream);
+
+#endif

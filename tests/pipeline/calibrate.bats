@@ -1,0 +1,274 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# romrun --calibrate and --trade: what a model's sizes deviate and cost.
+
+load common
+
+# A model of 121 nodes trained on plan.yml, and check.yml: four scenes between its points.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    common_setup_small
+    sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
+    cat >check.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [10, 12], moes.L: [3, 5]}
+YAML
+    snapgen train.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 12
+    snapgen train.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5
+    romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+# refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
+refuse() {
+    refused "$@"
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+}
+
+# entry FILE NAME INDEX...: one number of a dataset
+entry() {
+    /usr/bin/python3 - "$@" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as file:
+    print(repr(float(file[sys.argv[2]][tuple(int(index) for index in sys.argv[3:])])))
+PYTHON
+}
+
+@test "the table says what romrun finds" {
+    run --separate-stderr romrun --calibrate check.yml --model m.h5 -o x.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output == "4 scenes, 0 trajectories, "*" sizes, "* ]]
+    romrun --check x.h5
+    [ ! -e x.h5.partial ]
+    # the worst of the four scenes at the smallest size, by hand
+    modes=$(entry c.h5 position_pressure_modes 0)
+    rows=$(entry c.h5 position_rows 0)
+    worst=0
+    for M in 10 12; do
+        for L in 3 5; do
+            fullrun scene.yml --set moes.M=$M --set moes.L=$L -o full.h5 --force
+            romrun scene.yml --set moes.M=$M --set moes.L=$L -o red.h5 --force --model m.h5 \
+                --pressure-modes "${modes%.*}" --rows "${rows%.*}"
+            worst=$(awk -v w="$worst" -v f="$(number full.h5 central_film_thickness)" \
+                -v r="$(number red.h5 central_film_thickness)" \
+                'BEGIN { d = r / f - 1; d = d < 0 ? -d : d; printf "%.17g", (d > w ? d : w) }')
+        done
+    done
+    close_to "$(entry c.h5 deviation_central_film_thickness 0 2)" "$worst" 1e-6
+    # all modes and rows come last, and are better
+    [ "$(entry c.h5 position_pressure_modes -1)" = 12.0 ]
+    awk -v all="$(entry c.h5 deviation_central_film_thickness -1 2)" -v few="$worst" \
+        'BEGIN { exit !(all < few / 2) }'
+}
+
+@test "--jobs and a second calibration change nothing but the times" {
+    romrun --calibrate check.yml --model m.h5 -o one.h5 --quiet --jobs 1
+    romrun --calibrate check.yml --model c.h5 -o again.h5 --quiet --jobs 3
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("c.h5") as c, h5py.File("m.h5") as m:
+    assert set(m) < set(c)
+    for name in m:
+        assert m[name][...].tobytes() == c[name][...].tobytes(), name
+    for other in "one.h5", "again.h5":
+        with h5py.File(other) as o:
+            assert set(o) == set(c), set(o) ^ set(c)
+            for name in c:
+                if name != "position_seconds":
+                    assert c[name][...].tobytes() == o[name][...].tobytes(), name
+            assert o.attrs["settings"] == c.attrs["settings"]
+    assert c.attrs["calibration_scenes"] == 4
+    assert b"rows" in bytes(c.attrs["settings"]) and b"moes.M: 10" in bytes(c.attrs["settings"])
+    assert "input_1_sha256" in c.attrs and "input_2_sha256" in c.attrs
+    history = bytes(c.attrs["history"]).decode().splitlines()
+    assert [line.split()[1] for line in history][-2:] == ["deimselect", "romrun"], history
+PYTHON
+}
+
+@test "--trade prints a line a size" {
+    run --separate-stderr romrun --trade --model c.h5
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ ${lines[1]} == "4 scenes: "* ]]
+    sizes=$(h5dump -d position_rows c.h5 | sed -n "s/.*SIMPLE { ( \([0-9]*\) ) \/.*/\1/p" | head -n 1)
+    [ "${#lines[@]}" -eq $((sizes + 4)) ]
+    [ "$(grep -c '^\*  ' <<<"$output")" -ge 1 ]
+    refuse 65 "m.h5: found a model that is not calibrated" romrun --trade --model m.h5
+    refuse 66 "none.h5" romrun --trade --model none.h5
+}
+
+@test "--accuracy takes the fastest size that is good enough" {
+    cat >choose.py <<'PYTHON'
+import sys, h5py, numpy
+with h5py.File("c.h5") as f:
+    worst = f["deviation_central_film_thickness"][:, 2]
+    usable = f["position_failures"][...] == 0
+    best = worst[usable].min()
+    wanted = 2 * best
+    good = numpy.where(usable & (worst <= wanted), f["position_seconds"][...], numpy.inf)
+    chosen = good.argmin()
+    print(wanted, best / 2, f["position_pressure_modes"][chosen], f["position_rows"][chosen])
+PYTHON
+    read -r wanted too_good modes rows <<<"$(/usr/bin/python3 choose.py)"
+    run --separate-stderr romrun scene.yml --model c.h5 --accuracy "$wanted" -o x.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == "romrun: --accuracy "*": $modes pressure modes, $rows rows, the fastest of "* ]]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o y.h5 --quiet
+    [ "$(number x.h5 central_film_thickness)" = "$(number y.h5 central_film_thickness)" ]
+    [[ $(h5dump -a settings x.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
+    rm x.h5 y.h5
+    refuse 65 "--accuracy: found .*, expected at least .*, the best that c.h5 was measured to give" \
+        romrun scene.yml --model c.h5 --accuracy "$too_good" -o x.h5
+    # what the message names can be asked for
+    least=$(sed 's/.*expected at least \([^,]*\),.*/\1/' <<<"$stderr")
+    romrun scene.yml --model c.h5 --accuracy "$least" --quiet
+    refuse 65 "m.h5: found a model that is not calibrated" \
+        romrun scene.yml --model m.h5 --accuracy 0.1 -o x.h5
+}
+
+@test "--accuracy never takes a size that failed on a scene" {
+    cp c.h5 x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f:
+    f['position_failures'][...] = 1"
+    refused 65 "found no size of x.h5 that solved all 4 scenes" \
+        romrun scene.yml --model x.h5 --accuracy 1
+    run romrun --trade --model x.h5
+    [ "$(grep -c '^\*  ' <<<"$output")" -eq 0 ]
+}
+
+@test "a calibrated model is a model" {
+    romrun scene.yml --model m.h5 -o first.h5
+    romrun scene.yml --model c.h5 -o second.h5
+    [ "$(number first.h5 central_film_thickness)" = "$(number second.h5 central_film_thickness)" ]
+    deimselect --check c.h5
+    /usr/bin/python3 -c 'import xarray; print(xarray.open_dataset("c.h5"))' | grep -q position
+}
+
+@test "training points and points outside" {
+    refuse 65 "train.yml: point M=8 L=2: found a training point of m.h5, expected" \
+        romrun --calibrate train.yml --model m.h5 -o x.h5
+    sed 's/\[10, 12\]/[10, 40]/' check.yml >wide.yml
+    run --separate-stderr romrun --calibrate wide.yml --model m.h5 -o x.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"wide.yml: 2 of 4 points lie outside of the trained range and are left out"* ]]
+    [ "$(number x.h5 calibration_scenes)" = 2.0 ]
+    rm x.h5
+    sed 's/\[10, 12\]/[30, 40]/' check.yml >outside.yml
+    refuse 65 "outside.yml: found all 4 points outside of the trained range of m.h5" \
+        romrun --calibrate outside.yml --model m.h5 -o x.h5 --quiet
+    refuse 65 "check.yml: x: found 301 nodes" \
+        romrun --calibrate check.yml --model m.h5 -o x.h5 --set grid.step=0.02
+    refuse 66 "none.yml" romrun --calibrate none.yml --model m.h5 -o x.h5
+    refuse 66 "none.h5" romrun --calibrate check.yml --model none.h5 -o x.h5
+    refuse 65 "b.h5" romrun --calibrate check.yml --model b.h5 -o x.h5
+}
+
+@test "an existing output is kept, and replaced only with --force" {
+    echo precious >x.h5
+    refused 73 "x.h5: " romrun --calibrate check.yml --model m.h5 -o x.h5
+    [ "$(cat x.h5)" = precious ]
+    romrun --calibrate check.yml --model m.h5 -o x.h5 --force --quiet
+    romrun --check x.h5
+    refused 73 "found an input as output" romrun --calibrate check.yml --model x.h5 -o x.h5 --force
+}
+
+@test "trajectories, with the steps of the full model" {
+    cat >moving.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 12, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
+grid: {step: 0.05}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.5, fixed_step: 0.01}
+YAML
+    for plan in 'train [0.5, 1] 0.1' 'check [0.75] 0.1' 'wide [0.75] 0.4'; do
+        read -r name periods <<<"$plan"
+        cat >"$name-time.yml" <<YAML
+groups:
+  - scene: moving.yml
+    vary: {transient.load.period: ${periods% *}, transient.load.amplitude: [${periods##* }]}
+YAML
+    done
+    snapgen train-time.yml -o ts.h5 --quiet
+    podbuild ts.h5 -o tb.h5 --pressure-modes 14
+    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
+    deimselect tr.h5 --basis tb.h5 -o tm.h5
+    run --separate-stderr romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output == "0 scenes, 1 trajectories, "* ]]
+    romrun --check tc.h5
+    # what --against finds for the whole model, which takes the same steps, as they are fixed
+    fullrun moving.yml --set transient.load.period=0.75 -o full.h5 --quiet
+    romrun moving.yml --set transient.load.period=0.75 --model tm.h5 --against full.h5 --quiet >red.txt
+    worst=$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' red.txt)
+    awk -v a="$worst" -v b="$(entry tc.h5 worst_in_time_central_film_thickness -1)" \
+        'BEGIN { exit !(a / (100 * b) > 0.95 && a / (100 * b) < 1.05) }'
+    [ "$(entry tc.h5 position_lost_trajectories -1)" = 0.0 ]
+    run --separate-stderr romrun --trade --model tc.h5
+    [[ ${lines[1]} == "1 trajectories: worst deviation"* ]]
+    # chosen by what was measured in time, and only for that
+    run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"romrun: --accuracy 0.5: "*" on 1 trajectories, in "*" ms a step"* ]]
+    [[ $(h5dump -a settings tx.h5) == *"rows (0: all), accuracy 0.5"* ]]
+    sed -e 's/regime: transient/regime: stationary/' -e /^transient/d moving.yml >still.yml
+    refuse 65 "tc.h5: found a calibration without scenes" \
+        romrun still.yml --model tc.h5 --accuracy 0.5 -o x.h5
+    refuse 65 "c.h5: found a calibration without trajectories" \
+        romrun moving.yml --model c.h5 --accuracy 0.5 -o x.h5
+    # one that leaves the range
+    run --separate-stderr romrun --calibrate wide-time.yml --model tm.h5 -o x.h5
+    [ "$status" -eq 65 ]
+    [[ $stderr == *"wide-time.yml: 1 of 1 trajectories leave the trained range"*"found nothing inside"* ]]
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+}
+
+@test "Ctrl-C leaves nothing" {
+    cat >slow.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8.1, 8.6, 9.1, 10.1, 10.6, 11.1, 11.6, 12.1, 12.6, 13.1, 13.6, 14.1, 14.6],
+           moes.L: [2.1, 2.5, 2.9, 3.1, 3.5, 3.9, 4.1, 4.5, 4.9, 5.1, 5.5, 5.9]}
+YAML
+    romrun --calibrate slow.yml --model m.h5 -o x.h5 --jobs 1 --quiet 2>log &
+    wait_for_file x.h5.partial
+    kill -INT $!
+    code=0
+    wait $! || code=$?
+    cat log
+    [ "$code" -eq 130 ]
+    grep -q "x.h5: interrupted .*nothing written" log
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+}
+
+@test "misuse is one line and exit 64" {
+    refuse 64 "found 1 file, expected none" romrun scene.yml --calibrate check.yml --model m.h5 -o x.h5
+    refuse 64 "found 1 file, expected none" romrun scene.yml --trade --model c.h5
+    refuse 64 "--trade: found with --calibrate" romrun --trade --calibrate check.yml --model m.h5 -o x.h5
+    refuse 64 "--output: found nothing" romrun --calibrate check.yml --model m.h5
+    refuse 64 "--output: found with --trade" romrun --trade --model c.h5 -o x.h5
+    refuse 64 "--model: found none" romrun --calibrate check.yml -o x.h5
+    refuse 64 "--model: found none" romrun --trade
+    refuse 64 "--jobs: found without --calibrate" romrun scene.yml --model m.h5 -o x.h5 --jobs 2
+    refuse 64 "--jobs: found" romrun --calibrate check.yml --model m.h5 -o x.h5 --jobs 0
+    refuse 64 "--calibrate: found with an option for solving" \
+        romrun --calibrate check.yml --model m.h5 -o x.h5 --rows 20
+    refuse 64 "--calibrate: found with an option for solving" \
+        romrun --calibrate check.yml --model m.h5 -o x.h5 --accuracy 0.1
+    for option in --rows --pressure-modes --deformation-modes; do
+        refuse 64 "--accuracy: found with" romrun scene.yml --model c.h5 -o x.h5 --accuracy 0.1 $option 9
+    done
+    for number in 0 -1 nan inf 2 x 1e-3x ''; do
+        refuse 64 "--accuracy: found" romrun scene.yml --model c.h5 -o x.h5 "--accuracy=$number"
+    done
+    refuse 64 "--trade: found with an option for solving" romrun --trade --model c.h5 --repeat 5
+}

@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The least value of a band: exact for functions whose dips are not too narrow. */
+#include "romrun/band_minimum.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+
+/* Dips of a Gaussian's shape. */
+typedef struct dips {
+    size_t num;
+    struct {
+        double place, depth, width; // nodes, 1, nodes
+    } dip[3];
+    size_t most_node;
+} dips;
+
+static size_t num_calls;
+
+static double value_at(const void *context, size_t node) {
+    const dips *self = context;
+    double value = 1;
+
+    num_calls++;
+    assert_true(node >= 100 && node <= self->most_node);
+    for (size_t i = 0; i < self->num; i++) {
+        double x = ((double)node - self->dip[i].place) / self->dip[i].width;
+        value -= self->dip[i].depth * exp(-x * x);
+    }
+    return value;
+}
+
+static double least_of_all(const dips *self) {
+    double least = INFINITY;
+
+    for (size_t node = 100; node <= self->most_node; node++)
+        least = fmin(least, value_at(self, node));
+    return least;
+}
+
+static void check_least(const dips *self) {
+    double expected = least_of_all(self);
+
+    num_calls = 0;
+    check_close(band_minimum(value_at, self, 100, self->most_node), expected, 0, 0);
+}
+
+static void one_dip_anywhere(void **state) {
+    (void)state;
+    for (size_t most = 100; most < 420; most += 7)
+        for (double place = 95; place < (double)most + 5; place += 1.5) {
+            const dips one = {1, {{place, 0.5, 15}}, most};
+            check_least(&one);
+            assert_true(num_calls < 80);
+        }
+}
+
+/* The coarse look need not see the deepest of two dips best. */
+static void the_deeper_of_two_dips(void **state) {
+    (void)state;
+    for (double place = 240; place < 300; place += 0.5)
+        for (double depth = 0.4; depth < 0.6; depth += 0.02) {
+            const dips two = {2, {{130, 0.5, 30}, {place, depth, 12}}, 310};
+            check_least(&two);
+        }
+}
+
+static void a_single_node_and_a_slope(void **state) {
+    const dips single = {0, {{0, 0, 1}}, 100}, slope = {1, {{400, 0.5, 200}}, 311};
+    (void)state;
+
+    check_least(&single);
+    check_least(&slope);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_dip_anywhere),
+        cmocka_unit_test(the_deeper_of_two_dips),
+        cmocka_unit_test(a_single_node_and_a_slope),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,358 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The table of sizes of a model: which are measured, how, and which one is taken. */
+#include "common/artefact/artefact.h"
+#include "romrun/calibration.h"
+#include "romrun/model_file.h"
+#include "romrun/trade_file.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/trained.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char folder[64], path[128], calibrated[128];
+static trained training;
+static ehd_error error;
+static char *words[] = {"romrun", NULL};
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+static program writer(const char *output) {
+    return (program){.name = "romrun", .argc = 1, .argv = words, .force = true, .output = output};
+}
+
+/* A model of all modes and rows of the small training. */
+static int set_up(void **state) {
+    const double sigmas[TRAINED_STATES] = {1};
+    const model_origin origin = {.method = "joint",
+                                 .basis_identity = "0123",
+                                 .sigma_min_residual = 1,
+                                 .sigma_min_jacobian = 1,
+                                 .sigma_min_over_exits = 1,
+                                 .sigma_min_by_exit = sigmas};
+    reduced_basis basis;
+    reduced_model model;
+    (void)state;
+
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-trade-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/model.h5", folder);
+    snprintf(calibrated, sizeof calibrated, "%s/calibrated.h5", folder);
+    const program self = writer(path);
+    trained_init(&training, 0.05);
+    trained_basis(&basis, &training, DEFORMATION_COUPLED, 0, 0);
+    check_ok(reduced_model_build(&model, &basis, NULL, 0, &error));
+    check_ok(model_write(&model, &basis, &origin, &self, "rows: all\n", NULL, &error));
+    reduced_model_free(&model);
+    reduced_basis_free(&basis);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    char command[128];
+    (void)state;
+
+    trained_free(&training);
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+// ---- the ladder
+
+static void check_ladder(size_t modes, size_t deformation, size_t rows,
+                         const ehdrom_sizes *expected, size_t count) {
+    const ehdrom_properties whole = {
+        .pressure_modes = modes, .deformation_modes = deformation, .rows = rows};
+    trade_table table;
+
+    check_ok(trade_ladder(&table, &whole, &error));
+    assert_int_equal(table.num_positions, count);
+    for (size_t i = 0; i < count; i++)
+        assert_memory_equal(&table.positions[i].sizes, &expected[i], sizeof *expected);
+    trade_free(&table);
+}
+
+static void the_ladder_goes_from_ten_modes_to_all(void **state) {
+    // 10 sqrt(2)^k, and 30 rows are fewer than twice 20 modes
+    const ehdrom_sizes coupled[] = {{10, 0, 12}, {10, 0, 15}, {10, 0, 20}, {10, 0, 30},
+                                    {14, 0, 17}, {14, 0, 21}, {14, 0, 28}, {14, 0, 30},
+                                    {20, 0, 24}, {20, 0, 30}};
+    const ehdrom_sizes small[] = {{4, 3, 5}, {4, 3, 6}, {4, 3, 8}, {4, 3, 9}};
+    const ehdrom_sizes square[] = {{10, 5, 11}, {11, 5, 11}};
+    (void)state;
+
+    check_ladder(20, 0, 30, coupled, 10);
+    check_ladder(4, 3, 9, small, 4);
+    check_ladder(11, 5, 11, square, 2);
+}
+
+/* Every size of a ladder is one that a model has, whatever its own. */
+static void every_position_can_be_opened(void **state) {
+    (void)state;
+    for (size_t modes = 1; modes < 130; modes++)
+        for (size_t rows = modes; rows < 3 * modes; rows++) {
+            const ehdrom_properties whole = {
+                .pressure_modes = modes, .deformation_modes = modes / 2, .rows = rows};
+            trade_table table;
+            check_ok(trade_ladder(&table, &whole, &error));
+            for (size_t i = 0; i < table.num_positions; i++) {
+                const ehdrom_sizes *sizes = &table.positions[i].sizes;
+                assert_true(sizes->pressure_modes >= 1 && sizes->pressure_modes <= modes);
+                assert_true(sizes->rows >= sizes->pressure_modes && sizes->rows <= rows);
+                assert_true(sizes->deformation_modes <= modes / 2);
+                assert_true(modes / 2 == 0 || sizes->deformation_modes >= 1);
+            }
+            const ehdrom_sizes *last = &table.positions[table.num_positions - 1].sizes;
+            assert_true(last->pressure_modes == modes && last->rows == rows &&
+                        last->deformation_modes == modes / 2);
+            trade_free(&table);
+        }
+}
+
+// ---- statistics and choice
+
+static void quantiles_are_values_of_the_set(void **state) {
+    double values[] = {5, 1, 4, 2, 3}, many[100];
+    (void)state;
+
+    for (size_t i = 0; i < 100; i++)
+        many[i] = (double)(100 - i);
+    check_close(trade_quantile_of(values, 5, 0.5), 3, 0, 0);
+    check_close(trade_quantile_of(values, 5, 0.95), 5, 0, 0);
+    check_close(trade_quantile_of(values, 5, 1), 5, 0, 0);
+    check_close(trade_quantile_of(many, 100, 0.95), 95, 0, 0);
+    check_close(trade_quantile_of(many, 1, 0.5), 1, 0, 0);
+    assert_true(isnan(trade_quantile_of(values, 0, 0.5)));
+}
+
+static trade_position measured(double worst, double seconds, size_t num_failures) {
+    trade_position position = {.seconds = seconds, .num_failures = num_failures};
+
+    position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST] = worst;
+    return position;
+}
+
+static void the_cheapest_that_is_good_enough(void **state) {
+    trade_position positions[] = {
+        measured(NAN, NAN, 9), measured(1e-1, 1, 0), measured(1e-9, 0.5, 1), measured(1e-3, 3, 0),
+        measured(1e-2, 2, 0),  measured(2e-3, 4, 0), measured(1e-2, 2.5, 0)};
+    const trade_table table = {9, 0, sizeof positions / sizeof *positions, positions};
+    const trade_table failed = {9, 0, 1, positions};
+    const bool beaten[] = {true, false, true, false, false, true, true};
+    (void)state;
+
+    assert_int_equal(trade_cheapest(&table, 1, false), 1);
+    assert_int_equal(trade_cheapest(&table, 1e-2, false), 4);
+    assert_int_equal(trade_cheapest(&table, 5e-3, false), 3);
+    assert_int_equal(trade_cheapest(&table, 1e-3, false), 3);
+    assert_int_equal(trade_cheapest(&table, 9e-4, false), table.num_positions);
+    assert_int_equal(trade_most_accurate(&table, false), 3);
+    assert_int_equal(trade_most_accurate(&failed, false), 1);
+    for (size_t i = 0; i < table.num_positions; i++)
+        assert_int_equal(trade_is_beaten(&table, i, false), beaten[i]);
+}
+
+/* Each regime chooses by its own numbers. */
+static void in_time_it_may_be_another(void **state) {
+    trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
+    const trade_table table = {9, 1, 2, positions};
+    (void)state;
+
+    positions[0].worst_in_time[TRADE_CENTRAL_FILM] = 1e-1;
+    positions[1].worst_in_time[TRADE_CENTRAL_FILM] = 1e-4;
+    positions[0].step_seconds = positions[1].step_seconds = 1;
+    assert_int_equal(trade_cheapest(&table, 1e-2, false), 0);
+    assert_int_equal(trade_cheapest(&table, 1e-2, true), 1);
+    assert_int_equal(trade_most_accurate(&table, true), 1);
+    assert_true(trade_is_beaten(&table, 1, false) && !trade_is_beaten(&table, 1, true));
+    positions[1].num_lost = 1;
+    assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
+}
+
+// ---- measuring
+
+/* Full solutions of the training itself, some of which are said to be other than they are. */
+static void a_full_model_deviates_by_what_it_is_told(void **state) {
+    const double film = 1.25, pressure = 0.8;
+    const size_t num_nodes = training.set.grid.num_nodes;
+    solved_scene scenes[TRAINED_STATES];
+    double *shifted = malloc(num_nodes * sizeof *shifted);
+    ehdrom_model *model;
+    ehdrom_solver *solver;
+    ehdrom_result result;
+    trade_position position = {0};
+    (void)state;
+
+    assert_non_null(shifted);
+    check_ok(ehdrom_open(&model, path, NULL, &error));
+    check_ok(ehdrom_solver_create(&solver, model, &error));
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        check_ok(ehdrom_solve(&result, solver, &training.contacts[s], &error));
+        scenes[s] = (solved_scene){&training.contacts[s], training.set.pressure + s * num_nodes,
+                                   result.scalars};
+    }
+    check_ok(calibration_measure(&position, model, scenes, TRAINED_STATES, &error));
+    assert_int_equal(position.num_failures, 0);
+    check_close(position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST], 0, 0, 1e-12);
+    check_close(position.deviation[TRADE_PRESSURE][TRADE_WORST], 0, 0, 1e-4);
+    assert_true(position.seconds > 0 && position.most_iterations >= position.mean_iterations &&
+                position.mean_iterations >= 1);
+
+    memcpy(shifted, scenes[3].pressure, num_nodes * sizeof *shifted);
+    shifted[60] += 0.25;
+    scenes[3].pressure = shifted;
+    scenes[3].scalars.central_film_thickness *= film;
+    scenes[4].scalars.minimum_film_thickness *= film;
+    scenes[5].scalars.central_pressure *= pressure;
+    check_ok(calibration_measure(&position, model, scenes, TRAINED_STATES, &error));
+    check_close(position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST], 0.2, 1e-9, 0);
+    check_close(position.deviation[TRADE_MINIMUM_FILM][TRADE_WORST], 0.2, 1e-9, 0);
+    check_close(position.deviation[TRADE_CENTRAL_PRESSURE][TRADE_WORST], 0.25, 1e-9, 0);
+    check_close(position.deviation[TRADE_PRESSURE][TRADE_WORST], 0.25, 1e-3, 0);
+    check_close(position.deviation[TRADE_CENTRAL_FILM][TRADE_MEDIAN], 0, 0, 1e-12);
+    ehdrom_solver_free(solver);
+    ehdrom_close(model);
+    free(shifted);
+}
+
+static void scenes_that_fail_count_as_failures_only(void **state) {
+    ehd_contact outside = training.contacts[0];
+    solved_scene scenes[] = {{.contact = &outside, .pressure = training.set.pressure}};
+    ehdrom_model *model;
+    trade_position position = {0};
+    (void)state;
+
+    contact_set_moes(&outside, 30, 3);
+    check_ok(ehdrom_open(&model, path, NULL, &error));
+    check_ok(calibration_measure(&position, model, scenes, 1, &error));
+    assert_int_equal(position.num_failures, 1);
+    assert_true(isnan(position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST]));
+    assert_true(isnan(position.seconds) && isnan(position.mean_iterations));
+    ehdrom_close(model);
+}
+
+static void failing_allocations_are_reported(void **state) {
+    const double *pressure = training.set.pressure;
+    const solved_scene scenes[] = {
+        {&training.contacts[0], pressure, {.central_film_thickness = 1}}};
+    ehdrom_model *model;
+    trade_position position = {0};
+    size_t call = 0;
+    (void)state;
+
+    check_ok(ehdrom_open(&model, path, NULL, &error));
+    for (;; call++) {
+        allocation_fail_at(call);
+        ehd_status status = calibration_measure(&position, model, scenes, 1, &error);
+        if (!allocation_failed()) break;
+        assert_true(status == EHD_MEMORY || status == EHD_DATA); // the latter while reading modes
+    }
+    assert_true(call > 40);
+    ehdrom_close(model);
+}
+
+// ---- the file
+
+static void write_table(const trade_table *table) {
+    static const artefact_schema *const kinds[] = {&schema_model, NULL};
+    const program self = writer(calibrated);
+    artefact *model, *file;
+
+    check_ok(artefact_open(&model, path, kinds, &error));
+    check_ok(artefact_create(&file, calibrated, &schema_model, &self, "", NULL, &error));
+    check_ok(artefact_copy(file, model, trade_axes, &error));
+    check_ok(trade_write(file, table, &error));
+    check_ok(artefact_finish(&file, &error));
+    artefact_close(&model);
+}
+
+static void a_table_comes_back(void **state) {
+    trade_position positions[] = {measured(0.125, 2e-4, 0), measured(NAN, NAN, 7)};
+    const trade_table table = {7, 2, 2, positions};
+    trade_table found;
+    ehdrom_model *model;
+    (void)state;
+
+    positions[0].sizes = (ehdrom_sizes){9, 0, 20};
+    positions[1].sizes = (ehdrom_sizes){12, 0, 121};
+    positions[0].mean_iterations = 4.5;
+    positions[0].most_iterations = 9;
+    positions[0].num_lost = 1;
+    positions[0].step_iterations = 3.5;
+    positions[0].step_seconds = 1e-4;
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        positions[0].worst_in_time[q] = 0.5 + q;
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        for (int i = 0; i < NUM_TRADE_QUANTILES; i++)
+            positions[0].deviation[q][i] = q + 0.1 * i;
+    write_table(&table);
+    check_ok(artefact_check(calibrated, &error));
+    check_ok(trade_read(&found, calibrated, &error));
+    assert_int_equal(found.num_scenes, 7);
+    assert_int_equal(found.num_trajectories, 2);
+    assert_int_equal(found.num_positions, 2);
+    assert_memory_equal(&found.positions[0], &positions[0], sizeof positions[0]);
+    assert_memory_equal(&found.positions[1].sizes, &positions[1].sizes, sizeof(ehdrom_sizes));
+    assert_int_equal(found.positions[1].num_failures, 7);
+    assert_true(isnan(found.positions[1].seconds));
+    trade_free(&found);
+    // it is still a model
+    check_ok(ehdrom_open(&model, calibrated, &positions[0].sizes, &error));
+    assert_int_equal(ehdrom_describe(model).rows, 20);
+    ehdrom_close(model);
+}
+
+static void table_is_refused(const trade_table *table, const char *words_of_it) {
+    trade_table found;
+
+    write_table(table);
+    assert_int_equal(trade_read(&found, calibrated, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, words_of_it));
+    assert_null(found.positions);
+}
+
+static void tables_that_do_not_fit_are_refused(void **state) {
+    trade_position position = measured(0.1, 1, 0);
+    trade_table table = {3, 0, 1, &position}, found;
+    (void)state;
+
+    assert_int_equal(trade_read(&found, path, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "found a model that is not calibrated"));
+    position.sizes = (ehdrom_sizes){13, 0, 30};
+    table_is_refused(&table, "position_pressure_modes: found 13, expected 1 to 12");
+    position.sizes = (ehdrom_sizes){12, 1, 30};
+    table_is_refused(&table, "position_deformation_modes: found 1, expected 0 to 0");
+    position.sizes = (ehdrom_sizes){12, 0, 0};
+    table_is_refused(&table, "position_rows: found 0, expected 1 to 121");
+    position.sizes.rows = 30;
+    position.num_failures = 4;
+    table_is_refused(&table, "position_failures: found 4, expected 0 to 3");
+    position.num_failures = 0;
+    position.num_lost = 6;
+    table.num_trajectories = 5;
+    table_is_refused(&table, "position_lost_trajectories: found 6, expected 0 to 5");
+    table.num_trajectories = 0;
+    position.deviation[TRADE_PRESSURE][TRADE_95] = -1;
+    table_is_refused(&table, "deviation_pressure: found -1, expected at least 0");
+    table.num_scenes = 0;
+    table_is_refused(&table, "calibration_scenes: found 0");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_ladder_goes_from_ten_modes_to_all),
+        cmocka_unit_test(every_position_can_be_opened),
+        cmocka_unit_test(quantiles_are_values_of_the_set),
+        cmocka_unit_test(the_cheapest_that_is_good_enough),
+        cmocka_unit_test(in_time_it_may_be_another),
+        cmocka_unit_test(a_full_model_deviates_by_what_it_is_told),
+        cmocka_unit_test(scenes_that_fail_count_as_failures_only),
+        cmocka_unit_test(failing_allocations_are_reported),
+        cmocka_unit_test(a_table_comes_back),
+        cmocka_unit_test(tables_that_do_not_fit_are_refused),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
