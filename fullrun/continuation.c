@@ -11,6 +11,9 @@
  * too thin at the contact's edges is driven to zero there. */
 static const double START_FILM = 2;
 
+static const double LEAST_STRIDE = 1. / 256;
+static const double LEAST_WARM_STRIDE = 1. / 2; // a cold start costs less than failed strides
+
 void full_start_dry(full_state *state, full_solver *solver, const ehd_contact *contact,
                     double central_film) {
     const ehd_grid *grid = &contact->grid;
@@ -67,11 +70,11 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
     return between;
 }
 
-/* Walks from a solved contact to the goal, with strides that halve on failure and double on success.
- * `state` holds the solution at the start; on success that of the goal. */
+/* Walks from a solved contact to the goal, with strides that halve on failure, down to the least one,
+ * and double on success. `state` holds the solution at the start; on success that of the goal. */
 static ehd_status walk(full_info *info, full_state *state, full_solver *solver,
-                       const ehd_contact *start, const ehd_contact *goal, ehd_error *error) {
-    const double least_stride = 1. / 256;
+                       const ehd_contact *start, const ehd_contact *goal, double least_stride,
+                       ehd_error *error) {
     double done = 0, stride = 1;
     full_state last;
     ehd_status status = full_state_init(&last, &goal->grid, error);
@@ -125,10 +128,19 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     contact_set_moes(&corner, contact->moes_M, easy.moes_L);
     corner.hertz_pressure = easy.hertz_pressure * sqrt(contact->moes_M / easy.moes_M);
     corner.alpha_p_H = corner.lubricant.alpha * corner.hertz_pressure;
-    status = walk(info, state, solver, &easy, &corner, error);
+    status = walk(info, state, solver, &easy, &corner, LEAST_STRIDE, error);
     if (!status && info->status == EHD_OK)
-        status = walk(info, state, solver, &corner, contact, error);
+        status = walk(info, state, solver, &corner, contact, LEAST_STRIDE, error);
     return status;
+}
+
+ehd_grid full_coarser_grid(const ehd_grid *grid) {
+    ehd_grid coarse = *grid;
+
+    coarse.step *= 2;
+    coarse.num_inner = (grid->num_inner + 1) / 2;
+    coarse.num_nodes = coarse.num_inner + 2;
+    return coarse;
 }
 
 /* Solves on a grid of twice the step and interpolates its pressure and exit to this one, so that the
@@ -143,9 +155,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
     full_info info;
 
     *started = false;
-    coarse.grid.step *= 2;
-    coarse.grid.num_inner = (contact->grid.num_inner + 1) / 2;
-    coarse.grid.num_nodes = coarse.grid.num_inner + 2;
+    coarse.grid = full_coarser_grid(&contact->grid);
     settings.tolerance = 1e-6; // better would not help: the discretisation error is larger
     ehd_status status =
         full_solver_create(&coarse_solver, contact->kind, &coarse.grid, &settings, error);
@@ -194,7 +204,7 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
 
     memset(info, 0, sizeof *info);
     info->status = EHD_NOT_CONVERGED;
-    ehd_status status = walk(info, state, solver, start, contact, error);
+    ehd_status status = walk(info, state, solver, start, contact, LEAST_WARM_STRIDE, error);
     if (!status && info->status != EHD_OK) {
         status = full_solve_cold(&part, state, solver, contact, error);
         add_effort(info, &part);

@@ -11,4 +11,7 @@ void full_start_dry(
     // input:
     full_solver *solver, const ehd_contact *contact, double central_film);
 
+/* The grid of twice the step: its inner node c is node 2c - 1 of the given one. */
+ehd_grid full_coarser_grid(const ehd_grid *grid);
+
 #endif

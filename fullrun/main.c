@@ -9,6 +9,7 @@
 #include "fullrun/full_march.h"
 #include "fullrun/full_solver.h"
 #include "fullrun/judge.h"
+#include "fullrun/resolution.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -132,6 +133,69 @@ static ehd_status solve(full_info *info, full_state *state, const ehd_contact *c
     return status;
 }
 
+static ehd_status put_resolution(artefact *file, const full_resolution *resolution,
+                                 ehd_error *error) {
+    const struct {
+        const char *name;
+        double value;
+    } reals[] = {{"inlet_effect", resolution->inlet_effect},
+                 {"step_effect", resolution->step_effect},
+                 {"observed_order", resolution->order}};
+    const struct {
+        const char *name;
+        size_t value;
+    } counts[] = {{"inlet_nodes", resolution->inlet_nodes},
+                  {"spike_nodes", resolution->spike_nodes},
+                  {"outlet_nodes", resolution->outlet_nodes}};
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
+        if (!isnan(reals[i].value))
+            status = artefact_put_real(file, reals[i].name, reals[i].value, error);
+    for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
+        status = artefact_put_integer(file, counts[i].name, (int64_t)counts[i].value, error);
+    return status;
+}
+
+static const double NOTED_EFFECT = 0.01; // of H_c
+
+static void note_resolution(const program *self, const full_resolution *resolution,
+                            const ehd_grid *grid) {
+    const char *path = self->arguments[0];
+
+    if (fabs(resolution->inlet_effect) > NOTED_EFFECT)
+        program_note(self,
+                     "%s: grid.x_min: found %g, expected a longer inlet: without end it would move "
+                     "the central film by about %+.2g %%",
+                     path, grid->x_min, 100 * resolution->inlet_effect);
+    if (isnan(resolution->step_effect))
+        program_note(self,
+                     "%s: grid.step: found %g, expected a finer one: with twice the step there is "
+                     "no solution",
+                     path, grid->step);
+    else if (fabs(resolution->step_effect) > NOTED_EFFECT)
+        program_note(self,
+                     "%s: grid.step: found %g, expected a finer one: ever smaller it would move "
+                     "the central film by about %+.2g %%",
+                     path, grid->step, 100 * resolution->step_effect);
+}
+
+/* What the grid does to a solution: into the file, and a note where it is much. */
+static ehd_status tell_resolution(artefact *file, const program *self, const full_state *state,
+                                  const ehd_contact *contact, ehd_error *error) {
+    const double before = program_seconds();
+    full_resolution resolution;
+    ehd_status status = full_resolution_estimate(&resolution, state, contact, error);
+
+    if (!status) status = put_resolution(file, &resolution, error);
+    if (status) return status;
+    note_resolution(self, &resolution, &contact->grid);
+    program_detail(self, "resolution in %.3g ms: nodes of inlet %zu, spike %zu, outlet %zu",
+                   1e3 * (program_seconds() - before), resolution.inlet_nodes,
+                   resolution.spike_nodes, resolution.outlet_nodes);
+    return EHD_OK;
+}
+
 static ehd_status run_stationary(const program *self, const char *start_path,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
@@ -150,7 +214,8 @@ static ehd_status run_stationary(const program *self, const char *start_path,
     run_result result = make_result(&info, &state, contact, given->output_fields != 0);
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
-    status = result_write(&file, &result, contact, error);
+    if (!result.status) status = tell_resolution(file, self, &state, contact, error);
+    if (!status) status = result_write(&file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],
                           result.reason);

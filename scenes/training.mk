@@ -3,47 +3,20 @@
 # or by pipeline.mk for it; the Makefile says what its models are. Settings of any scene can be given as
 # SET='--set key=value ...'.
 
-SHARED := $(dir $(lastword $(MAKEFILE_LIST)))
-BIN    ?= $(SHARED)../build/release/bin
-OUT    ?= out
-SET    ?=
-V      ?= 0
+include $(dir $(lastword $(MAKEFILE_LIST)))common.mk
 
 # Points of the plan that may fail.
 ALLOW_FAILURES ?= 0
 
-# More options of snapgen that change no result, such as --resume after an interruption.
-SNAPGEN_OPTIONS ?=
-
 MODELS ?= model
 MODEL  := $(firstword $(MODELS))
-
-ifeq ($(V),0)
-  quiet = @echo '  $1 $2';
-endif
-MAKEFLAGS += --no-builtin-rules --no-print-directory
-.DELETE_ON_ERROR:
-
-$(shell mkdir -p $(OUT))
-
-# $(call options,NAME,TEXT): a file that changes with its text only, so that what other options made is
-# made again.
-options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2)),$(file >$(OUT)/$1.options,$(strip $1 $2)))
-differs = $(subst |$(file <$1)|,,|$2|)
 
 # ---- Targets for people
 
 models: $(MODELS:%=$(OUT)/%.h5) ## all models (the default)
 .DEFAULT_GOAL := models
 
-clean: ## remove what was made
-	rm -rf $(OUT)
-
-# Of the Makefile and of what it includes.
-help: ## this list
-	@sed -n -e ':join' -e '/\\$$/ { N; s/\\\n//; b join' -e '}' -e 's/^\([a-z-]*\):.* ## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
-
-.PHONY: models clean help
+.PHONY: models
 
 # ---- Training and models
 

@@ -14,13 +14,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_JOBS = 'j', KEY_SHARD = 0x200, KEY_RESUME, KEY_ALLOW_FAILURES, KEY_BASIS };
+enum { KEY_JOBS = 'j', KEY_SHARD = 0x200, KEY_RESUME, KEY_ALLOW_FAILURES, KEY_BASIS, KEY_COLD };
 
 typedef struct snapgen_options {
     size_t num_jobs;
     shard piece;
     bool resume;
     size_t allowed_failures;
+    bool cold;
     const char *basis; // NULL: full model
 } snapgen_options;
 
@@ -41,6 +42,10 @@ static const struct argp_option own_options[] = {
      .key = KEY_ALLOW_FAILURES,
      .arg = "N",
      .doc = "Points that may fail before the exit code is 3, but never all; default 0"},
+    {.name = "cold",
+     .key = KEY_COLD,
+     .doc = "Start every stationary point cold, not from its neighbour: slower, and what `fullrun` "
+            "does with each"},
     {.name = "basis",
      .key = KEY_BASIS,
      .arg = "BASIS.h5",
@@ -84,6 +89,9 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_ALLOW_FAILURES:
         status = parse_count(&options->allowed_failures, argument, 0, SIZE_MAX, "--allow-failures",
                              EHD_USAGE, &error);
+        break;
+    case KEY_COLD:
+        options->cold = true;
         break;
     case KEY_BASIS:
         options->basis = argument;
@@ -163,6 +171,7 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     artefact *file = NULL;
     ehd_status status = load_set(&set, self, options->piece, error);
 
+    if (!status && options->cold) status = training_set_make_cold(&set, self->arguments[0], error);
     if (!status) status = training_init(&points, self, &set, error);
     if (!status) status = open_output(&file, &points, self, options->resume, error);
     if (!status) {
@@ -204,6 +213,10 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with --basis, expected one of them: the "
                         "projected system is done in seconds");
+    if (options->cold)
+        return ehd_fail(error, EHD_USAGE,
+                        "--cold: found with --basis, expected one of them: the projected system "
+                        "starts from the snapshots");
     status = load_set(&set, self, options->piece, error);
     if (!status)
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,

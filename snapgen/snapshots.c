@@ -76,7 +76,8 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
                  {"exit_position", &scalars->exit_position},
                  {"central_film_thickness", &scalars->central_film_thickness},
                  {"minimum_film_thickness", &scalars->minimum_film_thickness},
-                 {"central_pressure", &scalars->central_pressure}};
+                 {"central_pressure", &scalars->central_pressure},
+                 {"complementarity", &solution->complementarity}};
     ehd_status status = EHD_OK;
     (void)set;
 

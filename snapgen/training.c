@@ -124,6 +124,7 @@ static ehd_status solve_point(void *shared, void *given, size_t point, size_t pa
     solution->scalars = full_evaluate_scalars(state, contact);
     solution->newton_iterations = info.newton_iterations;
     solution->residual = info.residual;
+    solution->complementarity = info.complementarity;
     return EHD_OK;
 }
 

@@ -18,6 +18,7 @@ typedef struct snapshot {
     contact_scalars scalars;   // meaningful only with EHD_OK
     size_t newton_iterations;
     double residual;
+    double complementarity; // as in full_info
 } snapshot;
 
 /* What is kept of a point for the points that start from it. */

@@ -210,6 +210,17 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     return status;
 }
 
+ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error) {
+    char *text;
+
+    if (asprintf(&text, "%s# cold\n", set->text) < 0) return no_memory(plan_path, error);
+    free(set->text);
+    set->text = text;
+    for (size_t i = 0; i < set->num_points; i++)
+        set->parent[i] = NO_PARENT;
+    return EHD_OK;
+}
+
 ehd_status training_check_outcome(const training_set *set, size_t num_failed, const char *plan_path,
                                   ehd_error *error) {
     size_t num_all = set->num_points + set->num_trajectories;

@@ -47,6 +47,10 @@ ehd_status training_set_init(
     // input:
     const plan *plan, const char *plan_path, shard piece, ehd_error *error);
 
+/* Takes the neighbours away, so that every point starts cold and its solution depends on the point
+ * alone. EHD_MEMORY. */
+ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error);
+
 /* Leaves only the points that `keep`, [num_points], says, in a tree of their own. EHD_MEMORY. */
 ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
                              ehd_error *error);

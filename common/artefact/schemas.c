@@ -121,6 +121,21 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("solve_seconds_exit", ARTEFACT_REAL, "s", NEED_OPTIONAL,
               "part of it for finding the exit"),
     ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
+    ATTRIBUTE("inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "estimated relative change of the central film with an inlet of any length, not from "
+              "x_min on; of the full model, when stationary, like the five that follow"),
+    ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "estimated relative change of the central film with ever smaller steps of x; not "
+              "where a grid of twice the step has no solution"),
+    ATTRIBUTE("observed_order", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "order of convergence of the central film over this grid and those of twice and four "
+              "times the step; not where there is none"),
+    ATTRIBUTE("inlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "nodes where the viscous pressure builds up, from 10 to 90 % of it"),
+    ATTRIBUTE("spike_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "nodes above half the height of the pressure spike, 0 where there is none"),
+    ATTRIBUTE("outlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+              "nodes from the smallest film behind X = 0 to the exit"),
     ATTRIBUTE("steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "accepted time steps, only when transient"),
     ATTRIBUTE("rejected_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
@@ -130,7 +145,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 1, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 2, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
@@ -159,6 +174,10 @@ static const artefact_field snapshots_fields[] = {
     REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0", "state"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "state"),
+    REAL("complementarity", "1", NEED_OPTIONAL,
+         "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
+         "at any node of a stationary point",
+         "state"),
     INTEGER("trajectory", NEED_OPTIONAL,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
             "state"),
@@ -187,7 +206,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           1,
-                                          0,
+                                          1,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,

@@ -105,6 +105,47 @@ YAML
     [ "$status" -eq 0 ]
 }
 
+# ---- resolution
+
+@test "a domain or step that moves the central film by more than 1 % is noted, not refused" {
+    fullrun scene.yml -o good.h5 2>errors
+    [ ! -s errors ]
+    run --separate-stderr fullrun scene.yml -o r.h5 --set moes.M=5 --set moes.L=12
+    [ "$status" -eq 0 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
+    [[ $stderr =~ ^"fullrun: scene.yml: grid.x_min: found -4, expected a longer inlet".*"+2".*%$ ]]
+    run --separate-stderr fullrun scene.yml -o s.h5 --set moes.M=80
+    [ "$status" -eq 0 ]
+    [[ $stderr =~ ^"fullrun: scene.yml: grid.step: found 0.02, expected a finer one".*%$ ]]
+    run --separate-stderr fullrun scene.yml -o t.h5 --set moes.M=5 --set moes.L=12 --quiet
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
+    same_data r.h5 t.h5
+    # as measured
+    fullrun scene.yml -o wide.h5 --set moes.M=5 --set moes.L=12 --set grid.x_min=-20
+    fullrun scene.yml -o fine.h5 --set moes.M=80 --set grid.step=0.0025
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+film = {name: h5py.File(name + ".h5")["central_film_thickness"][0] for name in ("r", "s", "wide", "fine")}
+attributes = {name: h5py.File(name + ".h5").attrs for name in ("good", "r", "s", "t")}
+assert abs(attributes["r"]["inlet_effect"] / (film["wide"] / film["r"] - 1) - 1) < 0.15
+assert abs(attributes["s"]["step_effect"] / (film["fine"] / film["s"] - 1) - 1) < 0.15
+assert attributes["t"]["inlet_effect"] == attributes["r"]["inlet_effect"]
+assert 0 < attributes["good"]["inlet_effect"] < 0.01 and 0 < attributes["good"]["step_effect"] < 0.01
+assert 1.8 < attributes["good"]["observed_order"] < 2.2
+assert 30 < attributes["good"]["inlet_nodes"] < 100 and attributes["good"]["outlet_nodes"] > 3
+PYTHON
+}
+
+@test "a grid of which only half would be left is noted, and has no step_effect" {
+    run --separate-stderr fullrun scene.yml -o r.h5 --set moes.M=1000 --set moes.L=0 --set grid.step=0.005
+    [ "$status" -eq 0 ]
+    [[ $stderr == "fullrun: scene.yml: grid.step: found 0.005, expected a finer one: with twice the step "* ]]
+    run h5dump -A -a step_effect r.h5
+    [ "$status" -ne 0 ]
+    fullrun --check r.h5
+}
+
 # ---- existing files
 
 @test "an existing output is kept, and replaced only with --force" {

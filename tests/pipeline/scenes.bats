@@ -14,7 +14,7 @@ copy_scene() {
     cp -r "$root/scenes/$1" own
     cd own || return
     rm -rf out
-    sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
+    [ ! -e scene.yml ] || sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
     sed -i -e 's/^model.*PRESSURE_MODES *=.*/&\nmodel.PRESSURE_MODES = 12\nmodel-fast.PRESSURE_MODES = 10\nmodel-paper.PRESSURE_MODES = 12/' \
         -e 's/^model.*DEFORMATION_MODES *=.*/&\nmodel-paper.DEFORMATION_MODES = 8/' \
         -e 's/^model.*ROWS *=.*/&\nmodel.ROWS = 40\nmodel-fast.ROWS = 40\nmodel-paper.ROWS = 40/' \
@@ -263,4 +263,37 @@ small_oscillator() {
     refused 65 "grid: found" oscillator coarse.yml out/model.h5 x.csv
     refused 73 "no/x.csv" oscillator scene.yml out/model.h5 no/x.csv
     [ ! -e x.csv ]
+}
+
+@test "the convergence map: all points of a small one, and it tells those that fail" {
+    copy_scene convergence-map
+    sed -i -e "s/M='1, .*' step=.*/M='5, 12' step=0.02 ;;/" -e "s/M='50, .*' step=.*/M='50, 70' step=0.01 ;;/" \
+        -e 's/moes.L: .*/moes.L: [0, 5, 10]/' plan.sh
+    run_make LEAST_POINTS=72
+    [ "$status" -eq 0 ]
+    [[ $output == *"72 points, 0 failed"* ]]
+    [ "$(head -c 4 out/map.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/map.svg
+    run_make -n
+    [[ ! $output =~ bin/$programs ]]
+
+    run_make LEAST_POINTS=73
+    [ "$status" -ne 0 ]
+    run_make LEAST_POINTS=72 SET='--set grid.x_max=1.1' # too short for the lightest
+    [ "$status" -ne 0 ]
+    echo "$output"
+    [[ $output == *"failed: barus,incompressible,5,10,"*"72 points, 9 failed"* ]]
+}
+
+@test "the convergence map: estimates of inlet and step beside what is measured" {
+    copy_scene convergence-map
+    run_make estimates ESTIMATE_LOW=5 ESTIMATE_HIGH=60 ESTIMATE_L='5 20'
+    [ "$status" -eq 0 ]
+    [[ $output == *"inlet  noted and true 2, not noted and true 2, noted though less 0, missed 0;"* ]]
+    [[ $output == *"step   noted and true 0, not noted and true 4, noted though less 0, missed 0;"* ]]
+    [ "$(wc -l <out/estimates.csv)" -eq 5 ]
+    awk -F, 'function near(a, b) { return a / b > 0.7 && a / b < 1.4 }
+        NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
+    sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
+    [[ $(awk -v limit=1 -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
 }

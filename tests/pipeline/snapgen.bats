@@ -90,6 +90,41 @@ for part in parts:
 PYTHON
 }
 
+@test "--cold: each point depends on itself alone, so shards have the bits of the whole" {
+    snapgen plan.yml -o warm.h5
+    snapgen plan.yml -o all.h5 --cold --jobs 1
+    for k in 1 2 3; do
+        snapgen plan.yml -o "shard$k.h5" --cold --shard "$k/3"
+    done
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+def points(name):
+    with h5py.File(name) as file:
+        assert (file["complementarity"][...] == 0).all()
+        return {(m, l): (i, p) for m, l, i, p in
+                zip(file["moes_M"], file["moes_L"], file["newton_iterations"], file["pressure"])}
+whole, warm = points("all.h5"), points("warm.h5")
+parts = {key: value for k in (1, 2, 3) for key, value in points(f"shard{k}.h5").items()}
+assert len(parts) == len(whole) == 6
+for key, (iterations, pressure) in whole.items():
+    assert parts[key][0] == iterations and (parts[key][1] == pressure).all()
+    numpy.testing.assert_allclose(warm[key][1], pressure, rtol=0, atol=1e-8)
+assert any(warm[key][0] != whole[key][0] for key in whole)
+PYTHON
+}
+
+@test "--resume tells a cold run from one that starts from neighbours" {
+    slow_plan
+    snapgen "${slow[@]}" -o s.h5 --cold &
+    wait_for_states s.h5.partial 1
+    kill -KILL $!
+    wait $! || true
+    refused 65 "s.h5.partial: found other settings" snapgen "${slow[@]}" -o s.h5 --resume
+    snapgen "${slow[@]}" -o s.h5 --resume --cold
+    snapgen "${slow[@]}" -o whole.h5 --cold
+    same_data whole.h5 s.h5
+}
+
 @test "points outside of the plan's bounds are left out, even where the law does not hold" {
     cat >where.yml <<'YAML'
 groups:
@@ -320,6 +355,7 @@ bad_plan() {
     done
     refused 64 "--shard: found 7 shards, expected at most 6" snapgen plan.yml -o s.h5 --shard 1/7
     refused 64 "--allow-failures: found" snapgen plan.yml -o s.h5 --allow-failures=-1
+    refused 64 "--cold: found with --basis" snapgen plan.yml --cold --basis b.h5 -o s.h5
     refused 64 "PLAN.yml" snapgen -o s.h5
     refused 64 "output" snapgen plan.yml
     [ ! -e s.h5 ]

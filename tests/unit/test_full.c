@@ -301,6 +301,22 @@ static void far_start_converges(void **state) {
     problem_free(&cold);
 }
 
+/* Where neighbours lie too far apart, small strides take thousands of iterations and a cold start a few. */
+static void far_start_is_given_up_early(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    ehd_contact start = sample_contact("barus", "incompressible", 2, 25, 0.005);
+    ehd_contact goal = sample_contact("barus", "incompressible", 1, 25, 0.005);
+    problem far;
+    problem_solve_cold(&far, &start, &settings);
+    far.contact = goal;
+    assert_int_equal(full_solve_from(&far.info, &far.state, far.solver, &start, &goal, NULL),
+                     EHD_OK);
+    assert_int_equal(far.info.status, EHD_OK);
+    assert_true(far.info.newton_iterations < 400);
+    problem_free(&far);
+}
+
 /* Corners of what a user may ask for. */
 static void extremes_converge(void **state) {
     (void)state;
@@ -483,6 +499,7 @@ int main(void) {
         cmocka_unit_test(warm_start_equals_cold_start),
         cmocka_unit_test(solution_is_a_fixed_point),
         cmocka_unit_test(far_start_converges),
+        cmocka_unit_test(far_start_is_given_up_early),
         cmocka_unit_test(extremes_converge),
         cmocka_unit_test(second_order_convergence),
         cmocka_unit_test(newton_count_does_not_grow),

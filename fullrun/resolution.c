@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fullrun/resolution.h"
+
+#include "fullrun/continuation.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// ---- the inlet
+
+/* Node at X = 0 or the first behind it. */
+static size_t central_node(const ehd_grid *grid) {
+    return (size_t)ceil(-grid->x_min / grid->step) + 1;
+}
+
+/* Viscous pressure, the integral of dP / viscosity ratio from the inlet on: between two nodes the
+ * logarithm of the viscosity is linear in P, for it may grow by decades from one to the next. */
+static void viscous_pressure(double *viscous, const double *log_viscosity, const double *pressure,
+                             size_t num_nodes) {
+    viscous[0] = 0;
+    for (size_t k = 1; k < num_nodes; k++) {
+        double rise = log_viscosity[k] - log_viscosity[k - 1];
+        double mean = fabs(rise) < 1e-9 ? 1 : -expm1(-rise) / rise;
+        viscous[k] =
+            viscous[k - 1] + (pressure[k] - pressure[k - 1]) * mean * exp(-log_viscosity[k - 1]);
+    }
+}
+
+/* Pressure that an inlet from minus infinity would have at x_min, where the grid's is zero: the integral
+ * of lambda (H - H_exit) / H^3. The film there is the gap and the deflection by the load as a whole, which
+ * is -ln|X| / 2 and a constant. With X = x_min / s, by the midpoint rule in s. */
+static double missing_pressure(const full_state *state, const ehd_contact *contact) {
+    const int num_intervals = 200;
+    double start = grid_x(&contact->grid, 0), flux = state->film[state->exit], sum = 0;
+
+    for (int i = 0; i < num_intervals; i++) {
+        double s = (i + 0.5) / num_intervals, x = start / s;
+        double film =
+            state->film[0] + contact->kind->gap(x) - contact->kind->gap(start) + 0.5 * log(s);
+        sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
+    }
+    return sum / num_intervals;
+}
+
+/* The film is what lets the inlet build up the viscous pressure of the centre, and follows from
+ * lambda over it with the exponent 8/11 (Ertel and Grubin); what the inlet lacks counts as missing there. */
+static double inlet_effect(const full_state *state, const ehd_contact *contact,
+                           const double *viscous) {
+    const double film_exponent = 8. / 11;
+
+    return film_exponent * missing_pressure(state, contact) / viscous[central_node(&contact->grid)];
+}
+
+static size_t count_inlet(const double *viscous, size_t centre) {
+    size_t count = 0;
+
+    for (size_t k = 1; k <= centre; k++)
+        count += viscous[k] > 0.1 * viscous[centre] && viscous[k] < 0.9 * viscous[centre];
+    return count;
+}
+
+static ehd_status estimate_inlet(full_resolution *self, const full_state *state,
+                                 const ehd_contact *contact, ehd_error *error) {
+    size_t num_nodes = contact->grid.num_nodes;
+    double *memory = malloc(5 * num_nodes * sizeof *memory);
+    if (!memory)
+        return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes", num_nodes);
+    double *log_viscosity = memory, *viscous = memory + num_nodes, *unused = memory + 2 * num_nodes;
+
+    lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
+                       &contact->lubricant, contact->hertz_pressure, state->pressure, num_nodes);
+    viscous_pressure(viscous, log_viscosity, state->pressure, num_nodes);
+    self->inlet_effect = inlet_effect(state, contact, viscous);
+    self->inlet_nodes = count_inlet(viscous, central_node(&contact->grid));
+    free(memory);
+    return EHD_OK;
+}
+
+// ---- spike and outlet
+
+static size_t count_spike(const full_state *state) {
+    const double *pressure = state->pressure;
+    size_t peak = state->exit - 1, count = 0;
+
+    while (peak > 0 && pressure[peak - 1] > pressure[peak])
+        peak--;
+    size_t valley = peak;
+    while (valley > 0 && pressure[valley - 1] <= pressure[valley])
+        valley--;
+    if (valley == 0) return 0; // that was the only maximum
+    double half = (pressure[peak] + pressure[valley]) / 2;
+    for (size_t k = valley; k < state->exit; k++)
+        count += pressure[k] > half;
+    return count;
+}
+
+static size_t count_outlet(const full_state *state, const ehd_grid *grid) {
+    size_t thinnest = central_node(grid);
+
+    for (size_t k = thinnest; k < state->exit; k++)
+        if (state->film[k] < state->film[thinnest]) thinnest = k;
+    return state->exit - thinnest;
+}
+
+// ---- the step
+
+/* The solution at every `stride`-th of its inner nodes. */
+static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_state *solution,
+                           size_t stride) {
+    coarse->exit = (solution->exit + 2 * stride - 2) / stride;
+    for (size_t k = 1; k <= grid->num_inner; k++)
+        coarse->pressure[k] = solution->pressure[stride * (k - 1) + 1];
+    coarse->rigid_approach = solution->rigid_approach;
+}
+
+/* H_c of the same contact on a grid whose step is `stride` times the solution's, NaN where that does not
+ * converge. */
+static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const full_state *solution,
+                               size_t stride, ehd_error *error) {
+    full_settings settings = full_default_settings();
+    full_solver *solver = NULL;
+    full_state state = {0};
+    full_info info;
+
+    *film = NAN;
+    settings.tolerance = 1e-8;
+    settings.max_iterations = 20; // a grid that wants more is too coarse to tell
+    ehd_status status = full_solver_create(&solver, coarse->kind, &coarse->grid, &settings, error);
+    if (!status) status = full_state_init(&state, &coarse->grid, error);
+    if (!status) {
+        restrict_state(&state, &coarse->grid, solution, stride);
+        status = full_solve(&info, &state, solver, coarse, NULL, error);
+    }
+    if (!status && info.status == EHD_OK)
+        *film = full_evaluate_scalars(&state, coarse).central_film_thickness;
+    full_state_free(&state);
+    full_solver_free(solver);
+    return status;
+}
+
+/* Richardson's estimate. Where the order cannot be seen it is the scheme's, 2; at light loads the exit and
+ * the ends of the domain, which are known to a step, make it 1. `film` is H_c on grids of the steps
+ * h, 2h, 4h. */
+static void extrapolate(full_resolution *self, const double film[3]) {
+    double order = log2((film[2] - film[1]) / (film[1] - film[0]));
+    double used = isfinite(order) ? fmin(fmax(order, 1), 2) : 2;
+
+    self->order = isfinite(order) ? order : NAN;
+    self->step_effect = (film[0] - film[1]) / film[0] / (exp2(used) - 1);
+}
+
+ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
+                                    const ehd_contact *contact, ehd_error *error) {
+    double film[3] = {full_evaluate_scalars(state, contact).central_film_thickness, NAN, NAN};
+    ehd_contact coarse = *contact;
+
+    self->spike_nodes = count_spike(state);
+    self->outlet_nodes = count_outlet(state, &contact->grid);
+    ehd_status status = estimate_inlet(self, state, contact, error);
+    for (size_t g = 1; g < 3 && !status; g++) {
+        coarse.grid = full_coarser_grid(&coarse.grid);
+        status = solve_coarse(&film[g], &coarse, state, (size_t)1 << g, error);
+        if (isnan(film[g])) break;
+    }
+    if (!status) extrapolate(self, film);
+    return status;
+}

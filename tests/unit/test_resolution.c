@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Estimates of what domain and step do to a solution, against solutions on wider and finer grids. */
+#include "fullrun/resolution.h"
+
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+
+/* A cold solution; free with full_state_free. */
+static void solve(full_state *state, const ehd_contact *contact) {
+    const full_settings settings = full_default_settings();
+    full_solver *solver;
+    full_info info;
+
+    assert_int_equal(full_solver_create(&solver, contact->kind, &contact->grid, &settings, NULL),
+                     EHD_OK);
+    assert_int_equal(full_state_init(state, &contact->grid, NULL), EHD_OK);
+    assert_int_equal(full_solve_cold(&info, state, solver, contact, NULL), EHD_OK);
+    assert_int_equal(info.status, EHD_OK);
+    full_solver_free(solver);
+}
+
+static full_resolution estimate(const ehd_contact *contact) {
+    full_resolution resolution;
+    full_state state;
+
+    solve(&state, contact);
+    assert_int_equal(full_resolution_estimate(&resolution, &state, contact, NULL), EHD_OK);
+    full_state_free(&state);
+    return resolution;
+}
+
+static double central_film(const ehd_contact *contact) {
+    full_state state;
+
+    solve(&state, contact);
+    double film = full_evaluate_scalars(&state, contact).central_film_thickness;
+    full_state_free(&state);
+    return film;
+}
+
+static void set_inlet(ehd_contact *contact, double x_min) {
+    contact->grid.x_min = x_min;
+    contact->grid.num_inner = (size_t)lround((2 - x_min) / contact->grid.step) + 1;
+    contact->grid.num_nodes = contact->grid.num_inner + 2;
+}
+
+/* From -4 and -2.5 on, against an inlet from -24 on. */
+static void inlet_effect_is_what_a_long_inlet_does(void **state) {
+    (void)state;
+    static const struct {
+        const char *lubricant, *density;
+        double moes_M, moes_L, within;
+    } cases[] = {
+        {"barus", "incompressible", 5, 10, 0.1},   {"barus", "incompressible", 40, 10, 0.1},
+        {"barus", "incompressible", 10, 2.5, 0.3}, {"roelands", "dowson-higginson", 5, 25, 0.1},
+        {"no1", "dowson-higginson", 12, 12, 0.1},  {"barus", "incompressible", 2, 0, 0.6}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_contact contact = sample_contact(cases[i].lubricant, cases[i].density, cases[i].moes_M,
+                                             cases[i].moes_L, 0.02);
+        double effect = estimate(&contact).inlet_effect, film = central_film(&contact);
+        set_inlet(&contact, -24);
+        double measured = central_film(&contact) / film - 1;
+        check_close(effect, measured, cases[i].within, 0);
+        assert_true(fabs(estimate(&contact).inlet_effect) < 0.02 * effect);
+    }
+}
+
+/* Against the extrapolation from two finer grids. */
+static void step_effect_is_what_a_fine_step_does(void **state) {
+    (void)state;
+    static const double cases[][2] = {{12, 12}, {40, 5}, {100, 2.5}, {20, 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_contact contact =
+            sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.01);
+        full_resolution resolution = estimate(&contact);
+        double film = central_film(&contact);
+        contact = sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.005);
+        double fine = central_film(&contact);
+        contact = sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.0025);
+        double finest = central_film(&contact);
+        double measured = (finest + (finest - fine) / 3) / film - 1;
+        check_close(resolution.step_effect, measured, 0.15, 0);
+        check_close(resolution.order, 2, 0.2, 0);
+    }
+}
+
+static void nodes_grow_with_the_grid(void **state) {
+    (void)state;
+    ehd_contact coarse = sample_contact("barus", "incompressible", 12, 8, 0.01);
+    ehd_contact fine = sample_contact("barus", "incompressible", 12, 8, 0.0025);
+    full_resolution few = estimate(&coarse), many = estimate(&fine);
+    check_close((double)many.inlet_nodes, 4. * (double)few.inlet_nodes, 0.05, 0);
+    check_close((double)many.outlet_nodes, 4. * (double)few.outlet_nodes, 0.15, 0);
+    assert_true(few.spike_nodes >= 1 && many.spike_nodes > few.spike_nodes);
+    assert_true(few.inlet_nodes > 50 && few.inlet_nodes < 200);
+    // without piezoviscosity there is one maximum
+    ehd_contact smooth = sample_contact("barus", "incompressible", 12, 0, 0.01);
+    assert_int_equal(estimate(&smooth).spike_nodes, 0);
+}
+
+/* A grid that just resolves the film: twice its step does not. */
+static void too_coarse_to_tell(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 1000, 0, 0.005);
+    full_resolution resolution = estimate(&contact);
+    assert_true(isnan(resolution.step_effect));
+    assert_true(isnan(resolution.order));
+    assert_true(isfinite(resolution.inlet_effect));
+}
+
+/* An even number of nodes, and one for which no coarser node lies at X = 0. */
+static void any_number_of_nodes(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 12, 8, 0.01);
+    double effect = estimate(&contact).step_effect;
+    for (int shift = 1; shift < 4; shift++) {
+        contact.grid.num_inner--;
+        contact.grid.num_nodes--;
+        check_close(estimate(&contact).step_effect, effect, 0.1, 0);
+        contact.grid.x_min += contact.grid.step;
+        contact.grid.num_inner--;
+        contact.grid.num_nodes--;
+        check_close(estimate(&contact).step_effect, effect, 0.1, 0);
+    }
+}
+
+static void estimate_without_memory(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "dowson-higginson", 12, 8, 0.05);
+    full_resolution resolution;
+    full_state solution;
+    size_t call = 0;
+    bool failed;
+
+    solve(&solution, &contact);
+    do {
+        allocation_fail_at(call);
+        ehd_status status = full_resolution_estimate(&resolution, &solution, &contact, NULL);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+    } while (failed && call++ < 300);
+    assert_true(call >= 30 && call < 300);
+    full_state_free(&solution);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
+        cmocka_unit_test(step_effect_is_what_a_fine_step_does),
+        cmocka_unit_test(nodes_grow_with_the_grid),
+        cmocka_unit_test(too_coarse_to_tell),
+        cmocka_unit_test(any_number_of_nodes),
+        cmocka_unit_test(estimate_without_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
