@@ -13,13 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD, KEY_WEIGHTS };
+enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD, KEY_WEIGHTS, KEY_CONTROL };
 
 typedef struct select_options {
     const char *basis;
     size_t num_rows; // 0: by itself
     const selection_method *method;
     const weighting *weights;
+    size_t num_control; // CONTROL_BY_ITSELF: by itself
 } select_options;
 
 static const struct argp_option own_options[] = {
@@ -33,6 +34,11 @@ static const struct argp_option own_options[] = {
      .key = KEY_WEIGHTS,
      .arg = "NAME",
      .doc = "quadrature (default), plain; see below"},
+    {.name = "control",
+     .key = KEY_CONTROL,
+     .arg = "N",
+     .doc = "Number of control rows, which take no part in the solution and indicate its "
+            "deviation; default a tenth of the rows, at least 8; 0: none"},
     {0}};
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
@@ -47,6 +53,10 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_ROWS:
         status =
             parse_count(&options->num_rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
+        break;
+    case KEY_CONTROL:
+        status = parse_count(&options->num_control, argument, 0, 10000000, "--control", EHD_USAGE,
+                             &error);
         break;
     case KEY_METHOD:
         options->method = selection_methods;
@@ -79,11 +89,6 @@ static void print_methods(void) {
 }
 
 // ---- the residuals
-
-typedef struct residual_snapshots {
-    size_t count;
-    double *residuals, *steps; // [count, num_inner]
-} residual_snapshots;
 
 /* Whether the residuals were made with this basis. */
 static ehd_status check_fit(artefact *file, const reduced_basis *basis, const char *basis_path,
@@ -119,12 +124,17 @@ static ehd_status read_residuals(residual_snapshots *snapshots, const char *path
         size_t bytes = snapshots->count * basis->grid.num_inner * sizeof(double);
         snapshots->residuals = malloc(bytes);
         snapshots->steps = malloc(bytes);
-        if (!snapshots->residuals || !snapshots->steps)
+        snapshots->state = malloc(snapshots->count * sizeof *snapshots->state);
+        if (!snapshots->residuals || !snapshots->steps || !snapshots->state)
             status = ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu iterations", path,
                               snapshots->count);
     }
     if (!status) status = artefact_get(file, "weighted_residual", snapshots->residuals, error);
     if (!status) status = artefact_get(file, "weighted_jacobian_step", snapshots->steps, error);
+    for (size_t i = 0; i < snapshots->count && !status; i++)
+        snapshots->state[i] = -1;
+    if (!status && artefact_has(file, "iteration_state"))
+        status = artefact_get_integers(file, "iteration_state", snapshots->state, error);
     artefact_close(&file);
     return status;
 }
@@ -149,17 +159,21 @@ static ehd_status write_model(const program *self, const select_options *options
     char text[128];
     ehd_status status = reduced_model_build(&model, basis, choice->rows, choice->num_rows, error);
 
-    snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\n", options->method->name,
-             choice->num_rows, options->weights->name);
+    snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n",
+             options->method->name, choice->num_rows, options->weights->name, choice->num_control);
     for (size_t r = 0; r < choice->num_rows && !status; r++)
         model.row_weight[r] *= choice->factors[r];
+    if (!status && choice->num_control > 0)
+        status =
+            reduced_model_add_control(&model, basis, choice->control, choice->num_control, error);
     if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
     if (!status)
-        printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes\n"
+        printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes, %zu control "
+               "rows\n"
                "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n",
                model.num_rows, model.grid.num_inner, options->method->name, model.num_unknowns,
-               model.num_needed, 1 / choice->sigma_min_residual, 1 / choice->sigma_min_jacobian,
-               1 / choice->sigma_min_over_exits);
+               model.num_needed, model.control.num_rows, 1 / choice->sigma_min_residual,
+               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits);
     reduced_model_free(&model);
     return status;
 }
@@ -179,21 +193,22 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
         status =
             read_residuals(&snapshots, self->arguments[0], &basis, options->basis, identity, error);
     if (!status) {
-        status =
-            row_choice_make(&choice, snapshots.residuals, snapshots.steps, snapshots.count, &basis,
-                            options->method, options->weights, options->num_rows, &cause);
+        status = row_choice_make(&choice, &snapshots, &basis, options->method, options->weights,
+                                 options->num_rows, options->num_control, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
     row_choice_free(&choice);
     free(snapshots.residuals);
     free(snapshots.steps);
+    free(snapshots.state);
     reduced_basis_free(&basis);
     return status;
 }
 
 int main(int argc, char **argv) {
-    select_options own = {.method = selection_methods, .weights = weightings};
+    select_options own = {
+        .method = selection_methods, .weights = weightings, .num_control = CONTROL_BY_ITSELF};
     const program_options options = {
         .options = own_options,
         .parse = parse_own,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deimselect/row_choice.h"
 
+#include "deimselect/control.h"
 #include "podbuild/pod.h"
 
 #include <math.h>
@@ -10,6 +11,7 @@
 
 void row_choice_free(row_choice *choice) {
     free(choice->rows);
+    free(choice->control);
     free(choice->factors);
     free(choice->jacobian_modes);
     free(choice->sigma_min_by_exit);
@@ -30,16 +32,15 @@ static size_t wanted_modes(const selection_method *method, size_t num_rows, size
 
 static const char *const snapshot_names[] = {"residuals", "Jacobian products"};
 
-static ehd_status build_pods(pod_basis pods[2], const double *residuals, const double *steps,
-                             size_t num_snapshots, size_t num_inner, size_t num_modes,
-                             ehd_error *error) {
+static ehd_status build_pods(pod_basis pods[2], const residual_snapshots *snapshots,
+                             size_t num_inner, size_t num_modes, ehd_error *error) {
     const pod_settings settings = {.num_modes = num_modes, .at_most = true};
-    const double *sets[] = {residuals, steps};
+    const double *sets[] = {snapshots->residuals, snapshots->steps};
     ehd_error cause;
 
     for (int i = 0; i < 2; i++) {
         ehd_status status =
-            pod_build(&pods[i], sets[i], num_snapshots, num_inner, &settings, &cause);
+            pod_build(&pods[i], sets[i], snapshots->count, num_inner, &settings, &cause);
         if (status)
             return ehd_fail(error, status, "snapshots of the %s: %s", snapshot_names[i],
                             cause.text);
@@ -157,10 +158,28 @@ static ehd_status weigh_rows(row_choice *choice, const pod_basis *products, size
     return weights->weigh(choice->factors, choice->jacobian_modes, num_rows, num_modes, error);
 }
 
-ehd_status row_choice_make(row_choice *choice, const double *residuals, const double *steps,
-                           size_t num_snapshots, const reduced_basis *basis,
-                           const selection_method *method, const weighting *weights,
-                           size_t num_rows, ehd_error *error) {
+static ehd_status choose_control(row_choice *choice, const residual_snapshots *snapshots,
+                                 const pod_basis *residuals, size_t num_unknowns, size_t wanted,
+                                 ehd_error *error) {
+    const size_t tenth = choice->num_rows / 10;
+    bool given = wanted != CONTROL_BY_ITSELF;
+    size_t num_modes = num_unknowns < residuals->num_modes ? num_unknowns : residuals->num_modes;
+    if (num_modes > choice->num_rows) num_modes = choice->num_rows;
+
+    choice->num_control = given ? wanted : tenth > 8 ? tenth : 8;
+    choice->control = malloc((choice->num_control + 1) * sizeof *choice->control);
+    if (!choice->control)
+        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu control rows",
+                        choice->num_control);
+    return control_choose(choice->control, &choice->num_control, given, snapshots,
+                          residuals->num_nodes, residuals->modes, num_modes, choice->rows,
+                          choice->num_rows, error);
+}
+
+ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapshots,
+                           const reduced_basis *basis, const selection_method *method,
+                           const weighting *weights, size_t num_rows, size_t num_control,
+                           ehd_error *error) {
     size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
     pod_basis pods[2] = {{0}, {0}};
     bool given = num_rows > 0;
@@ -171,16 +190,20 @@ ehd_status row_choice_make(row_choice *choice, const double *residuals, const do
         num_rows = 2 * basis->num_pressure < num_inner ? 2 * basis->num_pressure : num_inner;
     status = check_rows(num_rows, basis, error);
     if (!status)
-        status = build_pods(pods, residuals, steps, num_snapshots, num_inner,
+        status = build_pods(pods, snapshots, num_inner,
                             wanted_modes(method, num_rows, num_unknowns), error);
     if (!status) status = limit_rows(&num_rows, pods, method, given, error);
     if (!status) status = check_rows(num_rows, basis, error);
     if (!status) status = select_rows(choice, pods, num_rows, method, error);
+    if (!status)
+        status = choose_control(choice, snapshots, &pods[0], num_unknowns, num_control, error);
     if (!status) status = weigh_rows(choice, &pods[1], num_unknowns, weights, error);
     if (!status) status = measure(choice, pods, basis, error);
     // row 0 of the snapshots belongs to node 1
     for (size_t r = 0; r < choice->num_rows && !status; r++)
         choice->rows[r]++;
+    for (size_t r = 0; r < choice->num_control && !status; r++)
+        choice->control[r]++;
     pod_free(&pods[0]);
     pod_free(&pods[1]);
     if (status) row_choice_free(choice);

@@ -6,10 +6,23 @@
 #include "deimselect/selection.h"
 #include "romrun/reduced_model.h"
 #include "romrun/weighting.h"
+#include <stdint.h>
+
+/* Iterations of the training repeated with the projected system. */
+typedef struct residual_snapshots {
+    size_t count;
+    double *residuals; // [count, num_inner] D f
+    double *steps;     // [count, num_inner] D J dz
+    int64_t *state; // [count] stationary training state that each belongs to, ascending, -1: none
+} residual_snapshots;
+
+#define CONTROL_BY_ITSELF ((size_t)-1) // number of control rows: a tenth of the rows, at least 8
 
 typedef struct row_choice {
     size_t num_rows;
-    size_t *rows;                                  // [num_rows] grid nodes in order of selection
+    size_t *rows; // [num_rows] grid nodes in order of selection
+    size_t num_control;
+    size_t *control;                               // [num_control] grid nodes in order of choice
     double *factors;                               // [num_rows] of the row weights, besides D
     size_t num_jacobian_modes;                     // as many as unknowns, where there are
     double *jacobian_modes;                        // [num_rows, num_jacobian_modes] at the rows
@@ -23,16 +36,15 @@ void row_choice_free(row_choice *choice);
 /* PODs of both snapshot sets, the method's rows and their weights, and the smallest singular values of the bases sampled
  * there: over all rows, and for the exit of each training state with the rows before it and as many
  * leading modes as the basis has pressure modes (film rupture takes the other rows away).
- * EHD_DATA: fewer rows than unknowns, more rows than the snapshots support. */
+ * EHD_DATA: fewer rows than unknowns, more rows or control rows than the snapshots support. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free
     // input:
-    const double *residuals, // [num_snapshots, num_inner] D f
-    const double *steps,     // [num_snapshots, num_inner] D J dz
-    size_t num_snapshots, const reduced_basis *basis, const selection_method *method,
+    const residual_snapshots *snapshots, const reduced_basis *basis, const selection_method *method,
     const weighting *weights,
     size_t num_rows, // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
+    size_t num_control, // CONTROL_BY_ITSELF: also fewer where the snapshots do not
     ehd_error *error);
 
 #endif

@@ -12,12 +12,15 @@
 
 struct least_squares {
     size_t num_columns;
-    size_t longest; // of rows and columns
-    double *scale;  // [num_columns] 1 / norm of the column
-    double *scaled; // [longest, num_columns]
-    double *gram;   // [num_columns, num_columns]
-    double *right;  // [longest]
-    double *work;   // [num_work] of LAPACK
+    size_t longest;       // of rows and columns
+    double *scale;        // [num_columns] 1 / norm of the column
+    double *scaled;       // [longest, num_columns]
+    double *gram;         // [num_columns, num_columns]
+    const double *factor; // lower, of the Gram matrix: within `gram`, or within `scaled` after a QR
+    size_t
+        factor_size; // its rows and columns; fewer than num_columns where zero columns were dropped
+    double *right;   // [longest]
+    double *work;    // [num_work] of LAPACK
     int num_work;
 };
 
@@ -84,6 +87,8 @@ static int factorise_gram(least_squares *self, size_t num_rows) {
         least = fmin(least, self->gram[j * n + j]);
         most = fmax(most, self->gram[j * n + j]);
     }
+    self->factor = self->gram;
+    self->factor_size = self->num_columns;
     rcond = least * least / (most * most * norm);
     return rcond > LEAST_RCOND;
 }
@@ -121,6 +126,8 @@ static void solve_qr(double *solution, least_squares *self, const double *right,
     int info =
         LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', (int)kept, (int)num_rows, 1, self->scaled,
                            (int)kept, self->right, (int)self->longest, self->work, self->num_work);
+    self->factor = self->scaled;
+    self->factor_size = kept;
     for (size_t j = 0, from = 0; j < n; j++)
         solution[j] = info ? NAN : self->scale[j] > 0 ? self->right[from++] : 0;
 }
@@ -153,4 +160,16 @@ ehd_status least_squares_again(double *solution, least_squares *self, const doub
                                size_t num_rows) {
     solve_gram(solution, self, right, num_rows);
     return unscale(solution, self);
+}
+
+double least_squares_sensitivity(least_squares *self, const double *functional) {
+    size_t count = 0;
+
+    for (size_t j = 0; j < self->num_columns; j++)
+        if (self->scale[j] > 0 || self->factor_size == self->num_columns)
+            self->right[count++] = functional[j] * self->scale[j];
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, (int)count, self->factor,
+                (int)count, self->right, 1);
+    double norm = cblas_dnrm2((int)count, self->right, 1);
+    return isfinite(norm) ? norm : INFINITY;
 }

@@ -36,4 +36,9 @@ ehd_status least_squares_again(
     least_squares *workspace, const double *right,
     size_t num_rows); // as given to least_squares_keep
 
+/* How far functional^T solution moves at most by a change of the right side of norm 1, for the matrix solved
+ * with last: |(J^T J)^-1/2 functional|. With errors of equal size in all rows it is the standard error of
+ * least squares, a unit of theirs. Infinite where the factors are singular. */
+double least_squares_sensitivity(least_squares *workspace, const double *functional);
+
 #endif

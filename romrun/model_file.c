@@ -76,6 +76,26 @@ static ehd_status put_tables(artefact *file, const reduced_model *model, ehd_err
     return status;
 }
 
+static ehd_status put_control(artefact *file, const reduced_model *model, ehd_error *error) {
+    const control_rows *control = &model->control;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    if (control->num_rows == 0) return EHD_OK;
+    ehd_status status = artefact_put_axis(file, "control", control->num_rows, NULL, error);
+
+    if (!status) status = artefact_put_axis(file, "control_node", control->num_needed, NULL, error);
+    if (!status)
+        status = put_nodes(file, "control_row", control->node, control->num_rows, 1, error);
+    if (!status) status = artefact_put(file, "control_weight", control->weight, error);
+    if (!status)
+        status = put_nodes(file, "control_node_index", control->needed_node, control->num_needed, 0,
+                           error);
+    if (!status) status = artefact_put(file, "control_pressure_basis", control->pressure, error);
+    if (!status)
+        status = artefact_put(file, coupled ? "control_coupled_basis" : "control_deformation_basis",
+                              control->film, error);
+    return status;
+}
+
 static ehd_status put_attributes(artefact *file, const reduced_model *model,
                                  const model_origin *origin, ehd_error *error) {
     const struct {
@@ -122,6 +142,7 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
     if (!status) status = put_axes(file, model, error);
     if (!status) status = put_attributes(file, model, origin, error);
     if (!status) status = put_tables(file, model, error);
+    if (!status) status = put_control(file, model, error);
     if (!status) status = put_weighting(file, origin, error);
     if (!status)
         status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
@@ -198,23 +219,23 @@ static ehd_status read_nodes(size_t **nodes, artefact *file, const char *field, 
     return status;
 }
 
-/* Places in the stored list of needed nodes of those that the chosen rows need. */
-static ehd_status match_needed(size_t **places, const reduced_model *model, artefact *file,
-                               size_t num_stored, ehd_error *error) {
+/* Places in a stored list of nodes of those that the chosen rows need. */
+static ehd_status match_nodes(size_t **places, const size_t *nodes, size_t count,
+                              const ehd_grid *grid, artefact *file, const char *field,
+                              size_t num_stored, ehd_error *error) {
     size_t *stored = NULL, at = 0;
-    ehd_status status =
-        read_nodes(&stored, file, "needed_node_index", num_stored, 0, &model->grid, error);
+    ehd_status status = read_nodes(&stored, file, field, num_stored, 0, grid, error);
 
-    *places = malloc((model->num_needed + 1) * sizeof **places);
+    *places = malloc((count + 1) * sizeof **places);
     if (!status && !*places) status = no_memory(file, error);
-    for (size_t i = 0; i < model->num_needed && !status; i++) {
-        while (at < num_stored && stored[at] < model->needed_node[i])
+    for (size_t i = 0; i < count && !status; i++) {
+        while (at < num_stored && stored[at] < nodes[i])
             at++;
-        if (at == num_stored || stored[at] != model->needed_node[i])
+        if (at == num_stored || stored[at] != nodes[i])
             status = ehd_fail(error, EHD_DATA,
-                              "%s: needed_node_index: found no node %zu, expected all that the "
-                              "rows need, ascending",
-                              artefact_path(file), model->needed_node[i]);
+                              "%s: %s: found no node %zu, expected all that the rows need, "
+                              "ascending",
+                              artefact_path(file), field, nodes[i]);
         else
             (*places)[i] = at;
     }
@@ -352,7 +373,8 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     size_t stored_width = coupled ? stored->pressure : stored->deformation;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     size_t *places = NULL;
-    ehd_status status = match_needed(&places, model, file, stored->needed, error);
+    ehd_status status = match_nodes(&places, model->needed_node, model->num_needed, &model->grid,
+                                    file, "needed_node_index", stored->needed, error);
 
     if (!status)
         status = read_part(&model->needed_pressure, file, "needed_pressure_basis", stored->needed,
@@ -371,6 +393,45 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     if (!status) status = read_cut(model, file, stored, error);
     free(places);
     return status;
+}
+
+static ehd_status read_control_tables(reduced_model *model, artefact *file,
+                                      const stored_sizes *stored, ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    control_rows *control = &model->control;
+    size_t num_stored = artefact_length(file, "control_node"), *places = NULL;
+    ehd_status status = match_nodes(&places, control->needed_node, control->num_needed,
+                                    &model->grid, file, "control_node_index", num_stored, error);
+
+    if (!status)
+        status =
+            read_part(&control->pressure, file, "control_pressure_basis", num_stored,
+                      stored->pressure, places, control->num_needed, model->num_pressure, error);
+    if (!status)
+        status = read_part(
+            &control->film, file, coupled ? "control_coupled_basis" : "control_deformation_basis",
+            num_stored, coupled ? stored->pressure : stored->deformation, places,
+            control->num_needed, coupled ? model->num_pressure : model->num_deformation, error);
+    free(places);
+    return status;
+}
+
+/* All control rows, whatever the number of selected ones. */
+static ehd_status read_control(reduced_model *model, artefact *file, const stored_sizes *stored,
+                               ehd_error *error) {
+    control_rows *control = &model->control;
+    ehd_status status;
+
+    control->num_rows = artefact_length(file, "control");
+    if (control->num_rows == 0) return EHD_OK;
+    status =
+        read_nodes(&control->node, file, "control_row", control->num_rows, 1, &model->grid, error);
+    if (!status)
+        status = read_part(&control->weight, file, "control_weight", control->num_rows, 1, NULL,
+                           control->num_rows, 1, error);
+    if (!status) status = reduced_model_list_control(model, error);
+    if (!status) status = read_control_tables(model, file, stored, error);
+    return status ? status : reduced_model_complete_control(model, error);
 }
 
 /* The states' coordinates in the chosen modes. */
@@ -440,6 +501,7 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
     if (!status) status = read_places(model, file, error);
     if (!status) status = read_rows(model, file, &stored, error);
     if (!status) status = read_tables(model, file, &stored, error);
+    if (!status) status = read_control(model, file, &stored, error);
     if (!status) status = read_states(model, file, &stored, error);
     artefact_close(&file);
     if (!status) status = reduced_model_complete(model, error);

@@ -60,6 +60,15 @@ void reduced_basis_free(reduced_basis *basis) {
     memset(basis, 0, sizeof *basis);
 }
 
+static void control_rows_free(control_rows *control) {
+    free(control->node);
+    free(control->weight);
+    free(control->stencils);
+    free(control->needed_node);
+    free(control->pressure);
+    free(control->film);
+}
+
 void reduced_model_free(reduced_model *model) {
     free(model->row_node);
     free(model->row_weight);
@@ -75,6 +84,7 @@ void reduced_model_free(reduced_model *model) {
     free(model->cut_base);
     free(model->checkpoint_cut);
     free(model->checkpoint_band);
+    control_rows_free(&model->control);
     reduced_states_free(&model->states);
     memset(model, 0, sizeof *model);
 }
@@ -98,44 +108,72 @@ static void centre_nodes(size_t nodes[4], double weights[4], const ehd_grid *gri
             weights[i] = i == 1 ? 1 : 0;
 }
 
-/* Marks the nodes that the rows and the centre need and lists them in ascending order. */
-ehd_status reduced_model_list_needed(reduced_model *model, ehd_error *error) {
+/* Marks the nodes that rows need. */
+static void mark_stencils(bool *needed, const ehd_grid *grid, const size_t *rows, size_t num_rows) {
+    for (size_t r = 0; r < num_rows; r++) {
+        reynolds_stencil stencil = reynolds_stencil_at(grid, rows[r]);
+        for (int a = 0; a < NUM_STENCIL; a++)
+            if (stencil.node[a] != NO_NODE) needed[stencil.node[a]] = true;
+    }
+}
+
+/* The nodes that rows and, where wanted, the centre need, in ascending order. */
+static ehd_status list_nodes(size_t **nodes, size_t *num_listed, reduced_model *model,
+                             const size_t *rows, size_t num_rows, bool with_centre,
+                             ehd_error *error) {
     size_t num_nodes = model->grid.num_nodes, centre[4], count = 0;
     bool *needed = calloc(num_nodes, sizeof *needed);
 
     if (!needed) return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
-    for (size_t r = 0; r < model->num_rows; r++) {
-        reynolds_stencil stencil = reynolds_stencil_at(&model->grid, model->row_node[r]);
-        for (int a = 0; a < NUM_STENCIL; a++)
-            if (stencil.node[a] != NO_NODE) needed[stencil.node[a]] = true;
-    }
+    mark_stencils(needed, &model->grid, rows, num_rows);
     centre_nodes(centre, model->centre_weight, &model->grid);
-    for (size_t i = 0; i < 4; i++)
+    for (size_t i = 0; i < 4 && with_centre; i++)
         if (model->centre_weight[i] != 0) needed[centre[i]] = true;
     for (size_t k = 0; k < num_nodes; k++)
         count += needed[k];
-    model->needed_node = malloc(count * sizeof *model->needed_node);
-    if (model->needed_node)
+    *nodes = malloc(count * sizeof **nodes);
+    if (*nodes)
         for (size_t k = 0; k < num_nodes; k++)
-            if (needed[k]) model->needed_node[model->num_needed++] = k;
+            if (needed[k]) (*nodes)[(*num_listed)++] = k;
     free(needed);
-    return model->needed_node ? EHD_OK
-                              : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
+    return *nodes ? EHD_OK : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
 }
 
-/* Place of a node in needed_node; NO_NODE stays what it is. */
-static size_t needed_place(const reduced_model *model, size_t node) {
-    size_t low = 0, high = model->num_needed;
+ehd_status reduced_model_list_needed(reduced_model *model, ehd_error *error) {
+    return list_nodes(&model->needed_node, &model->num_needed, model, model->row_node,
+                      model->num_rows, true, error);
+}
+
+ehd_status reduced_model_list_control(reduced_model *model, ehd_error *error) {
+    control_rows *control = &model->control;
+
+    return list_nodes(&control->needed_node, &control->num_needed, model, control->node,
+                      control->num_rows, false, error);
+}
+
+/* Place of a node in an ascending list that has it; NO_NODE stays what it is. */
+static size_t place_in(const size_t *nodes, size_t count, size_t node) {
+    size_t low = 0, high = count;
 
     if (node == NO_NODE) return NO_NODE;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
-        if (model->needed_node[middle] <= node)
+        if (nodes[middle] <= node)
             low = middle;
         else
             high = middle;
     }
     return low;
+}
+
+/* Stencils of rows, as places in an ascending list of nodes. */
+static void fill_stencils(reynolds_stencil *stencils, const ehd_grid *grid, const size_t *rows,
+                          size_t num_rows, const size_t *nodes, size_t num_nodes) {
+    for (size_t r = 0; r < num_rows; r++) {
+        stencils[r] = reynolds_stencil_at(grid, rows[r]);
+        for (int a = 0; a < NUM_STENCIL; a++)
+            stencils[r].node[a] = place_in(nodes, num_nodes, stencils[r].node[a]);
+    }
 }
 
 // ---- building from the bases
@@ -348,6 +386,52 @@ ehd_status reduced_model_build(reduced_model *model, const reduced_basis *basis,
     return status;
 }
 
+/* The tables of control rows, but for what follows from them. */
+static ehd_status fill_control(reduced_model *model, const reduced_basis *basis,
+                               ehd_deflection *deflection, ehd_error *error) {
+    size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
+    bool coupled_basis = model->deformation == DEFORMATION_COUPLED;
+    control_rows *control = &model->control;
+    double *coupled = malloc(num_nodes * num_pressure * sizeof(double));
+    double *work = malloc(num_nodes * sizeof(double));
+
+    if (coupled && work) {
+        if (coupled_basis) deflect_modes(coupled, model, basis, deflection, work);
+        control->pressure = gather_rows(basis->pressure, control->needed_node, 0,
+                                        control->num_needed, num_pressure);
+        control->film =
+            gather_rows(coupled_basis ? coupled : basis->deformation_modes, control->needed_node, 0,
+                        control->num_needed, coupled_basis ? num_pressure : basis->num_deformation);
+    }
+    free(work);
+    free(coupled);
+    return control->pressure && control->film
+               ? EHD_OK
+               : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
+}
+
+ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *basis,
+                                     const size_t *rows, size_t num_rows, ehd_error *error) {
+    control_rows *control = &model->control;
+    ehd_deflection *deflection = deflection_create(basis->kind, &basis->grid);
+    ehd_status status = EHD_OK;
+
+    control->num_rows = num_rows;
+    control->node = malloc((num_rows + 1) * sizeof *control->node);
+    control->weight = malloc((num_rows + 1) * sizeof *control->weight);
+    if (!deflection || !control->node || !control->weight)
+        status = ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
+    for (size_t r = 0; r < num_rows && !status; r++) {
+        control->node[r] = rows[r];
+        control->weight[r] = basis->weight[rows[r]];
+    }
+    if (!status) status = reduced_model_list_control(model, error);
+    if (!status) status = fill_control(model, basis, deflection, error);
+    if (!status) status = reduced_model_complete_control(model, error);
+    deflection_free(deflection);
+    return status;
+}
+
 // ---- what follows from the tables
 
 /* Left sides of the coupled basis: row i is (K at the needed nodes from band node i, step). */
@@ -434,19 +518,27 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
         (coupled && !model->checkpoint_band))
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
 
-    for (size_t r = 0; r < model->num_rows; r++) {
-        model->stencils[r] = reynolds_stencil_at(&model->grid, model->row_node[r]);
-        for (int a = 0; a < NUM_STENCIL; a++)
-            model->stencils[r].node[a] = needed_place(model, model->stencils[r].node[a]);
-    }
+    fill_stencils(model->stencils, &model->grid, model->row_node, model->num_rows,
+                  model->needed_node, model->num_needed);
     centre_nodes(centre, model->centre_weight, &model->grid);
     for (size_t i = 0; i < 4; i++)
-        model->centre[i] = needed_place(model, centre[i]);
+        model->centre[i] = place_in(model->needed_node, model->num_needed, centre[i]);
     for (size_t q = 0; q < model->num_needed; q++)
         model->needed_gap[q] = model->kind->gap(grid_x(&model->grid, model->needed_node[q]));
     for (size_t d = 0; d < model->grid.num_nodes; d++)
         model->kernel[d] = model->kind->kernel((double)d * model->grid.step, model->grid.step);
     if (coupled) fill_left_coupled(model);
     fill_checkpoints(model);
+    return EHD_OK;
+}
+
+ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error) {
+    control_rows *control = &model->control;
+
+    control->stencils = malloc((control->num_rows + 1) * sizeof *control->stencils);
+    if (!control->stencils)
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    fill_stencils(control->stencils, &model->grid, control->node, control->num_rows,
+                  control->needed_node, control->num_needed);
     return EHD_OK;
 }

@@ -53,6 +53,19 @@ typedef struct reduced_basis {
 void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
+/* Reynolds rows that take no part in the solve: what they are left with tells how well the others speak
+ * for all (indicator.h). */
+typedef struct control_rows {
+    size_t num_rows;            // 0: none
+    size_t *node;               // [num_rows] grid nodes
+    double *weight;             // [num_rows] D
+    reynolds_stencil *stencils; // [num_rows] places in needed_node
+    size_t num_needed;
+    size_t *needed_node; // [num_needed] ascending
+    double *pressure;    // [num_needed, num_pressure]
+    double *film;        // as needed_film below, at these nodes
+} control_rows;
+
 /* What the online solver holds. Everything here is read-only while solving, so that several solvers
  * in several threads may share it. */
 typedef struct reduced_model {
@@ -95,6 +108,7 @@ typedef struct reduced_model {
     double *checkpoint_cut;   // [num_checkpoints, num_cut, num_pressure]
     double *checkpoint_band;  // coupled: [num_checkpoints, num_band, num_pressure], else NULL
 
+    control_rows control;
     reduced_states states;
 } reduced_model;
 
@@ -107,12 +121,22 @@ ehd_status reduced_model_build(
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Lists the nodes that model->row_node and the centre need, ascending, in model->needed_node. */
+/* Gives a model that was built on this basis control rows, grid nodes. EHD_MEMORY. */
+ehd_status reduced_model_add_control(
+    // in and out:
+    reduced_model *model,
+    // input:
+    const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
+
+/* Lists the nodes that model->row_node and the centre need, ascending, in model->needed_node; those of
+ * model->control.node in model->control.needed_node. */
 ehd_status reduced_model_list_needed(reduced_model *model, ehd_error *error);
+ehd_status reduced_model_list_control(reduced_model *model, ehd_error *error);
 
 /* Tables that follow from the others (stencils, kernel, left sides, checkpoints); the last step of
- * building and of reading a model. */
+ * building and of reading a model; for control rows, which may come later, their stencils. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
+ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error);
 
 void reduced_model_free(reduced_model *model);
 

@@ -823,6 +823,21 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     return scalars;
 }
 
+double reduced_central_sensitivity(reduced_solver *self) {
+    const reduced_model *model = self->model;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? model->num_pressure : model->num_deformation;
+    double *gradient = self->step, *film = gradient + (coupled ? 0 : model->num_pressure);
+    const double *table = coupled ? self->cut : model->needed_film;
+
+    memset(gradient, 0, model->num_unknowns * sizeof(double));
+    for (size_t i = 0; i < 4; i++)
+        if (model->centre_weight[i] != 0)
+            add_row(film, model->centre_weight[i], table + model->centre[i] * width, width);
+    gradient[model->num_unknowns - 1] = 1;
+    return least_squares_sensitivity(self->least_squares, gradient);
+}
+
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {
     const reduced_model *model = self->model;
 

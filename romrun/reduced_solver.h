@@ -83,6 +83,10 @@ ehd_status reduced_solve(
 /* Scalars of a state, solved or not. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);
 
+/* How far H at X = 0 moves at most by an error of norm 1 in the rows of the last stationary solution:
+ * |L^-1 dH/dz| with the factor of its last least squares. */
+double reduced_central_sensitivity(reduced_solver *solver);
+
 /* Values of a state, and of the last solution, whose bits are the same. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, size_t exit);

@@ -269,6 +269,47 @@ static void a_model_comes_back(void **state) {
     }
 }
 
+/* Of all modes and of fewer, whatever the rows. */
+static void control_rows_come_back(void **state) {
+    const size_t nodes[] = {90, 2, 60};
+    (void)state;
+
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_basis *basis = &bases[kind];
+        reduced_model model, found;
+        build_model(&model, basis, 40);
+        check_ok(reduced_model_add_control(&model, basis, nodes, 3, &error));
+        write_model(&model, basis);
+        check_ok(artefact_check(path, &error));
+        for (size_t fewer = 0; fewer < 3; fewer += 2) {
+            size_t deformation = basis->num_deformation ? basis->num_deformation - fewer : 0;
+            const ehdrom_sizes sizes = {basis->num_pressure - fewer, deformation, 40 - fewer};
+            const control_rows *expected = &model.control, *control = &found.control;
+            check_ok(model_read(&found, path, &sizes, &error));
+            assert_int_equal(control->num_rows, 3);
+            assert_memory_equal(control->node, nodes, sizeof nodes);
+            assert_int_equal(control->num_needed, expected->num_needed);
+            assert_memory_equal(control->needed_node, expected->needed_node,
+                                expected->num_needed * sizeof *nodes);
+            assert_memory_equal(control->stencils, expected->stencils,
+                                3 * sizeof *control->stencils);
+            check_close_array(control->weight, expected->weight, 3, 0, 0);
+            size_t width = kind == DEFORMATION_COUPLED ? basis->num_pressure : deformation + fewer;
+            for (size_t q = 0; q < control->num_needed; q++) {
+                check_close_array(control->pressure + q * found.num_pressure,
+                                  expected->pressure + q * basis->num_pressure, found.num_pressure,
+                                  0, 0);
+                check_close_array(control->film + q * (width - fewer), expected->film + q * width,
+                                  width - fewer, 0, 0);
+            }
+            reduced_model_free(&found);
+        }
+        patch_real("control_node_index", 0, 5);
+        model_is_refused(NULL, "control_node_index: found no node");
+        reduced_model_free(&model);
+    }
+}
+
 static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -583,6 +624,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_basis_comes_back),
         cmocka_unit_test(a_model_comes_back),
+        cmocka_unit_test(control_rows_come_back),
         cmocka_unit_test(a_prefix_of_the_rows_is_the_model_of_those_rows),
         cmocka_unit_test(a_prefix_of_the_modes_is_the_model_of_those_modes),
         cmocka_unit_test(a_part_is_weighed_by_itself),

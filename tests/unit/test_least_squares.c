@@ -181,6 +181,46 @@ static void not_finite_is_said(void **state) {
     least_squares_free(workspace);
 }
 
+/* |(J^T J)^-1/2 c| is |x| of the shortest x with J^T x = c. */
+static double shortest(const double *matrix, const double *functional, size_t num_columns) {
+    double copy[ROWS * COLUMNS], x[ROWS] = {0};
+
+    memcpy(copy, matrix, ROWS * num_columns * sizeof(double));
+    memcpy(x, functional, num_columns * sizeof(double));
+    assert_int_equal(LAPACKE_dgels(LAPACK_ROW_MAJOR, 'T', ROWS, (int)num_columns, 1, copy,
+                                   (int)num_columns, x, 1),
+                     0);
+    return norm(x, ROWS);
+}
+
+static void sensitivity_is_the_shortest_cause(void **state) {
+    (void)state;
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+    double matrix[ROWS * COLUMNS], right[ROWS], functional[COLUMNS], x[COLUMNS];
+
+    assert_non_null(workspace);
+    // by normal equations and, where these are not safe, by QR
+    const double conditions[] = {1, 1e3, 1e9};
+    for (int i = 0; i < 3; i++) {
+        random_matrix(matrix, ROWS, conditions[i]);
+        random_vector(right, ROWS);
+        random_vector(functional, COLUMNS);
+        assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_OK);
+        check_close(least_squares_sensitivity(workspace, functional),
+                    shortest(matrix, functional, COLUMNS), 1e-4, 0);
+        // a column of zeros says nothing
+        for (size_t r = 0; r < ROWS; r++)
+            matrix[r * COLUMNS + COLUMNS - 1] = 0;
+        assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_OK);
+        for (size_t r = 0; r < ROWS; r++)
+            memmove(matrix + r * (COLUMNS - 1), matrix + r * COLUMNS,
+                    (COLUMNS - 1) * sizeof(double));
+        check_close(least_squares_sensitivity(workspace, functional),
+                    shortest(matrix, functional, COLUMNS - 1), 1e-4, 0);
+    }
+    least_squares_free(workspace);
+}
+
 static void survives_failing_allocations(void **state) {
     (void)state;
     least_squares *workspace;
@@ -199,9 +239,13 @@ static void survives_failing_allocations(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equals_lapack),         cmocka_unit_test(scales_columns),
-        cmocka_unit_test(zero_columns_get_zero), cmocka_unit_test(near_rank_deficiency_is_harmless),
-        cmocka_unit_test(not_finite_is_said),    cmocka_unit_test(survives_failing_allocations),
+        cmocka_unit_test(equals_lapack),
+        cmocka_unit_test(scales_columns),
+        cmocka_unit_test(zero_columns_get_zero),
+        cmocka_unit_test(near_rank_deficiency_is_harmless),
+        cmocka_unit_test(sensitivity_is_the_shortest_cause),
+        cmocka_unit_test(not_finite_is_said),
+        cmocka_unit_test(survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

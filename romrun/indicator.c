@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/indicator.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+
+struct indicator {
+    const reduced_model *model;
+    double *pressure, *film; // [num_needed] of the control rows
+    double *fluid_memory;    // [4, num_needed]
+    double *band_pressure;   // [num_band]
+    reynolds_row *rows;      // [num_rows] of the control rows
+};
+
+indicator *indicator_free(indicator *self) {
+    if (self) {
+        free(self->pressure);
+        free(self->film);
+        free(self->fluid_memory);
+        free(self->band_pressure);
+        free(self->rows);
+        free(self);
+    }
+    return NULL;
+}
+
+indicator *indicator_create(const reduced_model *model) {
+    const control_rows *control = &model->control;
+    size_t num_needed = control->num_needed + 1; // nothing of size zero
+    indicator *self = calloc(1, sizeof *self);
+
+    if (!self) return NULL;
+    self->model = model;
+    self->pressure = malloc(num_needed * sizeof(double));
+    self->film = malloc(num_needed * sizeof(double));
+    self->fluid_memory = malloc(4 * num_needed * sizeof(double));
+    self->band_pressure = malloc(model->num_band * sizeof(double));
+    self->rows = malloc((control->num_rows + 1) * sizeof *self->rows);
+    if (!self->pressure || !self->film || !self->fluid_memory || !self->band_pressure ||
+        !self->rows)
+        return indicator_free(self);
+    return self;
+}
+
+/* H at a needed node but for what the band's pressure deflects. */
+static double film_before_band(const reduced_model *model, size_t q, const double *z) {
+    const control_rows *control = &model->control;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? model->num_pressure : model->num_deformation;
+    const double *coordinates = coupled ? z : z + model->num_pressure;
+
+    return z[model->num_unknowns - 1] +
+           model->kind->gap(grid_x(&model->grid, control->needed_node[q])) +
+           cblas_ddot((int)width, control->film + q * width, 1, coordinates, 1);
+}
+
+/* What the pressure between the band's begin and the exit deflects at a node. */
+static double band_deflection(const indicator *self, size_t node, size_t exit) {
+    const reduced_model *model = self->model;
+    double deflection = 0;
+
+    for (size_t k = model->band_begin; k < exit; k++)
+        deflection += model->kernel[node > k ? node - k : k - node] *
+                      self->band_pressure[k - model->band_begin];
+    return deflection;
+}
+
+/* P and H at the needed nodes. */
+static void expand(indicator *self, const reduced_state *state) {
+    const reduced_model *model = self->model;
+    const control_rows *control = &model->control;
+    const double *z = state->coordinates;
+    size_t num_pressure = model->num_pressure;
+
+    reduced_band_pressure(self->band_pressure, model, z, model->band_begin, state->exit);
+    for (size_t q = 0; q < control->num_needed; q++) {
+        size_t node = control->needed_node[q];
+        const double *modes = control->pressure + q * num_pressure;
+        self->pressure[q] = node < state->exit ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
+        self->film[q] = film_before_band(model, q, z);
+        if (model->deformation == DEFORMATION_COUPLED)
+            self->film[q] += band_deflection(self, node, state->exit);
+    }
+}
+
+double indicator_control_residual(indicator *self, const reduced_state *state,
+                                  const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    const control_rows *control = &model->control;
+    size_t num_needed = control->num_needed;
+    double *memory = self->fluid_memory, sum = 0;
+    bool compressible = contact->lubricant.density != NULL;
+    reynolds_fluid fluid = {memory, memory + num_needed,
+                            compressible ? memory + 2 * num_needed : NULL,
+                            compressible ? memory + 3 * num_needed : NULL};
+
+    expand(self, state);
+    reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
+    reynolds_rows(self->rows, model->grid.step, contact->entrainment, NULL, control->stencils,
+                  control->num_rows, &fluid, self->pressure, self->film);
+    for (size_t r = 0; r < control->num_rows; r++) {
+        double residual = control->weight[r] * self->rows[r].residual;
+        if (control->node[r] < state->exit) sum += residual * residual;
+    }
+    return sqrt(sum);
+}
+
+double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
+                       const ehd_contact *contact, const reduced_info *info) {
+    double residual = hypot(info->residual, indicator_control_residual(self, state, contact));
+
+    return reduced_central_sensitivity(solver) * residual / info->scalars.central_film_thickness;
+}

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Control rows and what is made of them: where they are chosen, what they are left with, the bound. */
+#include "deimselect/control.h"
+#include "romrun/indicator.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/trained.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static trained training;
+static reduced_basis bases[2]; // by deformation_kind
+static ehd_error error;
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+static int set_up(void **state) {
+    (void)state;
+    trained_init(&training, 0.02);
+    trained_basis(&bases[DEFORMATION_INDEPENDENT], &training, DEFORMATION_INDEPENDENT, 0, 0);
+    trained_basis(&bases[DEFORMATION_COUPLED], &training, DEFORMATION_COUPLED, 0, 0);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    reduced_basis_free(&bases[0]);
+    reduced_basis_free(&bases[1]);
+    trained_free(&training);
+    return 0;
+}
+
+// ---- choice
+
+enum { NODES = 12, MODES = 2, SELECTED = 3 };
+
+static const size_t selected[SELECTED] = {1, 4, 9};
+
+/* Converged residuals of three states that differ from the modes at nodes 7, 2 and 10, less and less, after an
+ * iteration each that is not converged and has all of it at node 5. */
+static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
+    const size_t places[] = {7, 2, 10};
+
+    memset(residuals, 0, 6 * sizeof *residuals);
+    for (size_t k = 0; k < NODES; k++) {
+        modes[0][k] = 1 / sqrt(NODES);
+        modes[1][k] = (k % 2 ? 1 : -1) / sqrt(NODES);
+    }
+    for (size_t s = 0; s < 3; s++) {
+        residuals[2 * s][5] = 100;
+        for (size_t k = 0; k < NODES; k++)
+            residuals[2 * s + 1][k] = 3 * modes[0][k] + (double)s * modes[1][k];
+        residuals[2 * s + 1][places[s]] += pow(10, -(double)s);
+    }
+}
+
+static void control_rows_are_where_selected_ones_predict_least(void **state) {
+    double residuals[6][NODES], modes[MODES][NODES];
+    int64_t states[6] = {0, 0, 1, 1, 2, 2};
+    const residual_snapshots snapshots = {6, residuals[0], NULL, states};
+    size_t control[4], count = 3;
+    (void)state;
+
+    make_snapshots(residuals, modes);
+    check_ok(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES, selected,
+                            SELECTED, &error));
+    assert_int_equal(count, 3);
+    assert_int_equal(control[0], 7);
+    assert_int_equal(control[1], 2);
+    assert_int_equal(control[2], 10);
+    // as many as there are converged states, and none of those on trajectories
+    count = 4;
+    assert_int_equal(control_choose(control, &count, true, &snapshots, NODES, modes[0], MODES,
+                                    selected, SELECTED, &error),
+                     EHD_DATA);
+    assert_non_null(strstr(error.text, "--control: found 4, expected at most 3"));
+    check_ok(control_choose(control, &count, false, &snapshots, NODES, modes[0], MODES, selected,
+                            SELECTED, &error));
+    assert_int_equal(count, 3);
+    memset(states, -1, sizeof states);
+    check_ok(control_choose(control, &count, false, &snapshots, NODES, modes[0], MODES, selected,
+                            SELECTED, &error));
+    assert_int_equal(count, 0);
+}
+
+static void choice_survives_failing_allocations(void **state) {
+    double residuals[6][NODES], modes[MODES][NODES];
+    int64_t states[6] = {0, 0, 1, 1, 2, 2};
+    const residual_snapshots snapshots = {6, residuals[0], NULL, states};
+    size_t control[4], call = 0;
+    (void)state;
+
+    make_snapshots(residuals, modes);
+    for (;; call++) {
+        size_t count = 3;
+        allocation_fail_at(call);
+        ehd_status status = control_choose(control, &count, true, &snapshots, NODES, modes[0],
+                                           MODES, selected, SELECTED, &error);
+        if (!allocation_failed()) break;
+        assert_int_not_equal(status, EHD_OK);
+    }
+    assert_true(call > 2);
+}
+
+// ---- residual
+
+static const size_t control_nodes[] = {20, 1, 150, 203, 250, 253, 255, 257, 259};
+enum { NUM_CONTROL = sizeof control_nodes / sizeof *control_nodes };
+
+/* The first residual of a level-i iteration, which is that of its start. */
+static ehd_status keep_first(void *context, const double *residual, const double *step,
+                             ehd_error *ignored) {
+    double *kept = context;
+    (void)step, (void)ignored;
+
+    if (isnan(kept[0])) memcpy(kept, residual, training.set.grid.num_inner * sizeof *kept);
+    return EHD_OK;
+}
+
+/* |D f| over the control rows, from all rows. */
+static double residual_from_all_rows(const reduced_model *model, const reduced_state *at,
+                                     const ehd_contact *contact) {
+    const reduced_settings once = {.tolerance = 1e-8, .max_iterations = 1};
+    double *all = malloc(model->grid.num_inner * sizeof *all), sum = 0;
+    double *z = malloc(model->num_unknowns * sizeof *z);
+    reduced_state copy = {z, at->exit};
+    reduced_solver *solver;
+    reduced_info info;
+
+    assert_true(all && z);
+    all[0] = NAN;
+    memcpy(z, at->coordinates, model->num_unknowns * sizeof *z);
+    check_ok(reduced_solver_create(&solver, model, &once, &error));
+    reduced_solver_observe(solver, keep_first, all);
+    check_ok(reduced_solve(&info, &copy, solver, contact, NULL, &error));
+    for (size_t r = 0; r < NUM_CONTROL; r++)
+        sum += all[control_nodes[r] - 1] * all[control_nodes[r] - 1];
+    reduced_solver_free(solver);
+    free(z);
+    free(all);
+    return sqrt(sum);
+}
+
+static void control_residual_is_that_of_all_rows(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_model model;
+        check_ok(reduced_model_build(&model, &bases[kind], NULL, 0, &error));
+        check_ok(
+            reduced_model_add_control(&model, &bases[kind], control_nodes, NUM_CONTROL, &error));
+        indicator *self = indicator_create(&model);
+        double *z = malloc(model.num_unknowns * sizeof *z);
+        assert_true(self && z);
+        // states and contacts that do not belong together, exits on and off a checkpoint
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            const ehd_contact *contact = &training.contacts[(s + 5) % TRAINED_STATES];
+            const reduced_state at = {z, model.states.exit[s] + s % 3};
+            memcpy(z, model.states.coordinates + s * model.num_unknowns,
+                   model.num_unknowns * sizeof *z);
+            check_close(indicator_control_residual(self, &at, contact),
+                        residual_from_all_rows(&model, &at, contact), 1e-9, 0);
+        }
+        free(z);
+        indicator_free(self);
+        reduced_model_free(&model);
+    }
+}
+
+// ---- bound
+
+/* Few modes between the training points: neither exact nor far off. */
+static void bound_follows_the_deviation(void **state) {
+    const reduced_settings settings = reduced_default_settings();
+    double before = 0;
+    (void)state;
+
+    for (size_t modes = 6; modes <= 10; modes += 2) {
+        reduced_basis basis;
+        reduced_model model;
+        reduced_solver *solver;
+        reduced_info info;
+        double worst = 0, bound = 0;
+        trained_basis(&basis, &training, DEFORMATION_COUPLED, modes, 0);
+        check_ok(reduced_model_build(&model, &basis, NULL, 0, &error));
+        check_ok(reduced_model_add_control(&model, &basis, control_nodes, NUM_CONTROL, &error));
+        check_ok(reduced_solver_create(&solver, &model, &settings, &error));
+        indicator *self = indicator_create(&model);
+        double *z = malloc(model.num_unknowns * sizeof *z);
+        assert_true(self && z);
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            const ehd_contact *contact = &training.contacts[s];
+            reduced_state at = {z, 0};
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
+            double found = indicator_bound(self, solver, &at, contact, &info);
+            assert_true(info.status == EHD_OK && found > 0);
+            bound = fmax(bound, found);
+            worst = fmax(worst, fabs(info.scalars.central_film_thickness /
+                                         training.set.central_film_thickness[s] -
+                                     1));
+        }
+        if (!(worst > 1e-7 && bound > 0.1 * worst && bound < 1e4 * worst))
+            fail_msg("%zu modes: found bound %g, expected one near the deviation %g", modes, bound,
+                     worst);
+        assert_true(before == 0 || bound < before);
+        before = bound;
+        free(z);
+        indicator_free(self);
+        reduced_solver_free(solver);
+        reduced_model_free(&model);
+        reduced_basis_free(&basis);
+    }
+}
+
+static void indicator_survives_failing_allocations(void **state) {
+    reduced_model model;
+    size_t call = 0;
+    (void)state;
+
+    for (;; call++) {
+        check_ok(reduced_model_build(&model, &bases[1], NULL, 0, &error));
+        allocation_fail_at(call);
+        ehd_status status =
+            reduced_model_add_control(&model, &bases[1], control_nodes, NUM_CONTROL, &error);
+        indicator *self = status ? NULL : indicator_create(&model);
+        bool failed = allocation_failed();
+        assert_true(failed == !self);
+        indicator_free(self);
+        reduced_model_free(&model);
+        if (!failed) break;
+    }
+    assert_true(call > 8);
+    assert_null(indicator_free(NULL));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(control_rows_are_where_selected_ones_predict_least),
+        cmocka_unit_test(choice_survives_failing_allocations),
+        cmocka_unit_test(control_residual_is_that_of_all_rows),
+        cmocka_unit_test(bound_follows_the_deviation),
+        cmocka_unit_test(indicator_survives_failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
