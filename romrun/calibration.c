@@ -3,6 +3,7 @@
 
 #include "common/program/program.h"
 #include "common/time/march.h"
+#include "romrun/indicator.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +14,9 @@ enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
 typedef struct samples {
     size_t count;                            // of scenes
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
+    double *bound;                           // [count] of the central film's
+    double *indicated;                       // [count + failures]
+    double *effectivity;                     // [count]
     double *seconds;                         // [count * REPEATS]
     double iterations, most_iterations;      // sum and largest
     double *pressure, *film;                 // [num_nodes]
@@ -21,6 +25,9 @@ typedef struct samples {
 static void samples_free(samples *self) {
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         free(self->deviation[q]);
+    free(self->bound);
+    free(self->indicated);
+    free(self->effectivity);
     free(self->seconds);
     free(self->pressure);
     free(self->film);
@@ -35,10 +42,15 @@ static ehd_status samples_init(samples *self, size_t num_scenes, size_t num_node
         self->deviation[q] = malloc((num_scenes + 1) * sizeof(double));
         complete = complete && self->deviation[q];
     }
+    self->bound = malloc((num_scenes + 1) * sizeof(double));
+    self->indicated = malloc((num_scenes + 1) * sizeof(double));
+    self->effectivity = malloc((num_scenes + 1) * sizeof(double));
     self->seconds = malloc((num_scenes + 1) * REPEATS * sizeof(double));
     self->pressure = malloc(num_nodes * sizeof(double));
     self->film = malloc(num_nodes * sizeof(double));
-    if (complete && self->seconds && self->pressure && self->film) return EHD_OK;
+    if (complete && self->bound && self->indicated && self->effectivity && self->seconds &&
+        self->pressure && self->film)
+        return EHD_OK;
     return ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu scenes", num_scenes);
 }
 
@@ -61,6 +73,7 @@ static void add_sample(samples *self, const ehdrom_result *result, const solved_
         self->deviation[TRADE_PRESSURE][self->count] =
             fmax(self->deviation[TRADE_PRESSURE][self->count],
                  fabs(self->pressure[k] - solved->pressure[k]));
+    self->bound[self->count] = result->bound;
     self->iterations += (double)result->iterations;
     self->most_iterations = fmax(self->most_iterations, (double)result->iterations);
     self->count++;
@@ -85,7 +98,27 @@ static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_
     return status;
 }
 
-static void evaluate(trade_position *position, const samples *self) {
+/* Before the deviations are sorted. */
+static void fit_indicator(trade_position *position, samples *self) {
+    const double *deviation = self->deviation[TRADE_CENTRAL_FILM];
+    const size_t num_scenes = self->count + position->num_failures;
+    const double factor = trade_indicator_factor(deviation, self->bound, self->count);
+
+    position->indicator_factor = factor;
+    for (size_t i = 0; i < num_scenes; i++)
+        self->indicated[i] =
+            i < self->count ? indicator_deviation(factor, self->bound[i]) : INFINITY;
+    for (size_t i = 0; i < self->count; i++)
+        self->effectivity[i] = self->indicated[i] / deviation[i];
+    for (int i = 0; i < NUM_TRADE_PARTS; i++) {
+        position->indicated[i] = trade_quantile_of(self->indicated, num_scenes, trade_parts[i]);
+        position->effectivity[i] =
+            trade_quantile_of(self->effectivity, self->count, trade_parts[i]);
+    }
+}
+
+static void evaluate(trade_position *position, samples *self) {
+    fit_indicator(position, self);
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         for (int i = 0; i < NUM_TRADE_QUANTILES; i++)
             position->deviation[q][i] =

@@ -2,8 +2,10 @@
 #include "romrun/ehdrom.h"
 
 #include "romrun/fields.h"
+#include "romrun/indicator.h"
 #include "romrun/model_file.h"
 #include "romrun/reduced_march.h"
+#include "romrun/trade_file.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +15,7 @@ struct ehdrom_model {
     reduced_model reduced;
     char *path;
     trained_range *range;
+    double indicator_factor; // 0: not calibrated at these sizes
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;
@@ -22,9 +25,30 @@ struct ehdrom_model {
 struct ehdrom_solver {
     const ehdrom_model *model;
     reduced_solver *reduced;
+    indicator *indicator;
     reduced_state state;
     double *pressure_basis; // [num_nodes, num_pressure], read when fields are asked for
 };
+
+/* Of the measured position of these sizes, where there is one. */
+static ehd_status read_factor(double *factor, const char *path, const reduced_model *model,
+                              ehd_error *error) {
+    const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->num_rows};
+    trade_table table;
+    bool calibrated;
+    ehd_status status = trade_read_optional(&table, &calibrated, path, error);
+
+    *factor = 0;
+    if (status || !calibrated) return status;
+    for (size_t i = 0; i < table.num_positions; i++) {
+        const ehdrom_sizes *sizes = &table.positions[i].sizes;
+        if (sizes->pressure_modes == own.pressure_modes &&
+            sizes->deformation_modes == own.deformation_modes && sizes->rows == own.rows)
+            *factor = table.positions[i].indicator_factor;
+    }
+    trade_free(&table);
+    return EHD_OK;
+}
 
 ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_sizes *sizes,
                        ehd_error *error) {
@@ -37,6 +61,7 @@ ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_size
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
     ehd_status status = model_read(&self->reduced, path, sizes, error);
+    if (!status) status = read_factor(&self->indicator_factor, path, &self->reduced, error);
     if (!status) {
         self->range = trained_range_create(&self->reduced);
         if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
@@ -72,7 +97,8 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
                                     .unknowns = model->num_unknowns,
                                     .rows = model->num_rows,
                                     .needed_nodes = model->num_needed,
-                                    .states = model->states.num_states};
+                                    .states = model->states.num_states,
+                                    .control_rows = model->control.num_rows};
     return properties;
 }
 
@@ -86,7 +112,8 @@ ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *mode
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
     self->state.coordinates = calloc(model->reduced.num_unknowns, sizeof(double));
-    if (!self->state.coordinates)
+    self->indicator = indicator_create(&model->reduced);
+    if (!self->state.coordinates || !self->indicator)
         status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
     if (status)
@@ -99,6 +126,7 @@ ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *mode
 ehdrom_solver *ehdrom_solver_free(ehdrom_solver *self) {
     if (self) {
         reduced_solver_free(self->reduced);
+        indicator_free(self->indicator);
         free(self->state.coordinates);
         free(self->pressure_basis);
         free(self);
@@ -116,6 +144,19 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
                     "contact with %zu from %g in steps of %g as in %s",
                     contact->kind->name, grid->num_inner, grid->x_min, grid->step,
                     model->reduced.kind->name, own->num_inner, own->x_min, own->step, model->path);
+}
+
+/* What the rows say of the deviation. */
+static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+                     const reduced_info *info) {
+    const double factor = solver->model->indicator_factor, start = program_seconds();
+
+    result->bound = result->indicated = NAN;
+    if (info->status == EHD_NOT_CONVERGED) return;
+    result->bound = indicator_bound(solver->indicator, solver->reduced, &solver->state, contact,
+                                    &info->scalars);
+    if (factor > 0) result->indicated = indicator_deviation(factor, result->bound);
+    result->seconds += program_seconds() - start;
 }
 
 /* Converged, but is it to be trusted? */
@@ -146,6 +187,7 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
                               .seconds_rows = info.seconds_rows,
                               .seconds_linear = info.seconds_linear,
                               .seconds_exit = info.seconds_exit};
+    indicate(result, solver, contact, &info);
     judge(result, solver->model, contact);
     return EHD_OK;
 }

@@ -45,6 +45,7 @@ typedef struct ehdrom_properties {
     size_t rows;                              // selected Reynolds rows in use
     size_t needed_nodes;                      // at which they need the state
     size_t states;                            // training solutions
+    size_t control_rows;                      // evaluated after a stationary solution
 } ehdrom_properties;
 
 /* One solution; dimensionless unless stated. */
@@ -54,9 +55,11 @@ typedef struct ehdrom_result {
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     size_t iterations;
-    double residual;       // norm of the weighted least-squares residual
-    double seconds;        // of the solution
-    double seconds_rows;   // of it: rows and reduced Jacobian
+    double residual;     // norm of the weighted least-squares residual
+    double bound;        // of the relative deviation of the central film, but for a factor
+    double indicated;    // that deviation, where the model was calibrated at these sizes, else NaN
+    double seconds;      // of the solution
+    double seconds_rows; // of it: rows and reduced Jacobian
     double seconds_linear; // of it: least squares
     double seconds_exit;   // of it: exit boundary and its updates
 } ehdrom_result;

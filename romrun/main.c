@@ -68,7 +68,8 @@ static const struct argp_option own_options[] = {
      .doc = "Print the deviations from another result of the scene"},
     {.name = "allow-untrusted",
      .key = KEY_ALLOW_UNTRUSTED,
-     .doc = "Exit with 0 although the scene lies outside of the trained range"},
+     .doc = "Exit with 0 although the scene lies outside of the trained range, or is indicated to "
+            "deviate by more than --accuracy"},
     {.name = "repeat",
      .key = KEY_REPEAT,
      .arg = "N",
@@ -240,6 +241,7 @@ static run_result make_result(const ehdrom_result *solution, const double *press
                          .load = solution->scalars.load,
                          .newton_iterations = solution->iterations,
                          .residual = solution->residual,
+                         .indicated_deviation = solution->indicated,
                          .status = solution->status,
                          .seconds = solution->seconds,
                          .seconds_rows = solution->seconds_rows,
@@ -248,6 +250,17 @@ static run_result make_result(const ehdrom_result *solution, const double *press
 
     snprintf(result.reason, sizeof result.reason, "%s", solution->reason);
     return result;
+}
+
+/* A calibrated model keeps its promise, or says that it may not. */
+static void hold_to(run_result *result, double accuracy) {
+    if (accuracy == 0 || result->status || isnan(result->indicated_deviation) ||
+        result->indicated_deviation <= accuracy)
+        return;
+    result->status = EHD_UNTRUSTED;
+    snprintf(result->reason, sizeof result->reason,
+             "an indicated deviation of %.2g of the central film, more than the --accuracy of %g",
+             result->indicated_deviation, accuracy);
 }
 
 /* The exit code that the outcome asks for, and its line. */
@@ -290,6 +303,7 @@ static ehd_status run_stationary(const program *self, const romrun_options *opti
     }
     if (!status) {
         run_result result = make_result(&solution, pressure, film);
+        hold_to(&result, options->accuracy);
         if (file) status = result_write(&file, &result, contact, error);
         if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
         if (!status && options->against && result.status != EHD_NOT_CONVERGED)
@@ -398,7 +412,7 @@ static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, con
                         options->model, what);
     if (best == table->num_positions)
         return ehd_fail(error, EHD_DATA,
-                        "--accuracy: found no size of %s that solved all %zu %s of its "
+                        "--accuracy: found no size of %s that solved enough of the %zu %s of its "
                         "calibration, expected one",
                         options->model, num_measured, what);
     const trade_position *position =
@@ -410,13 +424,15 @@ static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, con
                         "--accuracy: found %g, expected at least %.3g, the best that %s was "
                         "measured to give (%s)",
                         options->accuracy, up * price.deviation, options->model, name);
+    const bool indicated = !in_time && position->indicator_factor > 0;
     *sizes = position->sizes;
     program_note(
         self,
-        "--accuracy %g: %s, the fastest of %zu sizes whose central film was at most so far "
-        "off: %.3g on %zu %s, in %.3g ms%s",
-        options->accuracy, name, table->num_positions, price.deviation, num_measured, what,
-        price.seconds * 1e3, in_time ? " a step" : "");
+        "--accuracy %g: %s, the fastest of %zu sizes whose central film was%s at most so far "
+        "off: %.3g on %s%zu %s, in %.3g ms%s",
+        options->accuracy, name, table->num_positions, indicated ? " indicated to be" : "",
+        price.deviation, indicated ? "90 % of " : "", num_measured, what, price.seconds * 1e3,
+        in_time ? " a step" : "");
     return EHD_OK;
 }
 

@@ -41,7 +41,7 @@ struct reduced_solver {
     double *matrix;                    // [num_rows + num_deformation + 1, num_unknowns]
     double *right;                     // [num_rows + num_deformation + 1]
     double *step;                      // [num_unknowns]
-    double *start;                     // [num_unknowns]
+    double *start;                     // [num_unknowns] to go back to; also scratch
     double *observed;                  // [2, num_rows]
 };
 
@@ -823,11 +823,23 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     return scalars;
 }
 
+double reduced_left_residual(const reduced_solver *self) {
+    size_t n = self->model->num_unknowns;
+    size_t num_rows = self->num_system + self->model->num_deformation + 1;
+    double sum = 0;
+
+    for (size_t r = 0; r < num_rows; r++) {
+        double left = self->right[r] + cblas_ddot((int)n, self->matrix + r * n, 1, self->step, 1);
+        sum += left * left;
+    }
+    return sqrt(sum);
+}
+
 double reduced_central_sensitivity(reduced_solver *self) {
     const reduced_model *model = self->model;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
-    double *gradient = self->step, *film = gradient + (coupled ? 0 : model->num_pressure);
+    double *gradient = self->start, *film = gradient + (coupled ? 0 : model->num_pressure);
     const double *table = coupled ? self->cut : model->needed_film;
 
     memset(gradient, 0, model->num_unknowns * sizeof(double));

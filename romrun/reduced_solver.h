@@ -83,6 +83,10 @@ ehd_status reduced_solve(
 /* Scalars of a state, solved or not. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);
 
+/* |D f + D J dz| of the last least squares of the last stationary solution: what no step takes away. Before
+ * that step the residual may be much larger. */
+double reduced_left_residual(const reduced_solver *solver);
+
 /* How far H at X = 0 moves at most by an error of norm 1 in the rows of the last stationary solution:
  * |L^-1 dH/dz| with the factor of its last least squares. */
 double reduced_central_sensitivity(reduced_solver *solver);

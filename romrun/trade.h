@@ -17,6 +17,8 @@ enum trade_quantity {
 };
 enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES };
 extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
+enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
+extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
 
 /* A size of the model, and what it came to on the scenes that it solved: NaN where it solved none. */
 typedef struct trade_position {
@@ -25,6 +27,10 @@ typedef struct trade_position {
     double mean_iterations, most_iterations; // Newton, of a scene
     double seconds;                          // of a solution, median
     size_t num_failures;                     // scenes not converged or not to be trusted
+    // the indicator of the central film's deviation
+    double indicator_factor;             // 0: not calibrated, and what follows is not known
+    double indicated[NUM_TRADE_PARTS];   // deviation; of all scenes: infinite where not solved
+    double effectivity[NUM_TRADE_PARTS]; // indicated over true deviation
     // on trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // of all steps; the pressure at all nodes is not compared
     double step_iterations, step_seconds; // of a step, mean
@@ -62,17 +68,22 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 /* The position without failures with the smallest of the worst central film; num_positions: all failed. */
 size_t trade_most_accurate(const trade_table *table, bool in_time);
 
-/* What these choose by. */
+/* What these choose by. Where there is an indicator, which tells the scenes that deviate more, it is enough
+ * that 90 % of the scenes are solved and indicated to deviate by no more. */
 typedef struct trade_price {
-    double deviation; // worst central film
-    double seconds;   // of a solution or a step
-    size_t num_failures;
+    double deviation;    // central film: worst, or what is indicated for 90 %
+    double seconds;      // of a solution or a step
+    size_t num_failures; // with an indicator 0 up to 10 % of the scenes
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
 
 /* "80 pressure modes, 120 rows" */
 enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes);
+
+/* Factor of the indicator that was fitted to scenes: each is indicated to deviate at least twice as much as
+ * it does (indicator.h). 0: no scenes. */
+double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
 void trade_print(const trade_table *table, FILE *stream);
 

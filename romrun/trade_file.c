@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/trade_file.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
 
-const char *const trade_axes[] = {"position", "quantile", NULL};
+const char *const trade_axes[] = {"position", "quantile", "part", NULL};
 
 static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
@@ -91,6 +92,25 @@ static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error 
     return status;
 }
 
+static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_error *error) {
+    size_t num_positions = table->num_positions;
+    double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = artefact_put_axis(file, "part", NUM_TRADE_PARTS, trade_parts, error);
+    for (size_t i = 0; i < num_positions && !status; i++)
+        values[i] = table->positions[i].indicator_factor;
+    if (!status) status = artefact_put(file, "indicator_factor", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        values[i] = table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS];
+    if (!status) status = artefact_put(file, "indicated_deviation", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        values[i] = table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS];
+    if (!status) status = artefact_put(file, "indicator_effectivity", values, error);
+    free(values);
+    return status;
+}
+
 ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error) {
     ehd_status status = artefact_put_axis(file, "position", table->num_positions, NULL, error);
 
@@ -104,6 +124,7 @@ ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *erro
                                       (int64_t)table->num_trajectories, error);
     if (!status) status = put_counts(file, table, error);
     if (!status) status = put_reals(file, table, error);
+    if (!status && table->num_scenes > 0) status = put_indicator(file, table, error);
     return status;
 }
 
@@ -159,6 +180,33 @@ static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error
     return status;
 }
 
+static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *error) {
+    size_t num_positions = table->num_positions;
+    if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
+        !artefact_has(file, "indicator_effectivity") ||
+        artefact_length(file, "part") != NUM_TRADE_PARTS)
+        return EHD_OK; // of a program that knows no indicator
+    double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = artefact_get(file, "indicator_factor", values, error);
+    for (size_t i = 0; i < num_positions && !status; i++) {
+        table->positions[i].indicator_factor = values[i];
+        if (!(values[i] >= 0 && isfinite(values[i])))
+            status =
+                ehd_fail(error, EHD_DATA, "%s: indicator_factor: found %g, expected at least 0",
+                         artefact_path(file), values[i]);
+    }
+    if (!status) status = artefact_get(file, "indicated_deviation", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS] = values[i];
+    if (!status) status = artefact_get(file, "indicator_effectivity", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS] = values[i];
+    free(values);
+    return status;
+}
+
 static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error) {
     int64_t num_scenes = 0, num_trajectories = 0;
     ehd_status status = artefact_get_integer(file, "calibration_scenes", &num_scenes, error);
@@ -180,22 +228,32 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
     table->positions = calloc(table->num_positions, sizeof *table->positions);
     if (!table->positions) return no_memory(file, error);
     status = get_counts(table, file, error);
-    return status ? status : get_reals(table, file, error);
+    if (!status) status = get_reals(table, file, error);
+    return status ? status : get_indicator(table, file, error);
 }
 
-ehd_status trade_read(trade_table *table, const char *path, ehd_error *error) {
+ehd_status trade_read_optional(trade_table *table, bool *calibrated, const char *path,
+                               ehd_error *error) {
     static const artefact_schema *const kinds[] = {&schema_model, NULL};
     artefact *file = NULL;
     ehd_status status = artefact_open(&file, path, kinds, error);
 
     *table = (trade_table){0};
-    if (!status && artefact_length(file, "position") == 0)
+    *calibrated = !status && artefact_length(file, "position") > 0;
+    if (*calibrated) status = get_table(table, file, error);
+    artefact_close(&file);
+    if (status) trade_free(table);
+    return status;
+}
+
+ehd_status trade_read(trade_table *table, const char *path, ehd_error *error) {
+    bool calibrated;
+    ehd_status status = trade_read_optional(table, &calibrated, path, error);
+
+    if (!status && !calibrated)
         status = ehd_fail(error, EHD_DATA,
                           "%s: found a model that is not calibrated, expected one of romrun "
                           "--calibrate",
                           path);
-    if (!status) status = get_table(table, file, error);
-    artefact_close(&file);
-    if (status) trade_free(table);
     return status;
 }

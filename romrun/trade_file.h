@@ -5,6 +5,7 @@
 
 #include "common/artefact/artefact.h"
 #include "romrun/trade.h"
+#include <stdbool.h>
 
 /* Axes of what a calibration adds to a model, NULL at the end: for artefact_copy to leave out. */
 extern const char *const trade_axes[];
@@ -18,5 +19,9 @@ ehd_status trade_read(
     trade_table *table, // free with trade_free
     // input:
     const char *path, ehd_error *error);
+
+/* The same for any model; where it is not calibrated, *calibrated is false and there is no table. */
+ehd_status trade_read_optional(trade_table *table, bool *calibrated, const char *path,
+                               ehd_error *error);
 
 #endif

@@ -93,6 +93,8 @@ static const artefact_field result_fields[] = {
     REAL("exit_position", "1", NEED_OWN, "X at which the pressure ends", "time"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
+    REAL("indicated_deviation", "1", NEED_OPTIONAL,
+         "indicated relative deviation of the central film thickness from the full model", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
@@ -319,6 +321,7 @@ static const artefact_axis model_axes[] = {
     STATE_AXIS,
     {"position", "1", "index of the measured size of the model, smallest first"},
     {"quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"},
+    {"part", "1", "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"},
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
@@ -417,6 +420,12 @@ static const artefact_field model_fields[] = {
     INTEGER("position_failures", NEED_OPTIONAL,
             "scenes that did not converge or were not to be trusted; they count nowhere else",
             "position"),
+    REAL("indicator_factor", "1", NEED_OPTIONAL,
+         "factor of the indicated deviation of the central film thickness", "position"),
+    REAL("indicated_deviation", "1", NEED_OPTIONAL,
+         "that deviation; infinite for a scene that was not solved", "position", "part"),
+    REAL("indicator_effectivity", "1", NEED_OPTIONAL, "indicated over true deviation", "position",
+         "part"),
     WORST_IN_TIME("central_film_thickness", "central film thickness"),
     WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
     WORST_IN_TIME("central_pressure", "central pressure"),

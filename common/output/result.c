@@ -84,6 +84,8 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put(file, reals[i].name, &reals[i].value, error);
+    if (!status && !isnan(result->indicated_deviation))
+        status = artefact_put(file, "indicated_deviation", &result->indicated_deviation, error);
     if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
     if (!status) status = artefact_put_integers(file, "status", &outcome, error);
     return status;
@@ -125,6 +127,9 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     print_value("load", result->load, contact->load, "N/m");
     printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,
            result->residual);
+    if (!isnan(result->indicated_deviation))
+        printf("%-24s%.2g of the central film thickness\n", "indicated deviation",
+               result->indicated_deviation);
     printf("%-24s%.3g ms\n", "solution", result->seconds * 1e3);
 }
 

@@ -24,6 +24,7 @@ typedef struct run_result {
     double load;          // relative to the reference
     size_t newton_iterations;
     double residual;
+    double indicated_deviation; // of the central film, relative; NaN: no indicator
     ehd_status status;          // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[RESULT_REASON]; // why the status is not EHD_OK, or ""
     double seconds;             // of the solution, without reading and writing

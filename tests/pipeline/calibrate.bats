@@ -97,7 +97,7 @@ PYTHON
     [ "$status" -eq 0 ] && [ -z "$stderr" ]
     [[ ${lines[1]} == "4 scenes: "* ]]
     sizes=$(h5dump -d position_rows c.h5 | sed -n "s/.*SIMPLE { ( \([0-9]*\) ) \/.*/\1/p" | head -n 1)
-    [ "${#lines[@]}" -eq $((sizes + 4)) ]
+    [ "${#lines[@]}" -eq $((2 * sizes + 6)) ]
     [ "$(grep -c '^\*  ' <<<"$output")" -ge 1 ]
     refuse 65 "m.h5: found a model that is not calibrated" romrun --trade --model m.h5
     refuse 66 "none.h5" romrun --trade --model none.h5
@@ -107,8 +107,8 @@ PYTHON
     cat >choose.py <<'PYTHON'
 import sys, h5py, numpy
 with h5py.File("c.h5") as f:
-    worst = f["deviation_central_film_thickness"][:, 2]
-    usable = f["position_failures"][...] == 0
+    worst = f["indicated_deviation"][:, 2]
+    usable = numpy.isfinite(worst)
     best = worst[usable].min()
     wanted = 2 * best
     good = numpy.where(usable & (worst <= wanted), f["position_seconds"][...], numpy.inf)
@@ -133,16 +133,51 @@ PYTHON
         romrun scene.yml --model m.h5 --accuracy 0.1 -o x.h5
 }
 
-@test "--accuracy never takes a size that failed on a scene" {
+@test "--accuracy never takes a size that failed on many scenes, or without an indicator on one" {
+    for lost in 'indicated_deviation inf' 'indicator_factor 0'; do
+        cp c.h5 x.h5
+        /usr/bin/python3 - $lost <<'PYTHON'
+import sys, h5py
+with h5py.File("x.h5", "r+") as f:
+    f["position_failures"][...] = 1
+    f[sys.argv[1]][...] = float(sys.argv[2])
+PYTHON
+        refused 65 "found no size of x.h5 that solved enough of the 4 scenes" \
+            romrun scene.yml --model x.h5 --accuracy 1
+        run romrun --trade --model x.h5
+        [ "$(grep -c '^\*  ' <<<"$output")" -eq 0 ]
+    done
+}
+
+@test "the indicated deviation bounds the true one, and a broken promise is exit code 4" {
+    for M in 10 12; do
+        for L in 3 5; do
+            fullrun scene.yml --set moes.M=$M --set moes.L=$L -o full.h5 --force
+            romrun scene.yml --set moes.M=$M --set moes.L=$L -o red.h5 --force --model c.h5
+            awk -v i="$(number red.h5 indicated_deviation)" \
+                -v f="$(number full.h5 central_film_thickness)" \
+                -v r="$(number red.h5 central_film_thickness)" \
+                'BEGIN { d = r / f - 1; d = d < 0 ? -d : d; exit !(i > 1.9 * d && i < 1e6 * d) }'
+        done
+    done
+    run romrun scene.yml --model c.h5
+    [[ $output == *"indicated deviation     "*" of the central film thickness"* ]]
+    # a size that was not measured, and a model that is not calibrated, indicate nothing
+    romrun scene.yml --model c.h5 --rows 23 -o other.h5
+    romrun scene.yml --model m.h5 -o plain.h5
+    ! h5dump -H other.h5 | grep -q indicated
+    ! h5dump -H plain.h5 | grep -q indicated
+    # all scenes but this one were good
     cp c.h5 x.h5
     /usr/bin/python3 -c "
 import h5py
 with h5py.File('x.h5', 'r+') as f:
-    f['position_failures'][...] = 1"
-    refused 65 "found no size of x.h5 that solved all 4 scenes" \
-        romrun scene.yml --model x.h5 --accuracy 1
-    run romrun --trade --model x.h5
-    [ "$(grep -c '^\*  ' <<<"$output")" -eq 0 ]
+    f['indicator_factor'][...] *= 1e9"
+    run --separate-stderr romrun scene.yml --model x.h5 --accuracy 0.1 -o flagged.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*", more than the --accuracy of 0.1, expected a result to be trusted"* ]]
+    [ "$(number flagged.h5 status)" = 4.0 ]
+    romrun scene.yml --model x.h5 --accuracy 0.1 --quiet --allow-untrusted
 }
 
 @test "a calibrated model is a model" {

@@ -194,7 +194,7 @@ static void bound_follows_the_deviation(void **state) {
             reduced_state at = {z, 0};
             reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
-            double found = indicator_bound(self, solver, &at, contact, &info);
+            double found = indicator_bound(self, solver, &at, contact, &info.scalars);
             assert_true(info.status == EHD_OK && found > 0);
             bound = fmax(bound, found);
             worst = fmax(worst, fabs(info.scalars.central_film_thickness /

@@ -295,7 +295,8 @@ static void unwritten_fields_take_no_space(void **state) {
 static void stationary_is_one_time(void **state) {
     (void)state;
     const program self = writer();
-    const run_result result = {.central_film_thickness = 0.25,
+    const run_result result = {.indicated_deviation = NAN,
+                               .central_film_thickness = 0.25,
                                .minimum_film_thickness = 0.125,
                                .newton_iterations = 5,
                                .load = 1,

@@ -2,6 +2,7 @@
 /* The table of sizes of a model: which are measured, how, and which one is taken. */
 #include "common/artefact/artefact.h"
 #include "romrun/calibration.h"
+#include "romrun/indicator.h"
 #include "romrun/model_file.h"
 #include "romrun/trade_file.h"
 #include "tests/unit/allocation.h"
@@ -172,6 +173,40 @@ static void in_time_it_may_be_another(void **state) {
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
 
+/* With an indicator, what it says of 90 % of the scenes. */
+static void an_indicator_takes_the_place_of_the_worst(void **state) {
+    trade_position positions[] = {measured(1e-3, 2, 0), measured(1e-1, 1, 3),
+                                  measured(1e-9, 0.5, 3)};
+    const trade_table table = {100, 0, 3, positions};
+    (void)state;
+
+    for (size_t i = 0; i < 3; i++)
+        positions[i].indicator_factor = 1;
+    positions[0].indicated[PART_90] = 4e-3;
+    positions[1].indicated[PART_90] = 5e-3;
+    positions[2].indicated[PART_90] = INFINITY;
+    assert_int_equal(trade_cheapest(&table, 5e-3, false), 1);
+    assert_int_equal(trade_cheapest(&table, 4.5e-3, false), 0);
+    assert_int_equal(trade_cheapest(&table, 3e-3, false), 3);
+    assert_int_equal(trade_most_accurate(&table, false), 0);
+    assert_true(trade_is_beaten(&table, 2, false) && !trade_is_beaten(&table, 1, false));
+}
+
+static void the_factor_leaves_a_margin(void **state) {
+    const double bounds[] = {1e-4, 0, 1e-2, 1e-5};
+    double deviations[] = {1e-5, 1e-9, 1e-2, 1e-5};
+    (void)state;
+
+    const double factor = trade_indicator_factor(deviations, bounds, 4);
+    for (size_t i = 0; i < 4; i++)
+        assert_true(bounds[i] == 0 ||
+                    indicator_deviation(factor, bounds[i]) > 1.999 * deviations[i]);
+    check_close(indicator_deviation(factor, 1e-5), 2e-5, 1e-12, 0);
+    check_close(trade_indicator_factor(deviations, bounds, 0), 0, 0, 0);
+    // large bounds grow faster
+    assert_true(indicator_deviation(1, 1e-2) > 3e-2 && indicator_deviation(1, 1e-6) < 1.001e-6);
+}
+
 // ---- measuring
 
 /* Full solutions of the training itself, some of which are said to be other than they are. */
@@ -283,6 +318,11 @@ static void a_table_comes_back(void **state) {
     positions[0].num_lost = 1;
     positions[0].step_iterations = 3.5;
     positions[0].step_seconds = 1e-4;
+    positions[0].indicator_factor = 0.75;
+    for (int i = 0; i < NUM_TRADE_PARTS; i++) {
+        positions[0].indicated[i] = i < 3 ? 1e-3 * (1 + i) : INFINITY;
+        positions[0].effectivity[i] = 2 + i;
+    }
     for (int q = 0; q < TRADE_PRESSURE; q++)
         positions[0].worst_in_time[q] = 0.5 + q;
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
@@ -348,6 +388,8 @@ int main(void) {
         cmocka_unit_test(quantiles_are_values_of_the_set),
         cmocka_unit_test(the_cheapest_that_is_good_enough),
         cmocka_unit_test(in_time_it_may_be_another),
+        cmocka_unit_test(an_indicator_takes_the_place_of_the_worst),
+        cmocka_unit_test(the_factor_leaves_a_margin),
         cmocka_unit_test(a_full_model_deviates_by_what_it_is_told),
         cmocka_unit_test(scenes_that_fail_count_as_failures_only),
         cmocka_unit_test(failing_allocations_are_reported),
