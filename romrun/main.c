@@ -10,6 +10,7 @@
 #include "romrun/ehdrom.h"
 #include "romrun/time_compare.h"
 #include "romrun/trade_file.h"
+#include "romrun/verify.h"
 #include "snapgen/pool.h"
 
 #include <errno.h>
@@ -30,7 +31,8 @@ enum {
     KEY_RESUME,
     KEY_CALIBRATE,
     KEY_TRADE,
-    KEY_ACCURACY
+    KEY_ACCURACY,
+    KEY_VERIFY
 };
 
 typedef struct romrun_options {
@@ -38,7 +40,7 @@ typedef struct romrun_options {
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
     double accuracy; // of the central film, to choose the sizes by; 0: not given
-    bool allow_untrusted, resume;
+    bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
     bool trade;
@@ -66,6 +68,10 @@ static const struct argp_option own_options[] = {
      .key = KEY_AGAINST,
      .arg = "RESULT.h5",
      .doc = "Print the deviations from another result of the scene"},
+    {.name = "verify",
+     .key = KEY_VERIFY,
+     .doc = "Print the residual of the full model at the solution, and what one Newton step of it "
+            "would change of the central film (stationary)"},
     {.name = "allow-untrusted",
      .key = KEY_ALLOW_UNTRUSTED,
      .doc = "Exit with 0 although the scene lies outside of the trained range, or is indicated to "
@@ -121,6 +127,9 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
         break;
     case KEY_ALLOW_UNTRUSTED:
         options->allow_untrusted = true;
+        break;
+    case KEY_VERIFY:
+        options->verify = true;
         break;
     case KEY_RESUME:
         options->resume = true;
@@ -275,6 +284,20 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
     return EHD_OK;
 }
 
+static ehd_status print_verification(ehdrom_solver *solver, const ehdrom_result *solution,
+                                     const ehd_contact *contact, ehd_error *error) {
+    verification found;
+    ehd_status status = verify(&found, solver, solution, contact, error);
+    if (status) return status;
+
+    printf("%-24s%.1e (fullrun: below %.0e), %.3g ms\n", "full residual", found.residual,
+           found.tolerance, found.residual_seconds * 1e3);
+    if (isfinite(found.film_change))
+        printf("%-24s%+.2e of the central film thickness, %.3g ms\n", "a full Newton step",
+               found.film_change, found.step_seconds * 1e3);
+    return EHD_OK;
+}
+
 static ehd_status run_stationary(const program *self, const romrun_options *options,
                                  ehdrom_model *model, const ehd_contact *contact,
                                  const scene *given, const char *text, ehd_error *error) {
@@ -306,6 +329,8 @@ static ehd_status run_stationary(const program *self, const romrun_options *opti
         hold_to(&result, options->accuracy);
         if (file) status = result_write(&file, &result, contact, error);
         if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
+        if (!status && options->verify && result.status != EHD_NOT_CONVERGED)
+            status = print_verification(solver, &solution, contact, error);
         if (!status && options->against && result.status != EHD_NOT_CONVERGED)
             compare(&result, &full, options->against, contact);
         if (!status) status = judge(&result, options, self->arguments[0], error);
@@ -468,7 +493,7 @@ static ehd_status check_usage(const program *self, const romrun_options *options
                         "expected one or the other");
     if (options->num_jobs > 0 && !options->calibrate)
         return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
-    if (!solves && (sized || options->accuracy > 0 || options->against ||
+    if (!solves && (sized || options->verify || options->accuracy > 0 || options->against ||
                     options->allow_untrusted || options->resume || options->repeats > 1))
         return ehd_fail(error, EHD_USAGE,
                         "%s: found with an option for solving a scene, expected none", mode);
@@ -498,6 +523,9 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     if (options->resume && !transient)
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with a stationary scene, expected a transient one");
+    if (options->verify && transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--verify: found with a transient scene, expected a stationary one");
     if (options->repeats > 1 && transient)
         return ehd_fail(error, EHD_USAGE,
                         "--repeat: found with a transient scene, expected a stationary one");

@@ -180,6 +180,23 @@ with h5py.File('x.h5', 'r+') as f:
     romrun scene.yml --model x.h5 --accuracy 0.1 --quiet --allow-untrusted
 }
 
+@test "--verify tells the deviation to first order, and changes nothing" {
+    fullrun scene.yml -o full.h5
+    for modes in 8 12; do
+        romrun scene.yml --model m.h5 --pressure-modes $modes -o plain.h5 --force --quiet
+        romrun scene.yml --model m.h5 --pressure-modes $modes -o verified.h5 --force --verify >out
+        same_data plain.h5 verified.h5
+        residual=$(sed -n 's/^full residual *\([^ ]*\) (fullrun: below 1e-10), .* ms$/\1/p' out)
+        change=$(sed -n 's/^a full Newton step *\([^ ]*\) of the central film thickness.*/\1/p' out)
+        awk -v c="$change" -v r="$residual" -v f="$(number full.h5 central_film_thickness)" \
+            -v h="$(number verified.h5 central_film_thickness)" \
+            'BEGIN { d = f / h - 1; exit !(r > 1e-9 && c / d > 0.8 && c / d < 1.25) }'
+    done
+    refused 64 "--verify: found with a transient scene" romrun --verify --model m.h5 \
+        scene.yml --set regime=transient --set transient.end_time=1
+    refused 64 "--trade: found with an option for solving" romrun --verify --trade --model c.h5
+}
+
 @test "a calibrated model is a model" {
     romrun scene.yml --model m.h5 -o first.h5
     romrun scene.yml --model c.h5 -o second.h5
