@@ -296,4 +296,37 @@ small_oscillator() {
         NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
     sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
     [[ $(awk -v limit=1 -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
+
+@test "silent failures: every scene drawn is in the table, the same for a seed" {
+    local root=$BATS_TEST_DIRNAME/../..
+    mkdir -p "$BATS_TEST_TMPDIR/scenes"
+    cd "$BATS_TEST_TMPDIR/scenes" || return
+    cp "$root"/scenes/*.* .
+    for scene in stationary-line silent-failures; do
+        mkdir $scene
+        cp "$root"/scenes/$scene/*.* "$root"/scenes/$scene/Makefile $scene
+    done
+    cd silent-failures || return
+    small='SEED=3 SCENES=24 CALIBRATION_SCENES=60 PROMISES=1e-2'
+    run_make $small
+    [ "$status" -eq 0 ]
+    [[ $output == *"seed 3, calibrated on seed 1000003"*"promise 0.01"*"silent failures: 0" ]]
+    awk '/lubricant/ { total += $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
+         /outside/ { outside = $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
+         END { exit !(total == 24 && outside == 12) }' out/table-3-24.txt
+    # another awk draws the same
+    mkdir again
+    gawk --version >/dev/null 2>&1 && other=gawk || other='busybox awk'
+    if $other 'BEGIN {}' 2>/dev/null; then
+        $other -f draw.awk -v seed=3 -v count=24 -v folder=again out/trained.txt
+        diff again/scenes.txt out/test-3-24/scenes.txt
+    fi
+    # a result that is off without a flag is one, however few they are
+    printf '%s\n' '1e-2 inside own 0 1.02 1' '1e-2 inside other 4 1.5 1' '1e-2 outside other 3 - 1' \
+        '1e-2 inside own 0 1.001 1' '1e-2 inside own 4 1.001 1' >runs.txt
+    run awk -f table.awk -v seed=1 -v calibration=2 runs.txt
+    [[ $output == *"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
+    [[ $output == *"silent failures: 1, the worst 0.02 off" ]]
+    run_make -n $small
+    [[ $status == 0 && ! $output =~ romrun\ --calibrate ]]
 }
