@@ -97,8 +97,7 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
                                     .unknowns = model->num_unknowns,
                                     .rows = model->num_rows,
                                     .needed_nodes = model->num_needed,
-                                    .states = model->states.num_states,
-                                    .control_rows = model->control.num_rows};
+                                    .states = model->states.num_states};
     return properties;
 }
 

@@ -45,7 +45,6 @@ typedef struct ehdrom_properties {
     size_t rows;                              // selected Reynolds rows in use
     size_t needed_nodes;                      // at which they need the state
     size_t states;                            // training solutions
-    size_t control_rows;                      // evaluated after a stationary solution
 } ehdrom_properties;
 
 /* One solution; dimensionless unless stated. */

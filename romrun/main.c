@@ -61,9 +61,9 @@ static const struct argp_option own_options[] = {
     {.name = "accuracy",
      .key = KEY_ACCURACY,
      .arg = "X",
-     .doc =
-         "Use as much of a calibrated model as its central film needs to have deviated by at most "
-         "X, such as 1e-3"},
+     .doc = "Use as much of a calibrated model as its central film needs to deviate by at most X, "
+            "such "
+            "as 1e-3, on most scenes; exit with 4 where it is indicated to deviate by more"},
     {.name = "against",
      .key = KEY_AGAINST,
      .arg = "RESULT.h5",
