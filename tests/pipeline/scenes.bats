@@ -296,6 +296,7 @@ small_oscillator() {
         NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
     sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
     [[ $(awk -v limit=1 -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
+}
 
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
     local root=$BATS_TEST_DIRNAME/../..
