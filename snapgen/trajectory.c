@@ -137,14 +137,6 @@ static void end_traveller(traveller *self) {
     compressor_free(self->second);
 }
 
-static void name_trajectory(char name[POINT_NAME], const task *owner, size_t number) {
-    char point[POINT_NAME / 2];
-
-    snprintf(point, sizeof point, "M=%.6g L=%.6g", owner->set->trajectories[number].contact.moes_M,
-             owner->set->trajectories[number].contact.moes_L);
-    snprintf(name, POINT_NAME, "trajectory %zu (%s)", number + 1, point);
-}
-
 /* Marches to the end; *reason tells why it did not get there, "" when it did. */
 static ehd_status travel(char reason[MARCH_REASON], traveller *self, const scene *given,
                          ehd_error *error) {
@@ -183,9 +175,10 @@ static ehd_status solve_trajectory(void *shared, void *worker, size_t number, si
         owner->model ? begin_reduced(&self, given, error) : begin_full(&self, given, error);
     if (!status) status = travel(reason, &self, given, error);
     if (!status && reason[0]) {
-        name_trajectory(name, owner, number);
+        training_point_name(name, reference_of(&self));
         owner->result->failed[number] = true;
-        program_warn(owner->caller, "%s: not converged: %s", name, reason);
+        program_warn(owner->caller, "trajectory %zu (%s): not converged: %s", number + 1, name,
+                     reason);
     }
     if (!status) {
         kept_states_complete(&owner->result->kept[number]);

@@ -26,12 +26,6 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
-refuse() {
-    refused "$@"
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
-}
-
 # entry FILE NAME INDEX...: one number of a dataset
 entry() {
     /usr/bin/python3 - "$@" <<'PYTHON'

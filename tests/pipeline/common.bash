@@ -57,6 +57,12 @@ refused() {
     fi
 }
 
+# refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
+refuse() {
+    refused "$@"
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+}
+
 # same_data A B: all datasets equal to the last bit; NaN equals NaN.
 same_data() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'

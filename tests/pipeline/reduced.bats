@@ -20,12 +20,6 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
-refuse() {
-    refused "$@"
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
-}
-
 # patch FILE PYTHON: copies the file to bad.h5 and runs the code on it as `f`
 patch() {
     cp "$1" bad.h5

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The full model in time, on a coarse grid. */
 #include "tests/unit/allocation.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/marched.h"
 
 #include <math.h>
@@ -445,22 +446,6 @@ static void without_memory(void **state) {
     assert_null(full_march_free(NULL));
 }
 
-// ---- tables lie in a folder of the test's own
-
-static char folder[] = "/tmp/ehdrom-march-XXXXXX";
-
-static int enter_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    char command[128];
-    (void)state;
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return chdir("/") == 0 ? system(command) : -1;
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(constant_histories_stay_stationary),
@@ -481,5 +466,5 @@ int main(void) {
         cmocka_unit_test(attempts_can_be_repeated),
         cmocka_unit_test(without_memory),
     };
-    return cmocka_run_group_tests_name("full_march", tests, enter_folder, remove_folder);
+    return cmocka_run_group_tests_name("full_march", tests, enter_folder, leave_folder);
 }

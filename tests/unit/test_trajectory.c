@@ -6,6 +6,7 @@
 #include "podbuild/pod.h"
 #include "snapgen/trajectory.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -15,20 +16,6 @@
 #include <unistd.h>
 
 // ---- a plan of two trajectories, and one that cannot reach its end
-
-static char folder[] = "/tmp/ehdrom-trajectory-XXXXXX";
-
-static int enter_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    char command[128];
-    (void)state;
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return chdir("/") == 0 ? system(command) : -1;
-}
 
 static const char usual_scene[] =
     "contact: line\nregime: transient\nmoes: {M: 20, L: 6}\n"
@@ -335,5 +322,5 @@ int main(void) {
         cmocka_unit_test(few_steps_fill_all_places),
         cmocka_unit_test(states_without_fields),
     };
-    return cmocka_run_group_tests_name("trajectory", tests, enter_folder, remove_folder);
+    return cmocka_run_group_tests_name("trajectory", tests, enter_folder, leave_folder);
 }
