@@ -133,6 +133,10 @@ ehdrom_solver *ehdrom_solver_free(ehdrom_solver *self) {
     return NULL;
 }
 
+void ehdrom_solver_set_tolerance(ehdrom_solver *self, double tolerance) {
+    reduced_solver_set_tolerance(self->reduced, tolerance);
+}
+
 static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *contact,
                                 ehd_error *error) {
     const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;

@@ -74,6 +74,10 @@ ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *mode
                                 ehd_error *error);
 ehdrom_solver *ehdrom_solver_free(ehdrom_solver *solver); // accepts and returns NULL
 
+/* Iterations of ehdrom_solve stop where another one is expected to change the central film by less than this
+ * part; 1e-8 unless set. A looser one saves an iteration of three. */
+void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
+
 /* Solves one contact from the trained solutions. Not converged and not trusted are outcomes in
  * result->status. Returns EHD_OK, or EHD_DATA when the contact's grid is not the model's. */
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,

@@ -14,7 +14,7 @@ struct least_squares {
     size_t num_columns;
     size_t longest;       // of rows and columns
     double *scale;        // [num_columns] 1 / norm of the column
-    double *scaled;       // [longest, num_columns]
+    double *scaled;       // [longest, num_columns] for QR
     double *gram;         // [num_columns, num_columns]
     const double *factor; // lower, of the Gram matrix: within `gram`, or within `scaled` after a QR
     size_t
@@ -55,30 +55,29 @@ least_squares *least_squares_create(size_t most_rows, size_t num_columns) {
     return self;
 }
 
-/* Columns to unit norm; zero columns keep zero and get no weight. */
-static void scale_columns(least_squares *self, const double *matrix, size_t num_rows) {
+/* Gram matrix of the columns scaled to unit norm, lower part; zero columns keep zero and get no weight. */
+static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
-    memset(self->scale, 0, n * sizeof(double));
-    for (size_t r = 0; r < num_rows; r++)
-        for (size_t j = 0; j < n; j++)
-            self->scale[j] += matrix[r * n + j] * matrix[r * n + j];
-    for (size_t j = 0; j < n; j++)
-        self->scale[j] = self->scale[j] > 0 ? 1 / sqrt(self->scale[j]) : 0;
-    for (size_t r = 0; r < num_rows; r++)
-        for (size_t j = 0; j < n; j++)
-            self->scaled[r * n + j] = matrix[r * n + j] * self->scale[j];
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, (int)n, (int)num_rows, 1, matrix, (int)n,
+                0, self->gram, (int)n);
+    for (size_t j = 0; j < n; j++) {
+        double square = self->gram[j * n + j];
+        self->scale[j] = square > 0 ? 1 / sqrt(square) : 0;
+    }
+    for (size_t j = 0; j < n; j++) {
+        for (size_t i = j + 1; i < n; i++)
+            self->gram[j * n + i] *= self->scale[i] * self->scale[j];
+        if (isfinite(self->gram[j * n + j])) self->gram[j * n + j] = 1;
+    }
 }
 
 /* Cholesky of the Gram matrix; false when it is not safely positive definite. */
-static int factorise_gram(least_squares *self, size_t num_rows) {
+static int factorise_gram(least_squares *self, const double *matrix, size_t num_rows) {
     int n = (int)self->num_columns;
     double norm, rcond = 0;
 
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, n, (int)num_rows, 1, self->scaled, n, 0,
-                self->gram, n);
-    for (int j = 0; j < n; j++)
-        if (self->scale[j] == 0) self->gram[j * n + j] = 1;
+    scaled_gram(self, matrix, num_rows);
     norm = n; // columns have unit norm, so the 1-norm is at most n
     if (LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, self->gram, n)) return 0;
     // the diagonal of the factor bounds the condition from one side, cheaply
@@ -93,12 +92,14 @@ static int factorise_gram(least_squares *self, size_t num_rows) {
     return rcond > LEAST_RCOND;
 }
 
-static void solve_gram(double *solution, least_squares *self, const double *right,
-                       size_t num_rows) {
+static void solve_gram(double *solution, const least_squares *self, const double *matrix,
+                       const double *right, size_t num_rows) {
     int n = (int)self->num_columns;
 
-    cblas_dgemv(CblasColMajor, CblasNoTrans, n, (int)num_rows, -1, self->scaled, n, right, 1, 0,
-                solution, 1);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, n, (int)num_rows, -1, matrix, n, right, 1, 0, solution,
+                1);
+    for (int j = 0; j < n; j++)
+        solution[j] *= self->scale[j];
     cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n, self->gram, n, solution,
                 1);
     cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, self->gram, n, solution, 1);
@@ -117,9 +118,14 @@ static size_t drop_zero_columns(least_squares *self, size_t num_rows) {
 }
 
 /* QR of the scaled matrix without its zero columns, since a singular factor has no solution. */
-static void solve_qr(double *solution, least_squares *self, const double *right, size_t num_rows) {
-    size_t n = self->num_columns, kept = drop_zero_columns(self, num_rows);
+static void solve_qr(double *solution, least_squares *self, const double *matrix,
+                     const double *right, size_t num_rows) {
+    size_t n = self->num_columns;
 
+    for (size_t r = 0; r < num_rows; r++)
+        for (size_t j = 0; j < n; j++)
+            self->scaled[r * n + j] = matrix[r * n + j] * self->scale[j];
+    size_t kept = drop_zero_columns(self, num_rows);
     // row-major J is column-major J^T: the transposed problem of dgels
     for (size_t r = 0; r < num_rows; r++)
         self->right[r] = -right[r];
@@ -143,22 +149,21 @@ static ehd_status unscale(double *solution, const least_squares *self) {
 
 ehd_status least_squares_solve(double *solution, least_squares *self, const double *matrix,
                                const double *right, size_t num_rows) {
-    scale_columns(self, matrix, num_rows);
-    if (factorise_gram(self, num_rows))
-        solve_gram(solution, self, right, num_rows);
+    if (factorise_gram(self, matrix, num_rows))
+        solve_gram(solution, self, matrix, right, num_rows);
     else
-        solve_qr(solution, self, right, num_rows);
+        solve_qr(solution, self, matrix, right, num_rows);
     return unscale(solution, self);
 }
 
-ehd_status least_squares_keep(least_squares *self, const double *matrix, size_t num_rows) {
-    scale_columns(self, matrix, num_rows);
-    return factorise_gram(self, num_rows) ? EHD_OK : EHD_NOT_CONVERGED;
+ehd_status least_squares_factorise(least_squares *self, const double *matrix, size_t num_rows) {
+    return factorise_gram(self, matrix, num_rows) ? EHD_OK : EHD_NOT_CONVERGED;
 }
 
-ehd_status least_squares_again(double *solution, least_squares *self, const double *right,
-                               size_t num_rows) {
-    solve_gram(solution, self, right, num_rows);
+ehd_status least_squares_again(double *solution, const least_squares *self, const double *matrix,
+                               const double *right, size_t num_rows) {
+    if (self->factor != self->gram) return EHD_NOT_CONVERGED;
+    solve_gram(solution, self, matrix, right, num_rows);
     return unscale(solution, self);
 }
 

@@ -22,19 +22,23 @@ ehd_status least_squares_solve(
     const double *right,                            // [num_rows]
     size_t num_rows);
 
-/* Keeps the factors of a matrix, to solve again and again with other right sides until the next call of
- * least_squares_solve or least_squares_keep. EHD_NOT_CONVERGED: the normal equations are not safe. */
-ehd_status least_squares_keep(
+/* Factors of the normal equations, for least_squares_again. EHD_NOT_CONVERGED: they are not safe. */
+ehd_status least_squares_factorise(
     // in and out:
     least_squares *workspace,
     // input:
     const double *matrix, size_t num_rows); // [num_rows, num_columns]
+
+/* solution = -(J^T J)^-1 matrix^T right, J of the last least_squares_solve or least_squares_factorise. With the
+ * same matrix that is the least-squares solution; with one near it a step of an iteration whose fixed point is
+ * that of `matrix` alone. EHD_NOT_CONVERGED: there are no factors of normal equations. */
 ehd_status least_squares_again(
     // output:
     double *solution, // [num_columns]
     // input:
-    least_squares *workspace, const double *right,
-    size_t num_rows); // as given to least_squares_keep
+    const least_squares *workspace, const double *matrix, // [num_rows, num_columns]
+    const double *right,                                  // [num_rows]
+    size_t num_rows);
 
 /* How far functional^T solution moves at most by a change of the right side of norm 1, for the matrix solved
  * with last: |(J^T J)^-1/2 functional|. With errors of equal size in all rows it is the standard error of

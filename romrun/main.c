@@ -62,8 +62,8 @@ static const struct argp_option own_options[] = {
      .key = KEY_ACCURACY,
      .arg = "X",
      .doc = "Use as much of a calibrated model as its central film needs to deviate by at most X, "
-            "such "
-            "as 1e-3, on most scenes; exit with 4 where it is indicated to deviate by more"},
+            "such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 where it is "
+            "indicated to deviate by more"},
     {.name = "against",
      .key = KEY_AGAINST,
      .arg = "RESULT.h5",
@@ -261,6 +261,9 @@ static run_result make_result(const ehdrom_result *solution, const double *press
     return result;
 }
 
+// How far a solution is converged where --accuracy asks for no more
+static const double FULL_CONVERGENCE = 1e-8, PART_OF_ITERATION = 0.02;
+
 /* A calibrated model keeps its promise, or says that it may not. */
 static void hold_to(run_result *result, double accuracy) {
     if (accuracy == 0 || result->status || isnan(result->indicated_deviation) ||
@@ -310,6 +313,9 @@ static ehd_status run_stationary(const program *self, const romrun_options *opti
     double *pressure = NULL, *film = NULL;
     ehd_status status = ehdrom_solver_create(&solver, model, error);
 
+    if (!status && options->accuracy > 0)
+        ehdrom_solver_set_tolerance(solver,
+                                    fmax(FULL_CONVERGENCE, PART_OF_ITERATION * options->accuracy));
     if (!status && options->against) {
         status = result_read(&full, options->against, contact->kind, with_fields, error);
         if (!status)

@@ -18,6 +18,7 @@ struct reduced_solver {
     void *observer_context;
     least_squares *least_squares;
     least_squares *kept; // factors of an earlier Jacobian
+    double *kept_matrix; // [num_rows + num_deformation + 1, num_unknowns] that Jacobian
     bool has_kept;
     size_t kept_exit, num_kept; // of its rows the first num_kept are Reynolds rows
     size_t *kept_row;           // [num_rows]
@@ -70,6 +71,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
     if (self) {
         least_squares_free(self->least_squares);
         least_squares_free(self->kept);
+        free(self->kept_matrix);
         free(self->kept_row);
         free(self->cut);
         free(self->cut_value);
@@ -105,6 +107,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->settings = *settings;
     self->least_squares = least_squares_create(most_rows, model->num_unknowns);
     self->kept = least_squares_create(most_rows, model->num_unknowns);
+    self->kept_matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
     self->kept_row = malloc(model->num_rows * sizeof *self->kept_row);
     self->cut = malloc(model->num_cut * model->num_pressure * sizeof(double));
     self->cut_value = malloc(model->num_cut * sizeof(double));
@@ -122,17 +125,21 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->step = malloc(model->num_unknowns * sizeof(double));
     self->start = malloc(model->num_unknowns * sizeof(double));
     self->observed = malloc(2 * model->num_rows * sizeof(double));
-    if (!self->least_squares || !self->kept || !self->kept_row || !self->cut || !self->cut_value ||
-        !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
-        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->rows ||
-        !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
-        !self->observed || reduced_values_init(&self->values, model, error) ||
+    if (!self->least_squares || !self->kept || !self->kept_matrix || !self->kept_row ||
+        !self->cut || !self->cut_value || !self->step_cut || !self->pressure || !self->film ||
+        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
+        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
+        !self->start || !self->observed || reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     }
     *solver = self;
     return EHD_OK;
+}
+
+void reduced_solver_set_tolerance(reduced_solver *self, double tolerance) {
+    self->settings.tolerance = tolerance;
 }
 
 void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, void *context) {
@@ -202,6 +209,13 @@ void reduced_values_of(reduced_values *values, const reduced_model *model, const
     values->checkpoint = reduced_model_checkpoint(model, exit);
     product(values->pressure, model->needed_pressure, z, model->num_needed, model->num_pressure);
     product(values->cut, table, z, model->num_cut, model->num_pressure);
+}
+
+/* values += factor * of; both of the same checkpoint. */
+static void add_values(reduced_values *values, double factor, const reduced_values *of,
+                       const reduced_model *model) {
+    cblas_daxpy((int)model->num_needed, factor, of->pressure, 1, values->pressure, 1);
+    cblas_daxpy((int)model->num_cut, factor, of->cut, 1, values->cut, 1);
 }
 
 /* P and H (without gap) at the needed nodes, and what the cut table makes of P, for coordinates z at the
@@ -403,6 +417,17 @@ static void add_row(double *target, double factor, const double *source, size_t 
         target[j] += factor * source[j];
 }
 
+/* target += sum of factors[a] * sources[a], in one pass. */
+static void add_rows(double *restrict target, const double factors[NUM_STENCIL],
+                     const double *const sources[NUM_STENCIL], size_t count) {
+    for (size_t j = 0; j < count; j++) {
+        double sum = target[j];
+        for (int a = 0; a < NUM_STENCIL; a++)
+            sum += factors[a] * sources[a][j];
+        target[j] = sum;
+    }
+}
+
 /* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. */
 static void fill_reynolds_row(double *target, const reduced_solver *self, size_t r) {
     const reduced_model *model = self->model;
@@ -414,16 +439,22 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     size_t offset = coupled ? 0 : model->num_pressure;
     const double *film = coupled ? self->cut : model->needed_film;
 
-    memset(target, 0, model->num_unknowns * sizeof(double));
+    double by_pressure[NUM_STENCIL] = {0}, by_film[NUM_STENCIL] = {0};
+    const double *pressures[NUM_STENCIL], *films[NUM_STENCIL];
+
     for (int a = 0; a < NUM_STENCIL; a++) {
-        size_t q = stencil->node[a];
-        if (q == NO_NODE) continue;
-        if (q < self->num_alive)
-            add_row(target, weight * row->by_pressure[a],
-                    model->needed_pressure + q * model->num_pressure, model->num_pressure);
-        add_row(target + offset, weight * row->by_film[a], film + q * width, width);
+        bool there = stencil->node[a] != NO_NODE;
+        size_t q = there ? stencil->node[a] : 0;
+        pressures[a] = model->needed_pressure + q * model->num_pressure;
+        films[a] = film + q * width;
+        if (!there) continue;
+        if (q < self->num_alive) by_pressure[a] = weight * row->by_pressure[a];
+        by_film[a] = weight * row->by_film[a];
         approach += row->by_film[a];
     }
+    memset(target, 0, model->num_unknowns * sizeof(double));
+    add_rows(target, by_pressure, pressures, model->num_pressure);
+    add_rows(target + offset, by_film, films, width);
     target[model->num_unknowns - 1] = weight * approach;
 }
 
@@ -541,36 +572,54 @@ static double minimum_film(reduced_solver *self, const reduced_state *state) {
     return band_minimum(film_at, &film, model->band_begin, state->exit + 1);
 }
 
-/* Whether an exit that was kept where it is lies near enough to where it should be: a node or two do
- * not move the film, more do. */
-static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted) {
-    size_t distance = wanted > exit ? wanted - exit : exit - wanted;
+/* How far an exit may be kept from where it should be: a node or two do not move the film, more do. */
+static size_t settled_distance(const reduced_model *model) {
+    return (size_t)(SETTLED / model->grid.step) + 1;
+}
 
-    return distance <= (size_t)(SETTLED / model->grid.step) + 1;
+static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted) {
+    return (wanted > exit ? wanted - exit : exit - wanted) <= settled_distance(model);
 }
 
 /* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
- * is after some more turns. Neighbours that ask for one another, which keeps the pressure from converging,
+ * is after some more turns. Near places that ask for one another, which keeps the pressure from converging,
  * do so for ever: then it stays at once. */
 typedef struct exit_watch {
+    // what tells that it cycles: it turned more often than this, and
+    int most_turns;
+    size_t near;     // nodes that it wants to move by, at most
+    double small;    // change of the pressure, which such a move could make
+    double decrease; // of that change within an iteration, which is none
+
     double change; // of the pressure, in the last iteration
     int direction, turns;
 } exit_watch;
 
-static const exit_watch unwatched = {.change = INFINITY};
+static exit_watch watch_from_start(const reduced_model *model, bool in_time) {
+    return in_time ? (exit_watch){.most_turns = 1,
+                                  .near = 1,
+                                  .small = 5e-3,
+                                  .decrease = 0.6,
+                                  .change = INFINITY}
+                   : (exit_watch){.most_turns = 0,
+                                  .near = settled_distance(model),
+                                  .small = 1e-3,
+                                  .decrease = 0,
+                                  .change = INFINITY};
+}
 
-/* `change` of the pressure in this iteration, which is `small` where a node's move could make it. */
-static size_t watch_exit(exit_watch *watch, double change, double small, size_t exit, size_t next) {
-    const double decrease = 0.6; // that is none
+/* `change` of the pressure in this iteration. */
+static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t next) {
     int direction = next > exit ? 1 : next < exit ? -1 : 0;
-    bool neighbours = next == exit + 1 || next + 1 == exit;
-    bool cycles = neighbours && change < small && change > decrease * watch->change;
+    size_t distance = next > exit ? next - exit : exit - next;
+    bool cycles = distance <= watch->near && change < watch->small &&
+                  change > watch->decrease * watch->change;
 
     watch->change = change;
     if (direction && watch->direction && direction != watch->direction) watch->turns++;
     if (direction) watch->direction = direction;
     if (watch->turns == 0) return next;
-    if (watch->turns > (cycles ? 1 : 3)) return exit;
+    if (watch->turns > (cycles ? watch->most_turns : 3)) return exit;
     return (size_t)((ptrdiff_t)exit + direction);
 }
 
@@ -586,9 +635,10 @@ static void evaluate(reduced_info *info, reduced_solver *self, const reduced_sta
 
 /* The least-squares problem at the state; returns the number of its rows. */
 static size_t build_system(reduced_info *info, reduced_solver *self, const reduced_state *state,
-                           const ehd_contact *contact, const reduced_squeeze *squeeze) {
+                           const reduced_values *known, const ehd_contact *contact,
+                           const reduced_squeeze *squeeze) {
     double weight = squeeze ? closure_weight_for(squeeze->rate) : 1;
-    evaluate(info, self, state, NULL, contact, squeeze);
+    evaluate(info, self, state, known, contact, squeeze);
     double start = program_seconds();
     list_system_rows(self, state->exit);
     fill_matrix(self, &contact->closure, weight);
@@ -605,18 +655,21 @@ typedef struct iterate {
     double film;   // H at X = 0 after the step
     double change; // largest change of P at the needed nodes, undamped
     double factor; // damping
+    double rate;   // change over that of the iteration before
 } iterate;
 
 /* Least squares and damped step. Returns why it failed, or NULL. */
-static const char *take_step(iterate *now, reduced_info *info, reduced_state *state,
-                             reduced_solver *self, size_t num_rows) {
+static const char *take_step(iterate *now, const iterate *before, reduced_info *info,
+                             reduced_state *state, reduced_solver *self, size_t num_rows) {
     const reduced_model *model = self->model;
     double start = program_seconds();
 
     if (least_squares_solve(self->step, self->least_squares, self->matrix, self->right, num_rows))
         return "least squares not finite";
     now->factor = damping(self, &now->change);
+    now->rate = now->change / before->change;
     cblas_daxpy((int)model->num_unknowns, now->factor, self->step, 1, state->coordinates, 1);
+    add_values(&self->values, now->factor, &self->step_values, model);
     now->film = at_centre(model, self->film) + now->factor * at_centre(model, self->step_film);
     info->iterations++;
     info->seconds_linear += program_seconds() - start;
@@ -624,30 +677,31 @@ static const char *take_step(iterate *now, reduced_info *info, reduced_state *st
 }
 
 static const double PRESSURE_TOLERANCE = 1e-4; // of the Hertz pressure
-static const double CYCLE = 5e-3;              // that a node's move of the exit may make, in time
 
-/* Linear convergence at the observed rate says what another iteration would change. */
+/* What another iteration would change, by the observed rate: quadratic convergence makes the next rate its
+ * square. What Gauss-Newton leaves of linear convergence is slower than that only where the rate is small. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
-    double rate = fmin(now->change / before->change, 1);
+    double rate = fmin(now->rate, 1), next = rate * rate;
 
-    return now->factor == 1 && fabs(now->film - before->film) * rate < tolerance * now->film &&
-           now->change * rate < PRESSURE_TOLERANCE;
+    return now->factor == 1 && fabs(now->film - before->film) * next < tolerance * now->film &&
+           now->change * next < PRESSURE_TOLERANCE;
 }
 
 /* Returns an error only where the observer or memory fails; the outcome is info->status. */
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch = unwatched;
-    iterate before = {NAN, NAN, 0}, now;
+    exit_watch watch = watch_from_start(self->model, squeeze);
+    iterate before = {NAN, NAN, 0, NAN}, now;
 
     info->own_jacobian = true;
     for (size_t iteration = 0;; iteration++, before = now) {
-        size_t num_rows = build_system(info, self, state, contact, squeeze);
+        const reduced_values *known = iteration > 0 ? &self->values : NULL;
+        size_t num_rows = build_system(info, self, state, known, contact, squeeze);
         info->reason = !isfinite(info->residual)                    ? "residual not finite"
                        : iteration >= self->settings.max_iterations ? "iteration limit reached"
                                                                     : NULL;
-        if (!info->reason) info->reason = take_step(&now, info, state, self, num_rows);
+        if (!info->reason) info->reason = take_step(&now, &before, info, state, self, num_rows);
         if (info->reason) return EHD_OK;
         ehd_status status = observe(self, error);
         if (status) return status;
@@ -659,7 +713,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
         double start = program_seconds();
         size_t wanted = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                 : adapt_exit(self, state, contact);
-        size_t exit = watch_exit(&watch, now.change, squeeze ? CYCLE : 0, state->exit, wanted);
+        size_t exit = watch_exit(&watch, now.change, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
             bool settled = exit_settled(self->model, exit, wanted);
@@ -677,7 +731,7 @@ static const size_t MOST_KEPT_ITERATIONS = 8;
 // changes of P in the L2 norm, which the coordinates in orthonormal modes give on any grid
 static const double MOST_KEPT_CHANGE = 2e-3; // in one iteration, beyond which damping might matter
 static const double KEPT_TOLERANCE = 7e-6;
-static const double KEPT_CYCLE = 3e-4;    // that a node's move of the exit may make
+static const double KEPT_CYCLE = 3e-4;    // that a node's move of the exit may make (exit_watch)
 static const double MOST_KEPT_RATE = 0.5; // of convergence
 
 void reduced_drop_factors(reduced_solver *self) {
@@ -698,7 +752,8 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     self->num_kept = self->num_system;
     memcpy(self->kept_row, self->system_row, self->num_system * sizeof *self->kept_row);
     size_t num_rows = self->num_system + self->model->num_deformation + 1;
-    self->has_kept = least_squares_keep(self->kept, self->matrix, num_rows) == EHD_OK;
+    memcpy(self->kept_matrix, self->matrix, num_rows * self->model->num_unknowns * sizeof(double));
+    self->has_kept = least_squares_factorise(self->kept, self->kept_matrix, num_rows) == EHD_OK;
 }
 
 /* What a step changes of H at the centre. */
@@ -743,7 +798,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
 
     info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
     if (!isfinite(info->residual) ||
-        least_squares_again(self->step, self->kept, self->right, num_rows))
+        least_squares_again(self->step, self->kept, self->kept_matrix, self->right, num_rows))
         return false;
     at->change = sqrt(model->grid.step) * cblas_dnrm2((int)model->num_pressure, self->step, 1);
     double rate = isnan(before) ? first_rate : at->change / before;
@@ -762,15 +817,16 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = unwatched;
+    exit_watch watch = watch_from_start(self->model, true);
     kept_iterate at = {.change = NAN};
 
+    watch.small = KEPT_CYCLE;
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
         evaluate(info, self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         if (!take_kept_step(&at, info, state, self, contact)) return false;
         double start = program_seconds();
         size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
-        size_t exit = watch_exit(&watch, at.change, KEPT_CYCLE, state->exit, wanted);
+        size_t exit = watch_exit(&watch, at.change, state->exit, wanted);
         info->seconds_exit += program_seconds() - start;
         if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
             most_distance)

@@ -67,6 +67,8 @@ ehd_status reduced_solver_create(
     const reduced_model *model, const reduced_settings *settings, ehd_error *error);
 reduced_solver *reduced_solver_free(reduced_solver *solver); // accepts and returns NULL
 
+void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance); // of reduced_settings
+
 void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer, void *context);
 
 /* Newton from the state given. Not converged is an outcome in info->status, not an error. */

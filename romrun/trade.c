@@ -18,6 +18,8 @@ void trade_free(trade_table *table) {
 
 static const double LEAST_MODES = 10;
 static const double STRIDE = 1.4142; // from one number of modes to the next
+static const size_t HALVED =
+    2; // the last strides have a position amid, where the accurate sizes are
 static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, INFINITY}; // up to what is stored
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 
@@ -41,17 +43,19 @@ static void add_positions(trade_table *table, size_t modes, const ehdrom_propert
 }
 
 ehd_status trade_ladder(trade_table *table, const ehdrom_properties *whole, ehd_error *error) {
-    size_t strides = num_strides(whole->pressure_modes);
+    size_t strides = num_strides(whole->pressure_modes), last = 0;
     double most = (double)whole->pressure_modes;
 
     *table = (trade_table){0};
-    table->positions = calloc((strides + 1) * NUM_ROWS_PER_MODE, sizeof *table->positions);
+    table->positions = calloc((2 * strides + 1) * NUM_ROWS_PER_MODE, sizeof *table->positions);
     if (!table->positions) return ehd_fail(error, EHD_MEMORY, "positions: found no memory");
-    for (size_t k = 0; k < strides; k++)
-        add_positions(
-            table,
-            (size_t)lround(LEAST_MODES * pow(most / LEAST_MODES, (double)k / (double)strides)),
-            whole);
+    for (size_t half = 0; half < 2 * strides; half++) {
+        double part = 0.5 * (double)half / (double)strides;
+        size_t modes = (size_t)lround(LEAST_MODES * pow(most / LEAST_MODES, part));
+        if ((half % 2 == 1 && half / 2 + HALVED < strides) || modes == last) continue;
+        if (modes < whole->pressure_modes) add_positions(table, modes, whole);
+        last = modes;
+    }
     add_positions(table, whole->pressure_modes, whole);
     return EHD_OK;
 }
