@@ -114,10 +114,12 @@ double indicator_bound(indicator *self, reduced_solver *solver, const reduced_st
     return reduced_central_sensitivity(solver) * residual / scalars->central_film_thickness;
 }
 
-/* Measured on the lower loaded region: up to a bound of some permille the deviation is a third of it at
- * most, beyond it up to three times. */
-static const double LINEAR = 1.0 / 300;
+/* Measured on random scenes of the lower loaded region, of five viscosity laws and two densities: up to a bound
+ * of some permille the deviation is a tenth of it at most, at twice that it begins to grow with its cube. */
+static const double LINEAR = 2e-3;
 
 double indicator_deviation(double factor, double bound) {
-    return factor * bound * (1 + bound / LINEAR);
+    double part = bound / LINEAR;
+
+    return factor * bound * (1 + part * part);
 }

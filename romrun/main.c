@@ -39,7 +39,8 @@ typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
-    double accuracy; // of the central film, to choose the sizes by; 0: not given
+    double accuracy;   // of the central film, to choose the sizes by; 0: not given
+    ehdrom_sizes most; // the most accurate sizes, for scenes that those do not do for
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
@@ -301,51 +302,118 @@ static ehd_status print_verification(ehdrom_solver *solver, const ehdrom_result 
     return EHD_OK;
 }
 
-static ehd_status run_stationary(const program *self, const romrun_options *options,
-                                 ehdrom_model *model, const ehd_contact *contact,
-                                 const scene *given, const char *text, ehd_error *error) {
+/* The settings of the scene, and what else of the command line the solution depends on. */
+static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
+                                  ehd_error *error) {
+    const ehdrom_sizes *sizes = &options->sizes;
+    char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
+
+    if (options->accuracy > 0) {
+        number_show(number, options->accuracy);
+        snprintf(accuracy, sizeof accuracy, ", accuracy %s", number);
+    }
+    if (asprintf(whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s\n",
+                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy) >= 0)
+        return EHD_OK;
+    *whole = NULL;
+    return ehd_fail(error, EHD_MEMORY, "settings: found no memory");
+}
+
+/* A scene, the part of a model that it is solved with, and its solution. */
+typedef struct attempt {
+    ehdrom_model *model;
+    ehdrom_solver *solver;
+    ehdrom_result solution;
+    double first_seconds; // of an attempt before that did not do
+} attempt;
+
+static void attempt_free(attempt *self) {
+    ehdrom_solver_free(self->solver);
+    ehdrom_close(self->model);
+    *self = (attempt){0};
+}
+
+static ehd_status attempt_at(attempt *self, const ehdrom_sizes *sizes,
+                             const romrun_options *options, const ehd_contact *contact,
+                             ehd_error *error) {
+    ehd_status status = ehdrom_open(&self->model, options->model, sizes, error);
+
+    if (!status) status = ehdrom_solver_create(&self->solver, self->model, error);
+    if (!status && options->accuracy > 0)
+        ehdrom_solver_set_tolerance(self->solver,
+                                    fmax(FULL_CONVERGENCE, PART_OF_ITERATION * options->accuracy));
+    return status ? status : solve(&self->solution, self->solver, contact, options->repeats, error);
+}
+
+/* With the sizes chosen, and where these do not do for the scene with the most accurate ones, which the
+ * options then say. */
+static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
+                              const ehd_contact *contact, ehd_error *error) {
+    ehd_status status = attempt_at(self, &options->sizes, options, contact, error);
+    if (status || options->most.pressure_modes == 0) return status;
+    run_result result = make_result(&self->solution, NULL, NULL);
+    hold_to(&result, options->accuracy);
+    if (!result.status || memcmp(&options->sizes, &options->most, sizeof options->most) == 0)
+        return EHD_OK;
+
+    const double first = self->solution.seconds;
+    char name[TRADE_NAME];
+    trade_name(name, &options->most);
+    program_note(caller, "--accuracy %g: found %s, again with %s", options->accuracy, result.reason,
+                 name);
+    options->sizes = options->most;
+    attempt_free(self);
+    status = attempt_at(self, &options->sizes, options, contact, error);
+    self->first_seconds = first;
+    return status;
+}
+
+static ehd_status run_stationary(const program *self, romrun_options *options,
+                                 const ehd_contact *contact, const scene *given,
+                                 const char *scene_lines, ehd_error *error) {
     const char *const inputs[] = {self->arguments[0], options->model, options->against, NULL};
     const bool with_fields = given->output_fields == 1;
-    ehdrom_solver *solver = NULL;
-    ehdrom_result solution = {.status = EHD_NOT_CONVERGED, .reason = ""};
+    attempt done = {0};
     stored_result full = {0};
     artefact *file = NULL;
     double *pressure = NULL, *film = NULL;
-    ehd_status status = ehdrom_solver_create(&solver, model, error);
+    char *text = NULL;
+    ehd_status status = EHD_OK;
 
-    if (!status && options->accuracy > 0)
-        ehdrom_solver_set_tolerance(solver,
-                                    fmax(FULL_CONVERGENCE, PART_OF_ITERATION * options->accuracy));
-    if (!status && options->against) {
+    if (options->against) {
         status = result_read(&full, options->against, contact->kind, with_fields, error);
         if (!status)
             status = check_same_scene(full.moes_M, full.alpha_p_H, full.hertz_pressure,
                                       options->against, contact, error);
     }
+    if (!status) status = solve_scene(&done, options, self, contact, error);
+    if (!status) status = text_with_sizes(&text, scene_lines, options, error);
     if (!status && self->output) status = result_create(&file, self, contact, text, inputs, error);
-    if (!status) status = solve(&solution, solver, contact, options->repeats, error);
+    if (!status) status = solve(&done.solution, done.solver, contact, options->repeats, error);
+    done.solution.seconds += done.first_seconds;
     if (!status && with_fields) {
         pressure = malloc(contact->grid.num_nodes * sizeof *pressure);
         film = malloc(contact->grid.num_nodes * sizeof *film);
-        status = pressure && film ? ehdrom_fields(pressure, film, solver, error)
+        status = pressure && film ? ehdrom_fields(pressure, film, done.solver, error)
                                   : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
     }
     if (!status) {
-        run_result result = make_result(&solution, pressure, film);
+        run_result result = make_result(&done.solution, pressure, film);
         hold_to(&result, options->accuracy);
         if (file) status = result_write(&file, &result, contact, error);
         if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
         if (!status && options->verify && result.status != EHD_NOT_CONVERGED)
-            status = print_verification(solver, &solution, contact, error);
+            status = print_verification(done.solver, &done.solution, contact, error);
         if (!status && options->against && result.status != EHD_NOT_CONVERGED)
             compare(&result, &full, options->against, contact);
         if (!status) status = judge(&result, options, self->arguments[0], error);
     }
     artefact_close(&file);
     result_free(&full);
-    ehdrom_solver_free(solver);
+    attempt_free(&done);
     free(pressure);
     free(film);
+    free(text);
     return status;
 }
 
@@ -375,13 +443,17 @@ static ehd_status compare_in_time(const time_trace *trace, const time_series *fu
 }
 
 static ehd_status run_transient(const program *self, const romrun_options *options,
-                                ehdrom_model *model, const ehd_contact *contact, const scene *given,
-                                const char *text, ehd_error *error) {
+                                const ehd_contact *contact, const scene *given,
+                                const char *scene_lines, ehd_error *error) {
+    ehdrom_model *model = NULL;
     ehdrom_transient *in_time = NULL;
     time_series full = {0};
     time_trace trace = {0};
-    ehd_status status = ehdrom_prepare_transient(model, error);
+    char *text = NULL;
+    ehd_status status = text_with_sizes(&text, scene_lines, options, error);
 
+    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
+    if (!status) status = ehdrom_prepare_transient(model, error);
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
@@ -410,27 +482,14 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     time_trace_free(&trace);
     time_series_free(&full);
     ehdrom_transient_free(in_time);
+    ehdrom_close(model);
+    free(text);
     return status;
 }
 
-/* The settings of the scene, and what else of the command line the solution depends on. */
-static char *text_with_sizes(const char *text, const romrun_options *options) {
-    const ehdrom_sizes *sizes = &options->sizes;
-    char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT], *whole = NULL;
-
-    if (options->accuracy > 0) {
-        number_show(number, options->accuracy);
-        snprintf(accuracy, sizeof accuracy, ", accuracy %s", number);
-    }
-    if (asprintf(&whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s\n",
-                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy) < 0)
-        whole = NULL;
-    return whole;
-}
-
 /* The fastest sizes that were measured to be good enough, and a note of which and why. */
-static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, const program *self,
-                              const romrun_options *options, bool in_time, ehd_error *error) {
+static ehd_status choose_from(romrun_options *options, const trade_table *table,
+                              const program *self, bool in_time, ehd_error *error) {
     const double up = 1.006; // what is shown with three digits can be asked for
     size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
     size_t chosen = trade_cheapest(table, options->accuracy, in_time);
@@ -456,7 +515,8 @@ static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, con
                         "measured to give (%s)",
                         options->accuracy, up * price.deviation, options->model, name);
     const bool indicated = !in_time && position->indicator_factor > 0;
-    *sizes = position->sizes;
+    options->sizes = position->sizes;
+    options->most = table->positions[best].sizes;
     program_note(
         self,
         "--accuracy %g: %s, the fastest of %zu sizes whose central film was%s at most so far "
@@ -467,12 +527,12 @@ static ehd_status choose_from(ehdrom_sizes *sizes, const trade_table *table, con
     return EHD_OK;
 }
 
-static ehd_status choose_sizes(ehdrom_sizes *sizes, const program *self,
-                               const romrun_options *options, bool in_time, ehd_error *error) {
+static ehd_status choose_sizes(romrun_options *options, const program *self, bool in_time,
+                               ehd_error *error) {
     trade_table table;
     ehd_status status = trade_read(&table, options->model, error);
 
-    if (!status) status = choose_from(sizes, &table, self, options, in_time, error);
+    if (!status) status = choose_from(options, &table, self, in_time, error);
     trade_free(&table);
     return status;
 }
@@ -543,25 +603,16 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
                             ehd_error *error) {
     romrun_options options = *given_options;
     ehd_contact contact;
-    ehdrom_model *model = NULL;
     scene given;
-    char *scene_lines = NULL, *text = NULL;
+    char *scene_lines = NULL;
     ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
-    if (!status && options.accuracy > 0)
-        status = choose_sizes(&options.sizes, self, &options, transient, error);
-    if (!status) {
-        text = text_with_sizes(scene_lines, &options);
-        if (!text) status = ehd_fail(error, EHD_MEMORY, "settings: found no memory");
-    }
-    if (!status) status = ehdrom_open(&model, options.model, &options.sizes, error);
+    if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
     if (!status)
-        status = transient ? run_transient(self, &options, model, &contact, &given, text, error)
-                           : run_stationary(self, &options, model, &contact, &given, text, error);
-    ehdrom_close(model);
-    free(text);
+        status = transient ? run_transient(self, &options, &contact, &given, scene_lines, error)
+                           : run_stationary(self, &options, &contact, &given, scene_lines, error);
     free(scene_lines);
     return status;
 }

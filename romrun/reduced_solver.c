@@ -585,35 +585,40 @@ static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted)
  * is after some more turns. Near places that ask for one another, which keeps the pressure from converging,
  * do so for ever: then it stays at once. */
 typedef struct exit_watch {
-    // what tells that it cycles: it turned more often than this, and
+    // it cycles where it turned more often than this, wants to move by so many nodes at most, and the
+    // pressure changes by less than `small`, or less than `stalled` and hardly less than before
     int most_turns;
-    size_t near;     // nodes that it wants to move by, at most
-    double small;    // change of the pressure, which such a move could make
-    double decrease; // of that change within an iteration, which is none
+    size_t near;
+    double small, stalled;
 
     double change; // of the pressure, in the last iteration
     int direction, turns;
 } exit_watch;
 
-static exit_watch watch_from_start(const reduced_model *model, bool in_time) {
-    return in_time ? (exit_watch){.most_turns = 1,
-                                  .near = 1,
-                                  .small = 5e-3,
-                                  .decrease = 0.6,
-                                  .change = INFINITY}
-                   : (exit_watch){.most_turns = 0,
-                                  .near = settled_distance(model),
-                                  .small = 1e-3,
-                                  .decrease = 0,
-                                  .change = INFINITY};
+/* Stationary, where the exit goes by the flux. A node's move changes the film by 1e-5 or a few of them: where
+ * no more is asked the exit need not be looked for in a converged state. */
+static exit_watch stationary_watch(const reduced_model *model, double tolerance) {
+    const double coarse = 1e-5;
+
+    return (exit_watch){.most_turns = 0,
+                        .near = settled_distance(model),
+                        .small = tolerance < coarse ? 1e-3 : 5e-3,
+                        .stalled = 5e-3,
+                        .change = INFINITY};
+}
+
+/* In time; `stalled` is the change of the pressure that a node's move can make. */
+static exit_watch watch_in_time(double stalled) {
+    return (exit_watch){.most_turns = 1, .near = 1, .stalled = stalled, .change = INFINITY};
 }
 
 /* `change` of the pressure in this iteration. */
 static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t next) {
+    const double decrease = 0.6; // that is none
     int direction = next > exit ? 1 : next < exit ? -1 : 0;
-    size_t distance = next > exit ? next - exit : exit - next;
-    bool cycles = distance <= watch->near && change < watch->small &&
-                  change > watch->decrease * watch->change;
+    bool near = (next > exit ? next - exit : exit - next) <= watch->near;
+    bool stalls = change < watch->stalled && change > decrease * watch->change;
+    bool cycles = near && (change < watch->small || stalls);
 
     watch->change = change;
     if (direction && watch->direction && direction != watch->direction) watch->turns++;
@@ -676,7 +681,9 @@ static const char *take_step(iterate *now, const iterate *before, reduced_info *
     return NULL;
 }
 
-static const double PRESSURE_TOLERANCE = 1e-4; // of the Hertz pressure
+static const double PRESSURE_TOLERANCE = 1e-4; // of the Hertz pressure, at most
+static const double PRESSURE_OVER_FILM = 1e4;  // of these tolerances
+static const double CYCLE = 5e-3;              // that a node's move of the exit may make, in time
 
 /* What another iteration would change, by the observed rate: quadratic convergence makes the next rate its
  * square. What Gauss-Newton leaves of linear convergence is slower than that only where the rate is small. */
@@ -684,14 +691,15 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
     double rate = fmin(now->rate, 1), next = rate * rate;
 
     return now->factor == 1 && fabs(now->film - before->film) * next < tolerance * now->film &&
-           now->change * next < PRESSURE_TOLERANCE;
+           now->change * next < fmin(PRESSURE_TOLERANCE, PRESSURE_OVER_FILM * tolerance);
 }
 
 /* Returns an error only where the observer or memory fails; the outcome is info->status. */
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch = watch_from_start(self->model, squeeze);
+    exit_watch watch =
+        squeeze ? watch_in_time(CYCLE) : stationary_watch(self->model, self->settings.tolerance);
     iterate before = {NAN, NAN, 0, NAN}, now;
 
     info->own_jacobian = true;
@@ -731,7 +739,7 @@ static const size_t MOST_KEPT_ITERATIONS = 8;
 // changes of P in the L2 norm, which the coordinates in orthonormal modes give on any grid
 static const double MOST_KEPT_CHANGE = 2e-3; // in one iteration, beyond which damping might matter
 static const double KEPT_TOLERANCE = 7e-6;
-static const double KEPT_CYCLE = 3e-4;    // that a node's move of the exit may make (exit_watch)
+static const double KEPT_CYCLE = 3e-4;    // that a node's move of the exit may make
 static const double MOST_KEPT_RATE = 0.5; // of convergence
 
 void reduced_drop_factors(reduced_solver *self) {
@@ -817,10 +825,8 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = watch_from_start(self->model, true);
+    exit_watch watch = watch_in_time(KEPT_CYCLE);
     kept_iterate at = {.change = NAN};
-
-    watch.small = KEPT_CYCLE;
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
         evaluate(info, self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         if (!take_kept_step(&at, info, state, self, contact)) return false;

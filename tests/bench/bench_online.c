@@ -2,9 +2,9 @@
 /* Online solver: time of a scene with the model open, where it goes, and what one more iteration would
  * change.
  *
- *     bench_online MODEL.h5 SCENE.yml [repeats] [key=value ...]
+ *     bench_online MODEL.h5 SCENE.yml repeats tolerance modes rows [key=value ...]
  *
- * With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
+ * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
  * instructions by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
 #include "romrun/model_file.h"
@@ -46,23 +46,26 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
 }
 
 int main(int argc, char **argv) {
-    const reduced_settings settings = reduced_default_settings();
+    reduced_settings settings = reduced_default_settings();
     scene given;
     ehd_contact contact;
     reduced_model model;
     reduced_solver *solver;
     ehd_error error;
 
-    if (argc < 3) {
-        fprintf(stderr, "usage: bench_online MODEL.h5 SCENE.yml [repeats] [key=value ...]\n");
+    if (argc < 7) {
+        fprintf(stderr, "usage: bench_online MODEL.h5 SCENE.yml repeats tolerance modes rows "
+                        "[key=value ...]\n");
         return 64;
     }
     openblas_set_num_threads(1);
-    size_t repeats = argc > 3 ? strtoul(argv[3], NULL, 10) : 101;
-    size_t num_overrides = argc > 4 ? (size_t)argc - 4 : 0;
-    must(scene_read(&given, argv[2], (const char *const *)argv + 4, num_overrides, &error), &error);
+    size_t repeats = strtoul(argv[3], NULL, 10), num_overrides = (size_t)argc - 7;
+    settings.tolerance = strtod(argv[4], NULL);
+    const ehdrom_sizes sizes = {.pressure_modes = strtoul(argv[5], NULL, 10),
+                                .rows = strtoul(argv[6], NULL, 10)};
+    must(scene_read(&given, argv[2], (const char *const *)argv + 7, num_overrides, &error), &error);
     must(contact_init(&contact, &given, &error), &error);
-    must(model_read(&model, argv[1], NULL, &error), &error);
+    must(model_read(&model, argv[1], &sizes, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
     reduced_state state = {malloc(model.num_unknowns * sizeof(double)), 0};
     reduced_info *infos = calloc(repeats + 1, sizeof *infos);

@@ -174,6 +174,26 @@ with h5py.File('x.h5', 'r+') as f:
     romrun scene.yml --model x.h5 --accuracy 0.1 --quiet --allow-untrusted
 }
 
+@test "a scene that the chosen size does not do for is solved with the most accurate one" {
+    cp c.h5 x.h5
+    cat >spoil.py <<'PYTHON'
+import h5py, numpy
+with h5py.File("x.h5", "r+") as f:
+    best = numpy.nanargmin(f["indicated_deviation"][:, 2])
+    f["indicator_factor"][...] = numpy.where(numpy.arange(f["position"].size) == best, 1, 1e9) * f["indicator_factor"][...]
+    print(f["position_pressure_modes"][best], f["position_rows"][best])
+PYTHON
+    read -r modes rows <<<"$(/usr/bin/python3 spoil.py)"
+    run --separate-stderr romrun scene.yml --model x.h5 --accuracy 0.1 -o again.h5
+    [ "$status" -eq 0 ]
+    [ "${#stderr_lines[@]}" -eq 2 ]
+    [[ ${stderr_lines[1]} == "romrun: --accuracy 0.1: found an indicated deviation of "*", again with $modes pressure modes, $rows rows" ]]
+    [[ $(h5dump -a settings again.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
+    romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o straight.h5 --quiet
+    awk -v a="$(number again.h5 central_film_thickness)" -v b="$(number straight.h5 central_film_thickness)" \
+        'BEGIN { d = a / b - 1; exit !(d < 1e-3 && d > -1e-3) }'
+}
+
 @test "--verify tells the deviation to first order, and changes nothing" {
     fullrun scene.yml -o full.h5
     for modes in 8 12; do
