@@ -12,7 +12,7 @@
 static trained training;      // 301 nodes, a checkpoint every second node
 static reduced_basis coupled; // all modes that the training spans
 static reduced_basis independent;
-static const reduced_settings strict = {.tolerance = 1e-14, .max_iterations = 40};
+static const reduced_settings strict = {.tolerance = 1e-15, .max_iterations = 40};
 
 static const struct {
     const char *name;
