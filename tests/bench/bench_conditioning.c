@@ -5,22 +5,17 @@
  *
  * A scene is solved with the first MODES and ROWS of the model (0: all) by Newton with a QR in extended
  * precision. Every system on the way is given to each solver too. Then each solves the scene alone. A line
- * of CSV each, of columns as HEADER below. VARIANT:
- *     stored            the model as it is
- *     without-D         the rows without the weight D
- *     single            all tables rounded to single precision
- *     dependent=EPS     the last mode is EPS times itself and the one before it: the same space for any
- *                       EPS above zero; one dimension less at zero
+ * of CSV each, of columns as HEADER below. VARIANT: one of tests/bench/variant.h, or
  *     rate=R            a step in time: the time derivative R (rho H - rho H of the solution)
  * To count instructions of the solvers: callgrind with --toggle-collect=time_solvers, where each solves the
  * same system REPEATS times. */
-#include "common/artefact/artefact.h"
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
 #include "romrun/fields.h"
 #include "romrun/least_squares.h"
 #include "romrun/model_file.h"
 #include "romrun/reduced_solver.h"
+#include "tests/bench/variant.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -33,19 +28,6 @@ static const char HEADER[] = "variant,modes,rows,unknowns,equations,scaled_condi
                              "solver,status,iterations,from_full,from_extended,step_error,"
                              "microseconds";
 enum { REPEATS = 21 };
-
-static void must(ehd_status status, const ehd_error *error) {
-    if (status == EHD_OK) return;
-    fprintf(stderr, "bench_conditioning: %s\n", error->text);
-    exit(1);
-}
-
-static void *must_allocate(size_t bytes) {
-    void *memory = calloc(bytes, 1);
-    if (memory) return memory;
-    fprintf(stderr, "bench_conditioning: found no memory\n");
-    exit(1);
-}
 
 // ---- solvers, all of step = argmin |matrix step + right|; row-major A is column-major A^T
 
@@ -295,87 +277,6 @@ static const struct {
                {"single", solve_single},
                {"single-refined", solve_single_refined}};
 enum { EXTENDED, NUM_SOLVERS = sizeof solvers / sizeof *solvers };
-
-// ---- variants of a model
-
-/* What is done to a node's row of modes. */
-typedef void row_change(double *row, size_t num_modes, double by);
-
-static void round_row(double *row, size_t num_modes, double by) {
-    (void)by;
-    for (size_t j = 0; j < num_modes; j++)
-        row[j] = (double)(float)row[j];
-}
-
-static void mix_row(double *row, size_t num_modes, double by) {
-    row[num_modes - 1] = row[num_modes - 2] + by * row[num_modes - 1];
-}
-
-/* Of all tables with a column a mode. */
-static void change_tables(reduced_model *model, row_change *change, double by) {
-    const struct {
-        double *table;
-        size_t num_rows;
-    } tables[] = {{model->needed_pressure, model->num_needed},
-                  {model->needed_film, model->num_needed},
-                  {model->band_pressure, model->num_band},
-                  {model->band_film, model->num_band},
-                  {model->cut_base, model->num_cut},
-                  {model->checkpoint_cut, model->num_checkpoints * model->num_cut},
-                  {model->checkpoint_band, model->num_checkpoints * model->num_band}};
-
-    for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
-        for (size_t r = 0; r < tables[t].num_rows; r++)
-            change(tables[t].table + r * model->num_pressure, model->num_pressure, by);
-}
-
-/* The trained states in the modes that mix_row leaves: as they were, where that can be. */
-static void mix_states(reduced_model *model, double by) {
-    for (size_t s = 0; s < model->states.num_states; s++) {
-        double *last =
-            model->states.coordinates + s * model->num_unknowns + model->num_pressure - 1;
-        *last = by > 0 ? *last / by : 0;
-        last[-1] -= *last;
-    }
-}
-
-/* D of the first rows, from the whole model: what the weights are without the factors of their choice. */
-static void take_D_away(reduced_model *model, const char *path) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    artefact *file = NULL;
-    ehd_error error;
-
-    must(artefact_open(&file, path, kinds, &error), &error);
-    size_t num_stored = artefact_length(file, "row");
-    double *weight = must_allocate(num_stored * sizeof(double));
-    double *factor = must_allocate(num_stored * sizeof(double));
-    must(artefact_get(file, "row_weight", weight, &error), &error);
-    must(artefact_get(file, "row_factor", factor, &error), &error);
-    for (size_t r = 0; r < model->num_rows; r++)
-        model->row_weight[r] *= factor[r] / weight[r];
-    free(factor);
-    free(weight);
-    artefact_close(&file);
-}
-
-static void make_variant(reduced_model *model, const char *name, const char *path) {
-    if (strcmp(name, "stored") == 0) return;
-    if (strcmp(name, "without-D") == 0) {
-        take_D_away(model, path);
-    } else if (strcmp(name, "single") == 0) {
-        change_tables(model, round_row, 0);
-    } else if (strncmp(name, "dependent=", 10) == 0) {
-        double by = strtod(name + 10, NULL);
-        change_tables(model, mix_row, by);
-        mix_states(model, by);
-    } else {
-        fprintf(stderr,
-                "bench_conditioning: variant: found %s, expected stored, without-D, single "
-                "or dependent=EPS\n",
-                name);
-        exit(64);
-    }
-}
 
 // ---- measurements
 
@@ -636,7 +537,7 @@ int main(int argc, char **argv) {
     if (strncmp(variant, "rate=", 5) == 0) {
         measure_in_time(&stationary, strtod(variant + 5, NULL), variant, path);
     } else {
-        make_variant(&model, variant, path);
+        variant_make(&model, variant, path);
         measure(&stationary, variant);
     }
     reduced_model_free(&model);
