@@ -57,7 +57,8 @@ PROGRAMS    := $(MAINS:%/main.c=$(BIN)/%)
 TESTS        := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/test_%,$(UNIT_SOURCES)))
 LONG_TESTS   := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/long_%,$(UNIT_SOURCES)))
 UNIT_SHARED  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/unit/test_% tests/unit/long_%,$(UNIT_SOURCES)))
-BENCHES      := $(BENCH_SOURCES:tests/bench/%.c=$(BUILD)/bench/%)
+BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench/bench_%,$(BENCH_SOURCES)))
+BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)))
 LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats))
 SCENES       := $(patsubst %/Makefile,%,$(wildcard scenes/*/Makefile))
@@ -215,7 +216,7 @@ $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) 
 	$(call quiet,LINK,$@)$(link) $(WRAP) -lcmocka $(ALL_LIBS)
 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
-                             $(BUILD)/tests/unit/sample.o $(LIB)
+                             $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

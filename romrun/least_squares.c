@@ -117,10 +117,12 @@ static size_t drop_zero_columns(least_squares *self, size_t num_rows) {
     return kept;
 }
 
-/* QR of the scaled matrix without its zero columns, since a singular factor has no solution. */
+/* QR of the scaled matrix without its zero columns, since a singular factor has no solution. Nor have fewer
+ * rows than columns a single one: NaN. */
 static void solve_qr(double *solution, least_squares *self, const double *matrix,
                      const double *right, size_t num_rows) {
     size_t n = self->num_columns;
+    int info = -1;
 
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < n; j++)
@@ -129,9 +131,10 @@ static void solve_qr(double *solution, least_squares *self, const double *matrix
     // row-major J is column-major J^T: the transposed problem of dgels
     for (size_t r = 0; r < num_rows; r++)
         self->right[r] = -right[r];
-    int info =
-        LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', (int)kept, (int)num_rows, 1, self->scaled,
-                           (int)kept, self->right, (int)self->longest, self->work, self->num_work);
+    if (kept <= num_rows)
+        info = LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', (int)kept, (int)num_rows, 1, self->scaled,
+                                  (int)kept, self->right, (int)self->longest, self->work,
+                                  self->num_work);
     self->factor = self->scaled;
     self->factor_size = kept;
     for (size_t j = 0, from = 0; j < n; j++)

@@ -13,7 +13,7 @@ least_squares *least_squares_free(least_squares *workspace); // accepts and retu
 
 /* solution = argmin |matrix solution + right|. Columns that are zero (modes that the exit cut away
  * entirely) get a zero. Returns EHD_OK, or EHD_NOT_CONVERGED when the matrix is not finite or the
- * others are exactly dependent. */
+ * others are exactly dependent, such as more than there are rows. */
 ehd_status least_squares_solve(
     // output:
     double *solution, // [num_columns]

@@ -663,14 +663,24 @@ typedef struct iterate {
     double rate;   // change over that of the iteration before
 } iterate;
 
+/* The step that least squares ask for, undamped. */
+static ehd_status solve_step(reduced_solver *self, size_t num_rows) {
+    const reduced_settings *settings = &self->settings;
+
+    if (settings->solve_linear)
+        return settings->solve_linear(self->step, settings->linear_context, self->matrix,
+                                      self->right, num_rows, self->model->num_unknowns);
+    return least_squares_solve(self->step, self->least_squares, self->matrix, self->right,
+                               num_rows);
+}
+
 /* Least squares and damped step. Returns why it failed, or NULL. */
 static const char *take_step(iterate *now, const iterate *before, reduced_info *info,
                              reduced_state *state, reduced_solver *self, size_t num_rows) {
     const reduced_model *model = self->model;
     double start = program_seconds();
 
-    if (least_squares_solve(self->step, self->least_squares, self->matrix, self->right, num_rows))
-        return "least squares not finite";
+    if (solve_step(self, num_rows)) return "least squares without a single finite solution";
     now->factor = damping(self, &now->change);
     now->rate = now->change / before->change;
     cblas_daxpy((int)model->num_unknowns, now->factor, self->step, 1, state->coordinates, 1);

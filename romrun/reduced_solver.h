@@ -7,9 +7,19 @@
 #include "romrun/reduced_model.h"
 #include <stdbool.h>
 
+/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. Entry of
+ * reduced_settings, so that tests and benches can put another method in. EHD_NOT_CONVERGED: no solution. */
+typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
+                                         void *context,
+                                         const double *matrix, // [num_rows, num_unknowns]
+                                         const double *right,  // [num_rows]
+                                         size_t num_rows, size_t num_unknowns);
+
 typedef struct reduced_settings {
     double tolerance; // relative change of the central film that another iteration would make; 1e-8
-    size_t max_iterations; // 40
+    size_t max_iterations;               // 40
+    reduced_linear_solver *solve_linear; // NULL: least_squares_solve
+    void *linear_context;
 } reduced_settings;
 
 reduced_settings reduced_default_settings(void);
@@ -90,7 +100,7 @@ contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *sta
 double reduced_left_residual(const reduced_solver *solver);
 
 /* How far H at X = 0 moves at most by an error of norm 1 in the rows of the last stationary solution:
- * |L^-1 dH/dz| with the factor of its last least squares. */
+ * |L^-1 dH/dz| with the factor of its last least squares, which has to have been the solver's own. */
 double reduced_central_sensitivity(reduced_solver *solver);
 
 /* Values of a state, and of the last solution, whose bits are the same. */

@@ -31,6 +31,18 @@ small_low() {
     sed -i 's/^PROFILE_CASES.*/PROFILE_CASES = no1-M17-L15-p1.04/' Makefile
 }
 
+# As scenes that another one asks for are: with their own folders.
+copy_scenes() {
+    local root=$BATS_TEST_DIRNAME/../.. scene
+    mkdir -p "$BATS_TEST_TMPDIR/scenes"
+    cd "$BATS_TEST_TMPDIR/scenes" || return
+    cp "$root"/scenes/*.* .
+    for scene; do
+        mkdir "$scene"
+        cp "$root"/scenes/$scene/*.* "$root"/scenes/$scene/Makefile "$scene"
+    done
+}
+
 small_high() {
     copy_scene stationary-line-high
     awk -F, 'NR == 1 || ($1 >= 77 && $1 <= 118 && $2 >= 7 && $2 <= 15)' points.csv >few.csv
@@ -299,14 +311,7 @@ small_oscillator() {
 }
 
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
-    local root=$BATS_TEST_DIRNAME/../..
-    mkdir -p "$BATS_TEST_TMPDIR/scenes"
-    cd "$BATS_TEST_TMPDIR/scenes" || return
-    cp "$root"/scenes/*.* .
-    for scene in stationary-line silent-failures; do
-        mkdir $scene
-        cp "$root"/scenes/$scene/*.* "$root"/scenes/$scene/Makefile $scene
-    done
+    copy_scenes stationary-line silent-failures
     cd silent-failures || return
     small='SEED=3 SCENES=24 CALIBRATION_SCENES=60 PROMISES=1e-2'
     run_make $small
@@ -330,4 +335,24 @@ small_oscillator() {
     [[ $output == *"silent failures: 1, the worst 0.02 off" ]]
     run_make -n $small
     [[ $status == 0 && ! $output =~ romrun\ --calibrate ]]
+}
+
+@test "conditioning: all solvers on each case and size agree where the systems allow it" {
+    copy_scenes stationary-line conditioning
+    sed -i -n '1,2p' stationary-line/cases.csv
+    sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
+    cd conditioning || return
+    small='REGIONS=low low.MODES=40 low.ROWS=70 DEPENDENT=1e-2 DEPENDENT_MODES=40'
+    run_make $small low.SIZES="20 40"
+    [ "$status" -eq 0 ]
+    [ "$(head -c 4 out/conditioning.png | tail -c 3)" = PNG ]
+    # cases, sizes, and all rows in three variants, fewer ones in two, dependent modes at its own size
+    [ "$(wc -l <out/conditioning.csv)" -eq $((1 + 8 * (2 * 7 + 1))) ]
+    awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+             $at["equations"] < $at["unknowns"] { if ($at["status"] != "failed") bad = 1; next }
+             $at["status"] != "converged" { next }
+             $at["solver"] == "used" { seen++; if ($at["from_extended"]^2 > 1e-16 || $at["step_error"] > 1e-2) bad = 1 }
+             $at["solver"] == "qr" && $at["step_error"] > 1e-4 { bad = 1 }
+             $at["scaled_condition"] < 1 { bad = 1 }
+             END { exit bad || seen < 12 }' out/conditioning.csv
 }

@@ -142,8 +142,7 @@ static void zero_columns_get_zero(void **state) {
     }
 }
 
-/* Columns that are equal to working precision, or fewer rows than columns: any minimiser will do, as
- * long as it is one and not large. */
+/* Columns that are equal to working precision: any minimiser will do. */
 static void near_rank_deficiency_is_harmless(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], known[COLUMNS];
@@ -159,11 +158,29 @@ static void near_rank_deficiency_is_harmless(void **state) {
         solve(x, matrix, right, ROWS);
         assert_true(residual(matrix, x, right, ROWS) < 1e-7 * norm(right, ROWS));
     }
+}
+
+/* What is not determined by the rows would depend on where Newton starts. Columns of zeros need no row. */
+static void fewer_rows_than_columns_are_refused(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+
+    assert_non_null(workspace);
     random_matrix(matrix, ROWS, 5);
     random_vector(right, ROWS);
-    solve(x, matrix, right, COLUMNS - 3);
-    assert_true(residual(matrix, x, right, COLUMNS - 3) < 1e-10);
-    assert_true(norm(x, COLUMNS) < 1e3);
+    for (size_t num_rows = 1; num_rows < COLUMNS; num_rows++) {
+        assert_int_equal(least_squares_solve(x, workspace, matrix, right, num_rows),
+                         EHD_NOT_CONVERGED);
+        assert_int_equal(least_squares_keep(workspace, matrix, num_rows), EHD_NOT_CONVERGED);
+    }
+    for (size_t r = 0; r < ROWS; r++)
+        matrix[r * COLUMNS + 4] = 0;
+    assert_int_equal(least_squares_solve(x, workspace, matrix, right, COLUMNS - 2),
+                     EHD_NOT_CONVERGED);
+    assert_int_equal(least_squares_solve(x, workspace, matrix, right, COLUMNS - 1), EHD_OK);
+    assert_true(residual(matrix, x, right, COLUMNS - 1) < 1e-10);
+    least_squares_free(workspace);
 }
 
 static void not_finite_is_said(void **state) {
@@ -243,6 +260,7 @@ int main(void) {
         cmocka_unit_test(scales_columns),
         cmocka_unit_test(zero_columns_get_zero),
         cmocka_unit_test(near_rank_deficiency_is_harmless),
+        cmocka_unit_test(fewer_rows_than_columns_are_refused),
         cmocka_unit_test(sensitivity_is_the_shortest_cause),
         cmocka_unit_test(not_finite_is_said),
         cmocka_unit_test(survives_failing_allocations),

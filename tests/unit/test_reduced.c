@@ -5,6 +5,7 @@
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 
+#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -235,6 +236,68 @@ static void all_rows_in_any_order_are_level_i(void **state) {
         reduced_basis_free(&small);
     }
     free(nodes);
+}
+
+/* Least squares by LAPACK, or none. */
+typedef struct other_solver {
+    size_t calls, fails_at;
+} other_solver;
+
+static ehd_status solve_otherwise(double *step, void *context, const double *matrix,
+                                  const double *right, size_t num_rows, size_t num_unknowns) {
+    other_solver *self = context;
+    double *copy, *x;
+
+    if (++self->calls == self->fails_at) return EHD_NOT_CONVERGED;
+    copy = malloc(num_rows * num_unknowns * sizeof *copy);
+    x = malloc(num_rows * sizeof *x);
+    assert_non_null(copy);
+    assert_non_null(x);
+    memcpy(copy, matrix, num_rows * num_unknowns * sizeof *copy);
+    for (size_t r = 0; r < num_rows; r++)
+        x[r] = -right[r];
+    assert_int_equal(LAPACKE_dgels(LAPACK_ROW_MAJOR, 'N', (int)num_rows, (int)num_unknowns, 1, copy,
+                                   (int)num_unknowns, x, 1),
+                     0);
+    memcpy(step, x, num_unknowns * sizeof *step);
+    free(x);
+    free(copy);
+    return EHD_OK;
+}
+
+static void another_linear_solver_may_be_put_in(void **state) {
+    (void)state;
+    other_solver other = {0};
+    reduced_settings settings = strict;
+    reduced_basis small;
+    problem own, with_other;
+
+    settings.solve_linear = solve_otherwise;
+    settings.linear_context = &other;
+    trained_basis(&small, &training, DEFORMATION_COUPLED, 9, 0);
+    problem_init(&own, &small, NULL, 0, &strict);
+    problem_init(&with_other, &small, NULL, 0, &settings);
+    for (size_t s = 0; s < TRAINED_STATES; s += 3) {
+        other = (other_solver){0};
+        solve_from_neighbour(&own, s);
+        solve_from_neighbour(&with_other, s);
+        assert_int_equal(with_other.info.iterations, own.info.iterations);
+        assert_int_equal(other.calls, own.info.iterations);
+        check_close(with_other.info.scalars.central_film_thickness,
+                    own.info.scalars.central_film_thickness, 1e-11, 0);
+    }
+    // that it cannot be solved is an outcome
+    other = (other_solver){.fails_at = 2};
+    reduced_neighbour(&with_other.state, &with_other.model, training.set.moes_M[0],
+                      training.set.alpha_p_H[0]);
+    assert_int_equal(reduced_solve(&with_other.info, &with_other.state, with_other.solver,
+                                   &training.contacts[0], NULL, NULL),
+                     EHD_OK);
+    assert_int_equal(with_other.info.status, EHD_NOT_CONVERGED);
+    assert_int_equal(with_other.info.iterations, 1);
+    problem_free(&own);
+    problem_free(&with_other);
+    reduced_basis_free(&small);
 }
 
 /* What a truncated basis costs: its own training states, to its accuracy. */
@@ -641,6 +704,7 @@ int main(void) {
         cmocka_unit_test(full_rank_reproduces_the_full_model),
         cmocka_unit_test(a_basis_with_the_solution_finds_it),
         cmocka_unit_test(all_rows_in_any_order_are_level_i),
+        cmocka_unit_test(another_linear_solver_may_be_put_in),
         cmocka_unit_test(truncated_bases_stay_near),
         cmocka_unit_test(cut_tables_equal_plain_sums),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
