@@ -3,6 +3,7 @@
  * them in one piece, both on one core.
  *
  *     bench_compress [num_nodes num_snapshots [block]] */
+#include "common/program/program.h"
 #include "podbuild/compress.h"
 #include "podbuild/pod.h"
 
@@ -10,13 +11,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /* Twenty periods of a hump that travels to and fro, each with another width, as of trajectories. */
 static void fill(double *snapshots, size_t num_snapshots, size_t num_nodes) {
@@ -35,7 +29,7 @@ static double time_compression(compressed_set *set, const double *snapshots, siz
     const compressor_settings settings = {.discarded_energy = 1e-22, .block = block};
     snapshot_compressor *compressor = NULL;
     ehd_error error = {0};
-    const double start = seconds();
+    const double start = program_seconds();
     if (compressor_create(&compressor, num_nodes, &settings, &error) ||
         compressor_add(compressor, snapshots, num_snapshots, &error) ||
         compressor_finish(set, compressor, &error)) {
@@ -43,19 +37,19 @@ static double time_compression(compressed_set *set, const double *snapshots, siz
         exit(1);
     }
     compressor_free(compressor);
-    return seconds() - start;
+    return program_seconds() - start;
 }
 
 static double time_one_piece(pod_basis *basis, const double *snapshots, size_t num_snapshots,
                              size_t num_nodes) {
     ehd_error error = {0};
-    const double start = seconds();
+    const double start = program_seconds();
     if (pod_build(basis, snapshots, num_snapshots, num_nodes,
                   &(pod_settings){.discarded_energy = 1e-22}, &error)) {
         fprintf(stderr, "bench_compress: %s\n", error.text);
         exit(1);
     }
-    return seconds() - start;
+    return program_seconds() - start;
 }
 
 /* Largest deviation of a singular value, relative to the first. */

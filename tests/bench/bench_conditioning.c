@@ -15,6 +15,7 @@
 #include "romrun/least_squares.h"
 #include "romrun/model_file.h"
 #include "romrun/reduced_solver.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/variant.h"
 
 #include <cblas.h>

@@ -4,6 +4,7 @@
  *     bench_full [repeats] */
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
+#include "tests/bench/measure.h"
 #include "tests/unit/dense.h"
 #include "tests/unit/sample.h"
 
@@ -16,22 +17,6 @@
 #include <unistd.h>
 
 static const double LEAST_RATIO = 10, MOST_EXPONENT = 1.3;
-
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *times, size_t repeats) {
-    qsort(times, repeats, sizeof *times, compare);
-    return times[repeats / 2];
-}
-
-static void must(ehd_status status, const ehd_error *error) {
-    if (status == EHD_OK) return;
-    fprintf(stderr, "bench_full: %s\n", error->text);
-    exit(1);
-}
 
 static void must_converge(const full_info *info) {
     if (info->status == EHD_OK) return;
@@ -78,11 +63,14 @@ static int bench_dense(size_t repeats) {
     double film = full_evaluate_scalars(&work, &contact).central_film_thickness;
     double dense_seconds = time_newton(&dense_info, &work, &start, dense_solver, &contact);
     double dense_film = full_evaluate_scalars(&work, &contact).central_film_thickness;
-    double seconds = median(times, repeats), ratio = dense_seconds / seconds;
-    printf("full solve, n = %zu, from a neighbour: %.1f ms (%zu Newton, %zu GMRES), dense Newton "
+    const spread seconds = spread_of(times, repeats);
+    double ratio = dense_seconds / seconds.median;
+    char text[SPREAD_TEXT];
+    printf("full solve, n = %zu, from a neighbour: %s ms (%zu Newton, %zu GMRES), dense Newton "
            "%.1f ms (%zu Newton), ratio %.1f (at least %g), H_c %.10f and %.10f\n",
-           contact.grid.num_inner, 1e3 * seconds, info.newton_iterations, info.gmres_iterations,
-           1e3 * dense_seconds, dense_info.newton_iterations, ratio, LEAST_RATIO, film, dense_film);
+           contact.grid.num_inner, spread_text(text, &seconds, 1e-3, 1), info.newton_iterations,
+           info.gmres_iterations, 1e3 * dense_seconds, dense_info.newton_iterations, ratio,
+           LEAST_RATIO, film, dense_film);
 
     full_state_free(&work);
     full_state_free(&start);
@@ -95,7 +83,7 @@ static int bench_dense(size_t repeats) {
 // ---- growth with the nodes
 
 typedef struct cold_record {
-    double seconds;
+    spread seconds;
     size_t newton, gmres; // on the finest grid
 } cold_record;
 
@@ -124,7 +112,7 @@ static cold_record solve_cold(double step, size_t repeats) {
         record.newton = info.newton_iterations;
         record.gmres = info.gmres_iterations;
     }
-    record.seconds = median(times, repeats);
+    record.seconds = spread_of(times, repeats);
     free(times);
     return record;
 }
@@ -169,17 +157,19 @@ static double exponent(const double *nodes, const double *values, size_t count) 
 static int bench_growth(size_t repeats) {
     enum { NUM_SIZES = 5 };
     double nodes[NUM_SIZES], seconds[NUM_SIZES], megabytes[NUM_SIZES], idle;
+    char text[SPREAD_TEXT];
 
     solve_apart(&idle, 0, 0);
     for (size_t i = 0; i < NUM_SIZES; i++) {
         double step = 0.005 / (double)(1 << i);
         nodes[i] = 6 / step + 1;
         cold_record record = solve_apart(&megabytes[i], step, repeats);
-        seconds[i] = record.seconds;
+        seconds[i] = record.seconds.median;
         megabytes[i] -= idle;
-        printf("cold solve, n = %5.0f: %7.1f ms, %zu Newton, %zu GMRES, peak memory %.1f MB "
+        printf("cold solve, n = %5.0f: %s ms, %zu Newton, %zu GMRES, peak memory %.1f MB "
                "above the %.1f of the program\n",
-               nodes[i], 1e3 * seconds[i], record.newton, record.gmres, megabytes[i], idle);
+               nodes[i], spread_text(text, &record.seconds, 1e-3, 1), record.newton, record.gmres,
+               megabytes[i], idle);
     }
     double time_exponent = exponent(nodes, seconds, NUM_SIZES);
     double memory_exponent = exponent(nodes, megabytes, NUM_SIZES);

@@ -7,25 +7,16 @@
  * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
  * instructions by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
+#include "romrun/indicator.h"
 #include "romrun/model_file.h"
 #include "romrun/reduced_solver.h"
+#include "tests/bench/measure.h"
 
 #include <cblas.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void must(ehd_status status, const ehd_error *error) {
-    if (status == EHD_OK) return;
-    fprintf(stderr, "bench_online: %s\n", error->text);
-    exit(1);
-}
-
-static int compare_infos(const void *a, const void *b) {
-    double p = ((const reduced_info *)a)->seconds, q = ((const reduced_info *)b)->seconds;
-    return (p > q) - (p < q);
-}
 
 /* Relative change of the central film by one more iteration from the solution. */
 static double another_iteration(const reduced_state *solution, const reduced_info *info,
@@ -43,6 +34,72 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
     reduced_solver_free(solver);
     free(state.coordinates);
     return fabs(more.scalars.central_film_thickness / info->scalars.central_film_thickness - 1);
+}
+
+/* From the trained solution nearest to the scene. */
+static void solve_once(reduced_state *state, const reduced_model *model, reduced_solver *solver,
+                       const ehd_contact *contact) {
+    reduced_info info;
+    ehd_error error;
+
+    reduced_neighbour(state, model, contact->moes_M, contact->alpha_p_H);
+    double start = grid_x(&model->grid, state->exit);
+    must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
+    printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %s, %zu iterations, exit %.4f "
+           "to %.4f, H_c %.8f\n",
+           model->grid.num_inner, model->num_unknowns, model->num_rows, model->num_needed,
+           info.status ? "NOT CONVERGED" : "converged", info.iterations, start,
+           info.scalars.exit_position, info.scalars.central_film_thickness);
+}
+
+enum { ALL, ROWS, LEAST_SQUARES, EXIT, OTHER, INDICATOR, NUM_PARTS };
+
+/* Adds a solution to the measurements; returns its outcome. */
+static reduced_info measure(double *seconds[NUM_PARTS], size_t i, reduced_state *state,
+                            const reduced_model *model, reduced_solver *solver, indicator *indicate,
+                            const ehd_contact *contact) {
+    reduced_info info;
+    ehd_error error;
+
+    reduced_guess(state, model, contact->moes_M, contact->alpha_p_H);
+    must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
+    double start = program_seconds();
+    indicator_bound(indicate, solver, state, contact, &info.scalars);
+    seconds[INDICATOR][i] = program_seconds() - start;
+    seconds[ALL][i] = info.seconds;
+    seconds[ROWS][i] = info.seconds_rows;
+    seconds[LEAST_SQUARES][i] = info.seconds_linear;
+    seconds[EXIT][i] = info.seconds_exit;
+    seconds[OTHER][i] = info.seconds - info.seconds_rows - info.seconds_linear - info.seconds_exit;
+    return info;
+}
+
+static void solve_often(reduced_state *state, const reduced_model *model, reduced_solver *solver,
+                        const ehd_contact *contact, size_t repeats) {
+    double *seconds[NUM_PARTS];
+    spread spent[NUM_PARTS];
+    reduced_info info = {0};
+    indicator *indicate = indicator_create(model);
+    char text[SPREAD_TEXT];
+
+    if (!indicate) exit(71);
+    for (int part = 0; part < NUM_PARTS; part++)
+        seconds[part] = must_allocate(repeats * sizeof(double));
+    for (size_t i = 0; i < repeats; i++)
+        info = measure(seconds, i, state, model, solver, indicate, contact);
+    for (int part = 0; part < NUM_PARTS; part++) {
+        spent[part] = spread_of(seconds[part], repeats);
+        free(seconds[part]);
+    }
+    printf(
+        "M = %-4g L = %-3g H_c %.8f %s, %zu iterations: %s ms = rows %.3f + least squares %.3f + "
+        "exit %.3f + other %.3f; indicator %.3f; another iteration changes H_c by %.1e\n",
+        contact->moes_M, contact->moes_L, info.scalars.central_film_thickness,
+        info.status ? "NOT CONVERGED" : "converged", info.iterations,
+        spread_text(text, &spent[ALL], 1e-3, 3), spent[ROWS].median * 1e3,
+        spent[LEAST_SQUARES].median * 1e3, spent[EXIT].median * 1e3, spent[OTHER].median * 1e3,
+        spent[INDICATOR].median * 1e3, another_iteration(state, &info, model, contact));
+    indicator_free(indicate);
 }
 
 int main(int argc, char **argv) {
@@ -67,39 +124,11 @@ int main(int argc, char **argv) {
     must(contact_init(&contact, &given, &error), &error);
     must(model_read(&model, argv[1], &sizes, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
-    reduced_state state = {malloc(model.num_unknowns * sizeof(double)), 0};
-    reduced_info *infos = calloc(repeats + 1, sizeof *infos);
-    if (!state.coordinates || !infos) return 71;
-
-    if (repeats == 0) {
-        reduced_neighbour(&state, &model, contact.moes_M, contact.alpha_p_H);
-        double start = grid_x(&model.grid, state.exit);
-        must(reduced_solve(&infos[0], &state, solver, &contact, NULL, &error), &error);
-        printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %s, %zu iterations, exit %.4f "
-               "to %.4f, H_c %.8f\n",
-               model.grid.num_inner, model.num_unknowns, model.num_rows, model.num_needed,
-               infos[0].status ? "NOT CONVERGED" : "converged", infos[0].iterations, start,
-               infos[0].scalars.exit_position, infos[0].scalars.central_film_thickness);
-    } else {
-        for (size_t i = 0; i < repeats; i++) {
-            reduced_guess(&state, &model, contact.moes_M, contact.alpha_p_H);
-            must(reduced_solve(&infos[i], &state, solver, &contact, NULL, &error), &error);
-        }
-        double change = another_iteration(&state, &infos[0], &model, &contact);
-        qsort(infos, repeats, sizeof *infos, compare_infos);
-        const reduced_info *median = &infos[repeats / 2];
-        double other =
-            median->seconds - median->seconds_rows - median->seconds_linear - median->seconds_exit;
-        printf(
-            "M = %-4g L = %-3g H_c %.8f %s, %zu iterations: %.3f ms (%.3f to %.3f) = rows %.3f + "
-            "least squares %.3f + exit %.3f + other %.3f; another iteration changes H_c by %.1e\n",
-            contact.moes_M, contact.moes_L, median->scalars.central_film_thickness,
-            median->status ? "NOT CONVERGED" : "converged", median->iterations,
-            median->seconds * 1e3, infos[0].seconds * 1e3, infos[repeats - 1].seconds * 1e3,
-            median->seconds_rows * 1e3, median->seconds_linear * 1e3, median->seconds_exit * 1e3,
-            other * 1e3, change);
-    }
-    free(infos);
+    reduced_state state = {must_allocate(model.num_unknowns * sizeof(double)), 0};
+    if (repeats == 0)
+        solve_once(&state, &model, solver, &contact);
+    else
+        solve_often(&state, &model, solver, &contact, repeats);
     free(state.coordinates);
     reduced_solver_free(solver);
     reduced_model_free(&model);

@@ -9,6 +9,7 @@
 #include "romrun/model_file.h"
 #include "romrun/reduced_march.h"
 #include "romrun/reduced_solver.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/variant.h"
 
 #include <cblas.h>

@@ -9,6 +9,15 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
 
+# seconds COMMAND...: "median (least to most) s" of five runs
+seconds() {
+    for _ in 1 2 3 4 5; do
+        local start=$EPOCHREALTIME
+        "$@" >/dev/null
+        awk -v a="$start" -v b="$EPOCHREALTIME" 'BEGIN { print b - a }'
+    done | sort -g | awk '{ t[NR] = $1 } END { printf "%.2f (%.2f to %.2f) s\n", t[3], t[1], t[5] }'
+}
+
 section() { printf '\n== %s\n' "$*"; }
 
 # chain PLAN MODES ROWS NAME: train, bases, residuals, rows; the model is $work/NAME-model.h5
@@ -38,6 +47,16 @@ section "full solve: against the dense Newton (goal: 10 times), growth with n (g
 
 section "training: 120 points of the lower loaded region, $(nproc) processors (goal: 20 s)"
 chain "$low/plan.yml" 110 176 low
+export OPENBLAS_NUM_THREADS=1
+echo "full solutions      $(seconds "$BIN/snapgen" -q "$low/plan.yml" -f -o "$work/again.h5")"
+echo "bases               $(seconds "$BIN/podbuild" -q "$work/low-snapshots.h5" -f -o "$work/again.h5" --pressure-modes 110)"
+echo "residuals           $(seconds "$BIN/snapgen" -q "$low/plan.yml" --basis "$work/low-basis.h5" -f -o "$work/again.h5")"
+echo "rows                $(seconds "$BIN/deimselect" -q "$work/low-residuals.h5" --basis "$work/low-basis.h5" -f -o "$work/again.h5" --rows 176)"
+
+section "least squares against a product of the same size (goal: a third of its rate)"
+for size in "177 111" "161 101" "131 85"; do
+    "$BENCH/bench_least_squares" $size || failed=1
+done
 
 # cases FOLDER NAME TOLERANCE MODES ROWS: a line each of the published cases
 cases() {
@@ -45,7 +64,10 @@ cases() {
         printf '%s ' "$lubricant"
         "$BENCH/bench_online" "$work/$2-model.h5" "$1/scene.yml" 101 "$3" "$4" "$5" moes.M="$M" moes.L="$L" \
             hertz_pressure="${p_H}e9" lubricant.viscosity.preset="$lubricant"
-    done
+    done | tee "$work/cases"
+    awk -F', ' '{ split($2, word, " "); sum += word[1]; split($0, time, "iterations: "); split(time[2], ms, " ")
+                  slowest = ms[1] > slowest ? ms[1] : slowest }
+                END { printf "slowest %.3f ms, %.2f iterations in the mean\n", slowest, sum / NR }' "$work/cases"
 }
 
 chain "$high/plan.yml" 100 160 high

@@ -2,23 +2,11 @@
 #include "tests/bench/variant.h"
 
 #include "common/artefact/artefact.h"
+#include "tests/bench/measure.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-void must(ehd_status status, const ehd_error *error) {
-    if (status == EHD_OK) return;
-    fprintf(stderr, "bench: %s\n", error->text);
-    exit(1);
-}
-
-void *must_allocate(size_t bytes) {
-    void *memory = calloc(bytes, 1);
-    if (memory) return memory;
-    fprintf(stderr, "bench: found no memory\n");
-    exit(1);
-}
 
 /* What is done to a node's row of modes. */
 typedef void row_change(double *row, size_t num_modes, double by);

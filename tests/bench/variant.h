@@ -5,10 +5,6 @@
 
 #include "romrun/reduced_model.h"
 
-/* Ends the program where something failed. */
-void must(ehd_status status, const ehd_error *error);
-void *must_allocate(size_t bytes); // zeros; free with free()
-
 /* Makes a coupled model another one:
  *     stored            nothing is done
  *     without-D         the rows without the weight D

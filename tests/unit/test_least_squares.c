@@ -160,6 +160,32 @@ static void near_rank_deficiency_is_harmless(void **state) {
     }
 }
 
+/* With the factors of a matrix near by, iterated to its fixed point, which is the solution for the other one. */
+static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], left[ROWS], expected[COLUMNS], step[COLUMNS];
+    double x[COLUMNS] = {0};
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+
+    assert_non_null(workspace);
+    random_matrix(matrix, ROWS, 10);
+    random_vector(right, ROWS);
+    assert_int_equal(least_squares_factorise(workspace, matrix, ROWS), EHD_OK);
+    for (size_t i = 0; i < ROWS * COLUMNS; i++)
+        matrix[i] *= 1 + 0.02 * random_number();
+    reference(expected, matrix, right, ROWS);
+    for (int iteration = 0; iteration < 30; iteration++) {
+        memcpy(left, right, sizeof left);
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, COLUMNS, 1, matrix, COLUMNS, x, 1, 1, left,
+                    1);
+        assert_int_equal(least_squares_again(step, workspace, matrix, left, ROWS), EHD_OK);
+        for (size_t j = 0; j < COLUMNS; j++)
+            x[j] += step[j];
+    }
+    check_close_array(x, expected, COLUMNS, 1e-9, 1e-11);
+    least_squares_free(workspace);
+}
+
 /* What is not determined by the rows would depend on where Newton starts. Columns of zeros need no row. */
 static void fewer_rows_than_columns_are_refused(void **state) {
     (void)state;
@@ -172,7 +198,7 @@ static void fewer_rows_than_columns_are_refused(void **state) {
     for (size_t num_rows = 1; num_rows < COLUMNS; num_rows++) {
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, num_rows),
                          EHD_NOT_CONVERGED);
-        assert_int_equal(least_squares_keep(workspace, matrix, num_rows), EHD_NOT_CONVERGED);
+        assert_int_equal(least_squares_factorise(workspace, matrix, num_rows), EHD_NOT_CONVERGED);
     }
     for (size_t r = 0; r < ROWS; r++)
         matrix[r * COLUMNS + 4] = 0;
@@ -260,6 +286,7 @@ int main(void) {
         cmocka_unit_test(scales_columns),
         cmocka_unit_test(zero_columns_get_zero),
         cmocka_unit_test(near_rank_deficiency_is_harmless),
+        cmocka_unit_test(factors_of_a_neighbour_converge_to_the_solution),
         cmocka_unit_test(fewer_rows_than_columns_are_refused),
         cmocka_unit_test(sensitivity_is_the_shortest_cause),
         cmocka_unit_test(not_finite_is_said),
