@@ -112,6 +112,9 @@ run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) tests/r
 bench: $(PROGRAMS) $(BENCHES) ## measure speed
 	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) tests/bench/run.sh
 
+costs: $(PROGRAMS) ## what each term of a scene costs, by instructions and heap
+	@BIN=$(abspath $(BIN)) tests/bench/costs.sh
+
 figures: $(PROGRAMS) ## draw the figures of all scenes
 	@for scene in $(SCENES); do \
 	    $(MAKE) -C $$scene figures BIN=$(abspath $(BIN)) || exit; \
@@ -165,7 +168,7 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps demo check check-long bench figures man install format lint clean help FORCE
+.PHONY: all deps demo check check-long bench costs figures man install format lint clean help FORCE
 
 # ---- What has to be installed
 

@@ -95,6 +95,7 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
                             compressible ? memory + 2 * num_needed : NULL,
                             compressible ? memory + 3 * num_needed : NULL};
 
+    if (control->num_rows == 0) return 0; // nor is the band's pressure needed
     expand(self, state);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
     reynolds_rows(self->rows, model->grid.step, contact->entrainment, NULL, control->stencils,

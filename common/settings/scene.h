@@ -48,12 +48,13 @@ typedef struct scene {
     double x_min; // contact half widths
     double x_max;
     double step;
-    int output_fields; // 1, 0, or -1: the program's own default
-    int fields_every;  // fields at every N-th step; this and all below only when transient
-    double end_time;   // T
-    double tolerance;  // 1, on the local error
-    double fixed_step; // of T; NaN: steps by the local error
-    double start_film; // H of the start from rest; NaN: not given
+    int output_fields;     // 1, 0, or -1: the program's own default
+    int output_resolution; // the same
+    int fields_every;      // fields at every N-th step; this and all below only when transient
+    double end_time;       // T
+    double tolerance;      // 1, on the local error
+    double fixed_step;     // of T; NaN: steps by the local error
+    double start_film;     // H of the start from rest; NaN: not given
     history_settings vary[NUM_VARY];
 } scene;
 

@@ -78,6 +78,19 @@ YAML
     fullrun --check result.h5
 }
 
+@test "output.resolution false leaves the estimates out, and nothing else" {
+    run --separate-stderr fullrun scene.yml -o with.h5 --set grid.step=0.05
+    [[ $status == 0 && $stderr == *grid.step:* ]]
+    run --separate-stderr fullrun scene.yml -o without.h5 --set grid.step=0.05 --set output.resolution=false
+    [[ $status == 0 && $stderr != *grid.step:* ]]
+    [ "$(h5dump -A 0 -y -d /central_film_thickness -m %.17g with.h5 | tail -n +2)" = \
+        "$(h5dump -A 0 -y -d /central_film_thickness -m %.17g without.h5 | tail -n +2)" ]
+    h5dump -a /step_effect with.h5
+    run h5dump -a /step_effect without.h5
+    [ "$status" -ne 0 ]
+    fullrun --check without.h5
+}
+
 @test "--start gives the same answer as a cold start" {
     fullrun scene.yml -o first.h5
     fullrun scene.yml -o cold.h5 --set moes.M=14

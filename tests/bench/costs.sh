@@ -1,0 +1,188 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What each term of a scene costs, by instructions (callgrind) and heap (massif), which do not depend on what
+# else the machine does; `make costs` calls this with BIN set. Fails where a scene runs functions of a term
+# that it does not have.
+set -eu
+: "${BIN:?folder of the programs}"
+here=$(cd "$(dirname "$0")" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+export OPENBLAS_NUM_THREADS=1
+failed=0
+cd "$work"
+
+section() { printf '\n== %s\n' "$*"; }
+
+# ---- scenes
+
+# scene NAME: writes NAME.yml; words of the name say what it has that `base` has not.
+scene() {
+    local viscosity='law: barus, alpha: 22e-9' density=incompressible regime=stationary closure=load
+    case $1 in *roelands*) viscosity='law: roelands, eta0: 0.04, alpha: 22e-9' ;; *wlf*) viscosity='law: wlf, preset: no1' ;; esac
+    case $1 in *compressible*) density=dowson-higginson ;; esac
+    case $1 in *approach*) closure=approach ;; esac
+    case $1 in *time*) regime=transient ;; esac
+    cat >"$1.yml" <<YML
+contact: line
+regime: $regime
+closure: $closure
+moes: {M: 120, L: 10}
+lubricant: {viscosity: {$viscosity}, density: {law: $density}}
+YML
+    case $1 in
+    *time*) echo 'transient: {speed: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.05, fixed_step: 0.005}' >>"$1.yml" ;;
+    esac
+}
+stationary='base compressible roelands wlf'
+in_time='time time-compressible time-approach'
+for name in $stationary $in_time; do scene "$name"; done
+
+# ---- measurements
+
+# calls NAME TOGGLE COMMAND...: NAME.calls, of functions while TOGGLE runs (- : of the whole program)
+calls() {
+    local name=$1 toggle=$2 status=0
+    shift 2
+    [ "$toggle" = - ] && toggle= || toggle=--toggle-collect=$toggle
+    # shellcheck disable=SC2086
+    valgrind --tool=callgrind --callgrind-out-file="$name.callgrind" $toggle "$@" >"$name.log" 2>&1 || status=$?
+    # not to be trusted (4) is a solution too
+    [ $status -eq 0 ] || [ $status -eq 4 ] || { cat "$name.log" >&2; exit 1; }
+    awk -f "$here/calls.awk" "$name.callgrind" >"$name.calls"
+    rm "$name.callgrind"
+}
+
+# heap COMMAND...: its peak in kilobytes
+heap() {
+    valgrind --tool=massif --massif-out-file=massif "$@" >massif.log 2>&1 || [ $? -eq 4 ] || { cat massif.log >&2; exit 1; }
+    awk -F= '/^mem_heap_B/ && $2 > most { most = $2 } END { printf "%.0f\n", most / 1000 }' massif
+}
+
+# table PER UNIT NAME...: thousands of instructions in NAME.calls, per call of PER, which is called UNIT
+table() {
+    local per=$1 unit=$2
+    shift 2
+    printf '%-18s %10s %6s %9s %9s %9s %9s %9s %9s %9s %9s %8s\n' scene "$unit" rows all solver rows earlier rest fluid viscosity density heap/kB
+    for name; do
+        awk -v name="$name" -v per="$per" -v heap="$(cat "$name.heap")" '
+            { calls[$1] = $2; cost[$1] = $3 }
+            $1 ~ /_log_viscosity$/ { viscosity += $3 }
+            $1 ~ /^earlier_(prepare|mass|film_prepare|film_masses)$/ { earlier += $3 }
+            $1 ~ /^(full_solve_gmres|least_squares_(solve|keep|again))$/ { solver += $3 }
+            function share(x) { return sprintf(" %9.1f", x / calls[per] / 1000) }
+            END {
+                fluid = cost["reynolds_fluid_evaluate"]
+                rows = cost["reynolds_rows"]
+                printf "%-18s %10d %6d", name, calls[per], calls["reynolds_rows"]
+                print share(cost["total"]) share(solver) share(rows) share(earlier) share(cost["total"] - solver - rows - earlier - fluid) \
+                    share(fluid) share(viscosity) share(cost["dowson_higginson"]) sprintf(" %8d", heap)
+            }' "$name.calls"
+    done
+}
+
+# none NAME PATTERN: no function of that name runs
+none() {
+    local found
+    found=$(awk -v pattern="$2" '$1 ~ pattern { printf " %s", $1 }' "$1.calls")
+    if [ -n "$found" ]; then
+        printf '%-18s calls%s\n' "$1" "$found"
+        failed=1
+    else
+        printf '%-18s none of %s\n' "$1" "$2"
+    fi
+}
+
+# check_terms KIND: the functions of terms that the scenes of whole runs, KIND-NAME.calls, do not have
+check_terms() {
+    local kind=$1
+    none "$kind-base" '^(dowson_higginson|roelands_|wlf_)'
+    none "$kind-wlf" '^(dowson_higginson|roelands_|barus_)'
+    none "$kind-base" '^(histories_(at|next)|frame_|march_|bdf_|earlier_|film_splines_build|time_run|gsl_spline|full_march|reduced_march)'
+    none "$kind-time" '^dowson_higginson'
+}
+
+# ---- the full model
+
+section "full model, n = 1201: thousand instructions in a Newton iteration, from the solution at M = 115"
+for name in $stationary; do
+    "$BIN/fullrun" -q "$name.yml" --set moes.M=115 -f -o start.h5 >log
+    calls "$name" full_solve_from "$BIN/fullrun" -q "$name.yml" --start start.h5 -f -o "$name.h5"
+    heap "$BIN/fullrun" -q "$name.yml" --start start.h5 -f -o "$name.h5" >"$name.heap"
+done
+for name in $in_time; do
+    calls "$name" march_run "$BIN/fullrun" -q "$name.yml" --set output.fields=false -f -o "$name.h5"
+    heap "$BIN/fullrun" -q "$name.yml" --set output.fields=false -f -o "$name.h5" >"$name.heap"
+done
+echo "rows: calls, and their share; rest: deflection, exit, damping; viscosity and density are parts of fluid"
+# shellcheck disable=SC2086
+table full_solve_gmres iterations $stationary $in_time
+
+section "full model, whole program from a cold start: thousand instructions"
+calls full-short - "$BIN/fullrun" -q base.yml --set output.fields=false --set output.resolution=false -f -o base.h5
+for name in base wlf time; do
+    calls "full-$name" - "$BIN/fullrun" -q "$name.yml" --set output.fields=false -f -o "$name.h5"
+done
+calls full-fields - "$BIN/fullrun" -q base.yml -f -o fields.h5
+awk 'FNR == 1 { total[FILENAME] = $3 }
+     FILENAME == "full-base.calls" { if ($1 == "full_solve_cold") solve = $3; if ($1 == "full_resolution_estimate") estimate = $3 }
+     END { printf "program %.0f, of it solution %.0f, estimates of the resolution %.0f (without them %+.0f); fields %+.0f\n",
+           total["full-base.calls"] / 1000, solve / 1000, estimate / 1000, (total["full-short.calls"] - total["full-base.calls"]) / 1000, (total["full-fields.calls"] - total["full-base.calls"]) / 1000 }' full-base.calls full-fields.calls full-short.calls
+check_terms full
+
+# ---- the reduced model
+
+cat >plan.yml <<'YML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [90, 100, 110, 125, 140, 155], moes.L: [8, 9, 10, 11, 12]}
+  - scene: time.yml
+    vary: {transient.speed.period: [0.5, 1]}
+  - scene: time-compressible.yml
+    vary: {transient.speed.period: [0.5, 1]}
+YML
+"$BIN/snapgen" -q plan.yml -f -o snapshots.h5
+"$BIN/podbuild" -q snapshots.h5 -f -o basis.h5 --pressure-modes 40 >log
+"$BIN/snapgen" -q plan.yml --basis basis.h5 -f -o residuals.h5 >log
+"$BIN/deimselect" -q residuals.h5 --basis basis.h5 -f -o model.h5 --rows 70 >log
+"$BIN/deimselect" -q residuals.h5 --basis basis.h5 -f -o without-control.h5 --rows 70 --control 0 >log
+
+section "reduced model, 40 modes and 70 rows: thousand instructions in an iteration"
+for name in $stationary; do
+    calls "$name" reduced_solve "$BIN/romrun" -q "$name.yml" --model model.h5
+    heap "$BIN/romrun" -q "$name.yml" --model model.h5 >"$name.heap"
+done
+# shellcheck disable=SC2086
+table least_squares_solve iterations $stationary
+for name in $in_time; do
+    calls "$name" march_run "$BIN/romrun" -q "$name.yml" --model model.h5
+    heap "$BIN/romrun" -q "$name.yml" --model model.h5 >"$name.heap"
+done
+echo 'in time, for a call of the rows, of which the exit has its own:'
+# shellcheck disable=SC2086
+table reynolds_rows "rows called" $in_time
+
+section "reduced model, whole program: thousand instructions"
+for name in base wlf time; do
+    calls "reduced-$name" - "$BIN/romrun" -q "$name.yml" --model model.h5
+done
+calls reduced-fields - "$BIN/romrun" -q base.yml --model model.h5 --set output.fields=true -f -o fields.h5
+calls reduced-file - "$BIN/romrun" -q base.yml --model model.h5 -f -o fields.h5
+calls reduced-without-control - "$BIN/romrun" -q base.yml --model without-control.h5
+awk 'FNR == 1 { total[FILENAME] = $3 }
+     { cost[FILENAME, $1] = $3 }
+     END { base = "reduced-base.calls"; without = "reduced-without-control.calls"
+           printf "program %.0f, of it opening the model %.0f, solution %.0f, indicator %.0f (without control rows %.0f)\n",
+               total[base] / 1000, cost[base, "ehdrom_open"] / 1000, cost[base, "reduced_solve"] / 1000,
+               cost[base, "indicator_bound"] / 1000, cost[without, "indicator_bound"] / 1000
+           printf "a result file takes %+.0f, fields in it %+.0f\n", (total["reduced-file.calls"] - total[base]) / 1000,
+               (total["reduced-fields.calls"] - total["reduced-file.calls"]) / 1000 }' reduced-*.calls
+printf 'heap: %d kB, with fields %d kB, without control rows %d kB\n' "$(heap "$BIN/romrun" -q base.yml --model model.h5)" \
+    "$(heap "$BIN/romrun" -q base.yml --model model.h5 --set output.fields=true -f -o fields.h5)" \
+    "$(heap "$BIN/romrun" -q base.yml --model without-control.h5)"
+check_terms reduced
+none full-short '^full_resolution'
+none reduced-base '^(reduced_fields|model_read_modes|ehdrom_fields|result_write)'
+none reduced-time '^(reduced_fields|ehdrom_fields|indicator_)'
+none reduced-without-control '^reduced_model_complete_control'
+exit $failed
