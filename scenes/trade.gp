@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Deviation of the central film against time of a solution, from the worst scene (mark) down to the median (end of
-# the bar). Variables: data (trade.csv), picture (without its ending), regime.
+# the bar). Variables: data (trade.csv), picture (without its ending), regime, width (pixels).
 stationary = regime eq "stationary"
 lowest = stationary ? 1e-9 : 1e-5   # where the reference is drawn, and what deviates even less
 
 # Alternatives by name and position: seconds, worst, median, position. Either those without failures or (failing = 1)
 # those with; a first point out of sight, since gnuplot warns of empty data.
 points(alternative, position, failing) = sprintf( \
-    "<awk -F, -v low=%g 'BEGIN { print 1e-30, 1, 1, 0 } FNR > 1 && $9 > 0 && $6 != \"nan\" && $1 ~ /%s/ && $2 ~ /%s/ && ($5 > 0) == %d { gsub(\" \", \"_\", $2); print $9, $6 < low ? low : $6, $8 < low ? low : $8, $2 }' %s", \
+    "<awk -F, -v low=%g 'BEGIN { print 1e-30, 1, 1, 0 } FNR > 1 && $9 > 0 && $6 != \"nan\" && $1 ~ /%s/ && $2 ~ /%s/ && ($5 > 0) == %d { gsub(\" \", \"_\", $2); print $9, ($6 < low ? low : $6), ($8 < low ? low : $8), $2 }' %s", \
     lowest, alternative, position, failing, data)
 coarser = "step ([02-9]|1[0-9]).* times [tf]"
 of_grid(what, column) = 0.0 + system(sprintf( \
@@ -20,7 +20,7 @@ blue = "#0072b2"; red = "#d55e00"; green = "#009e73"; pink = "#cc79a7"; orange =
 
 do for [ending in "png svg"] {
     if (ending eq "png") {
-        set terminal pngcairo size 1000, 800 font "sans,14" background "white"
+        set terminal pngcairo size width, 0.8 * width font "sans,14" fontscale width / 1000. pointscale width / 1000. background "white"
     } else {
         set terminal svg size 1000, 800 font "sans,14" background "white"
     }
@@ -35,7 +35,7 @@ do for [ending in "png svg"] {
     set yrange [lowest / 2:2]
     set xlabel stationary ? "time of a solution / s" : "time of a trajectory / s"
     set ylabel "deviation of H_c: worst (mark), median (end of the bar)"
-    set key outside bottom center horizontal Left reverse maxcols 2 width -2 samplen 2 spacing 1.2
+    set key outside bottom center horizontal Left reverse maxcols 2 width -6 samplen 1 spacing 1.2
     set arrow 1 from graph 0, first of_grid("step", 6) to graph 1, first of_grid("step", 6) nohead dashtype 2 linewidth 1.5 linecolor "#666666"
     set arrow 2 from graph 0, first of_grid("step", 8) to graph 1, first of_grid("step", 8) nohead dashtype 3 linewidth 1.5 linecolor "#666666"
     set label 1 "published grid itself, worst" at graph 0.01, first of_grid("step", 6) offset 0, 0.5 textcolor "#444444"

@@ -14,6 +14,9 @@ TRADE_REPEAT     ?= 3
 # first one.
 TRADE_STEPS ?= 1e-5 1e-4 1e-3 1e-2 fixed0.005 fixed0.02 still300
 
+# Of the picture, in pixels.
+TRADE_WIDTH ?= 1000
+
 TRADE := $(OUT)/trade
 
 # ---- Targets for people
@@ -92,5 +95,6 @@ endif
 
 # ---- The picture
 
-$(OUT)/trade.png: $(OUT)/trade.csv $(SHARED)trade.gp
-	$(call quiet,gnuplot   ,$@)gnuplot -e 'data="$<"; picture="$(basename $@)"; regime="$(TRADE_REGIME)"' $(SHARED)trade.gp
+$(OUT)/trade.png: $(OUT)/trade.csv $(SHARED)trade.gp $(call options,trade-picture,$(TRADE_WIDTH))
+	$(call quiet,gnuplot   ,$@)gnuplot -e 'data="$<"; picture="$(basename $@)"; regime="$(TRADE_REGIME)"; width=$(TRADE_WIDTH)' \
+	    $(SHARED)trade.gp

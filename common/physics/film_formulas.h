@@ -31,9 +31,9 @@ extern const film_formula film_formulas[]; // ends with a row whose name is NULL
  * piezoviscous. It is the film where the pressure is flat: at the end of the rigid isoviscous contact. */
 double film_moes(double moes_M, double moes_L);
 
-/* The numbers of a contact as it is now. M and alpha p_H are two; the third, U, is found from E', which
- * only a physical scene tells: steel on steel stands for the others. Formulas that hold for any contact
- * do not depend on it, that of Pan and Hamrock by less than 1 % for 20 % of E'. */
+/* The numbers of a contact as it is now. Its film depends on two alone, M and alpha p_H, and most formulas respect
+ * that (optimum similarity); the third, E', enters that of Pan and Hamrock, by 1 % for 20 % of E'. Only a physical
+ * scene tells it: steel on steel stands for the others. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 
 #endif

@@ -428,7 +428,7 @@ PYTHON
     refused 65 "scene.yml" fullrun scene.yml -o r.h5 --start scene.yml
     refused 65 "cut.h5" fullrun scene.yml -o r.h5 --start cut.h5
     refused 65 "other.h5: x: found 241 nodes.*expected 301" fullrun scene.yml -o r.h5 --start other.h5
-    refused 65 "bare.h5: .*pressure" fullrun scene.yml -o r.h5 --start bare.h5
+    refused 65 "bare.h5: found no dataset pressure, .*output.fields" fullrun scene.yml -o r.h5 --start bare.h5
     [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
 }
 
