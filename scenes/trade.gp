@@ -14,7 +14,7 @@ of_grid(what, column) = 0.0 + system(sprintf( \
     "awk -F, '$1 == \"reference\" && $2 == \"%s\" { x = $%d } END { print (x > 0 ? x : 1e-30) }' %s", what, column, data))
 
 # The formulas and their worst deviation, the worst first, as one label.
-formulas = system("awk -F, '$1 == \"formula\" { printf \"%s %.0f %%%s\\n\", $2, 100 * $6, ($3 == \"minimum\" ? \", minimum\" : \"\") }' ".data." | sed 's/-minimum//; s/-central//' | sort -k 2gr | head -c -1")
+formulas = "film formulas, worst:\n" . system("awk -F, '$1 == \"formula\" { printf \"%s %.0f %%%s\\n\", $2, 100 * $6, ($3 == \"minimum\" ? \", minimum\" : \"\") }' ".data." | sed 's/-minimum//; s/-central//' | sort -k 2gr | head -c -1")
 
 blue = "#0072b2"; red = "#d55e00"; green = "#009e73"; pink = "#cc79a7"; orange = "#e69f00"; sky = "#56b4e9"
 
@@ -41,7 +41,7 @@ do for [ending in "png svg"] {
     set label 1 "published grid itself, worst" at graph 0.01, first of_grid("step", 6) offset 0, 0.5 textcolor "#444444"
     set label 2 "published grid itself, median" at graph 0.01, first of_grid("step", 8) offset 0, -0.6 textcolor "#444444"
     set label 3 "none (or less): the reference" at graph 0.01, first lowest offset 0, 0.6 textcolor "#444444"
-    set label 4 formulas at first (stationary ? 3.5e-7 : 2e-3), first 1 font ",12" textcolor "black"
+    set label 4 formulas at graph 0.012, graph 0.4 font ",12" textcolor "black"
     bars(alternative, position) = points(alternative, position, 0)
     if (stationary) {
         plot bars("^formula", "") using 1:2:(0):($3 - $2) with vectors nohead linewidth 1.6 linecolor "black" notitle, \
@@ -55,6 +55,7 @@ do for [ending in "png svg"] {
              bars("^full cold", "") using 1:2:(0):($3 - $2) with vectors nohead linewidth 1.6 linecolor rgb red notitle, \
              bars("^full cold", "1e-10") using 1:2 with points pointtype 5 pointsize 1.1 linecolor rgb red title "full model, cold start, grids", \
              bars("^full cold", "1e-[1-9]$") using 1:2 with points pointtype 4 pointsize 1.1 linewidth 1.6 linecolor rgb red title "the same, looser tolerances", \
+             points("^full", "", 1) using 1:2 with points pointtype 2 pointsize 0.8 linecolor rgb orange title "full model, failing on some scenes", \
              bars("^full from reduced", "") using 1:2 with points pointtype 13 pointsize 1.6 linecolor rgb pink title "full model from the reduced solution"
     } else {
         plot bars("^formula", "") using 1:2:(0):($3 - $2) with vectors nohead linewidth 1.6 linecolor "black" notitle, \
@@ -62,7 +63,7 @@ do for [ending in "png svg"] {
              bars("^reduced", "") using 1:2:(0):($3 - $2) with vectors nohead linewidth 1.6 linecolor rgb blue notitle, \
              bars("^reduced", "tolerance") using 1:2 with points pointtype 7 pointsize 1.1 linecolor rgb blue title "reduced model, sizes and tolerances", \
              bars("^reduced", "fixed") using 1:2 with points pointtype 6 pointsize 1.1 linewidth 1.6 linecolor rgb blue title "reduced model, fixed steps", \
-             points("^reduced", "", 1) using 1:2 with points pointtype 2 pointsize 0.8 linecolor rgb sky title "the same, one trajectory lost", \
+             points("^(full|reduced)", "", 1) using 1:2 with points pointtype 2 pointsize 0.8 linecolor rgb sky title "either model, some trajectory lost", \
              bars("^full", "step 1 times") using 1:2:(0):($3 - $2) with vectors nohead linewidth 1.6 linecolor rgb red notitle, \
              bars("^full", "step 1 times tolerance") using 1:2 with points pointtype 5 pointsize 1.1 linecolor rgb red title "full model, tolerances", \
              bars("^full", "step 1 times fixed") using 1:2 with points pointtype 4 pointsize 1.1 linewidth 1.6 linecolor rgb red title "full model, fixed steps", \
