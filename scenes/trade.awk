@@ -38,18 +38,17 @@ $1 == "ladder" {
 
 FNR == 1 { files++ }
 
-$1 == "result" && files == 1 { film[$2] = $7 }
+$1 == "result" && files == 1 && $4 != 1 { film[$2] = $7 }
 $1 == "result" && $3 == "reduced" { extra[$2] = $6; next }
 $1 == "result" {
     split($3, way, "-")
     tolerance = substr($3, length(way[1] way[2]) + 3)
     row = "full " (way[1] == "cold" ? "cold" : "from " way[1]) ",step " way[2] " times tolerance " tolerance ",central"
     see(row)
+    if ($4 == 1) { failures[row]++; next }
     if (way[1] == "reduced") { polish = row; polished[$2] = $6 }
-    else if ($4 == 1) { failures[row]++; next }
     else add(row "seconds", $6)
-    if ($4 == 1) failures[row]++
-    else if ($2 in film) add(row "deviation", magnitude($7 / film[$2] - 1))
+    if ($2 in film) add(row "deviation", magnitude($7 / film[$2] - 1))
 }
 
 # Of the reference alone: the formulas are the same whatever solves the scene.
@@ -60,8 +59,8 @@ $1 == "formula" && files == 1 {
     add(row "seconds", $6)
 }
 $1 == "effect" && files == 1 {
-    add("reference,step,centraldeviation", magnitude($3))
-    add("reference,inlet,centraldeviation", magnitude($4))
+    add("reference,step,central" "deviation", magnitude($3))
+    add("reference,inlet,central" "deviation", magnitude($4))
 }
 
 END {
