@@ -120,6 +120,11 @@ figures: $(PROGRAMS) ## draw the figures of all scenes
 	    $(MAKE) -C $$scene figures BIN=$(abspath $(BIN)) || exit; \
 	done
 
+trade: $(PROGRAMS) ## deviation against time of models, full solutions and film formulas, minutes
+	@for scene in $(patsubst %/check-plan.yml,%,$(wildcard scenes/*/check-plan.yml)); do \
+	    $(MAKE) -C $$scene trade BIN=$(abspath $(BIN)) || exit; \
+	done
+
 MAN_PAGES := $(PROGRAMS:$(BIN)/%=$(BUILD)/man/%.1)
 man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
@@ -168,7 +173,7 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps demo check check-long bench costs figures man install format lint clean help FORCE
+.PHONY: all deps demo check check-long bench costs figures trade man install format lint clean help FORCE
 
 # ---- What has to be installed
 

@@ -6,6 +6,7 @@
 #include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
 #include "fullrun/full_solver.h"
 #include "fullrun/judge.h"
@@ -15,10 +16,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_START = 0x200, KEY_RESUME };
+enum { KEY_START = 0x200, KEY_TOLERANCE, KEY_FORMULAS, KEY_REPEAT, KEY_RESUME };
 
 typedef struct fullrun_options {
     const char *start; // NULL: cold
+    double tolerance;  // of Newton's iteration
+    bool formulas;
+    size_t repeats; // of the solution; its median time is reported
     bool resume;
 } fullrun_options;
 
@@ -27,6 +31,18 @@ static const struct argp_option own_options[] = {
      .key = KEY_START,
      .arg = "RESULT.h5",
      .doc = "Start from the fields of another result on the same grid, not cold (stationary)"},
+    {.name = "tolerance",
+     .key = KEY_TOLERANCE,
+     .arg = "X",
+     .doc = "Largest scaled residual at which Newton's iteration may end; default 1e-10"},
+    {.name = "formulas",
+     .key = KEY_FORMULAS,
+     .doc = "Print beside the solution what published film formulas say; in time, of the contact "
+            "at each time as if it were stationary"},
+    {.name = "repeat",
+     .key = KEY_REPEAT,
+     .arg = "N",
+     .doc = "Solve N times and report the median time; default 1 (stationary)"},
     {.name = "resume",
      .key = KEY_RESUME,
      .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
@@ -34,16 +50,32 @@ static const struct argp_option own_options[] = {
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
     fullrun_options *options = state->input;
+    ehd_error error = {""};
+    ehd_status status = EHD_OK;
+
     switch (key) {
     case KEY_START:
         options->start = argument;
-        return 0;
+        break;
+    case KEY_TOLERANCE:
+        status =
+            parse_real(&options->tolerance, argument, 1e-13, 1, "--tolerance", EHD_USAGE, &error);
+        break;
+    case KEY_FORMULAS:
+        options->formulas = true;
+        break;
+    case KEY_REPEAT:
+        status =
+            parse_count(&options->repeats, argument, 1, 1000000, "--repeat", EHD_USAGE, &error);
+        break;
     case KEY_RESUME:
         options->resume = true;
-        return 0;
+        break;
     default:
         return ARGP_ERR_UNKNOWN;
     }
+    if (status) argp_error(state, "%s", error.text);
+    return status ? EINVAL : 0;
 }
 
 static void print_settings(void) {
@@ -61,7 +93,9 @@ static ehd_status take_start(full_state *state, ehd_contact *start, const stored
     size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1;
 
     if (!stored->pressure)
-        return ehd_fail(error, EHD_DATA, "%s: found no dataset pressure, expected fields to start",
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found no dataset pressure, expected fields to start "
+                        "from (output.fields)",
                         path);
     ehd_status status = result_check_grid(stored, path, grid, error);
     if (status) return status;
@@ -85,12 +119,14 @@ static ehd_status take_start(full_state *state, ehd_contact *start, const stored
     return EHD_OK;
 }
 
-static ehd_status load_start(full_state *state, ehd_contact *start, const char *path,
+/* `film`: that of the result at X = 0 */
+static ehd_status load_start(full_state *state, ehd_contact *start, double *film, const char *path,
                              ehd_error *error) {
     stored_result stored;
     ehd_status status = result_read(&stored, path, start->kind, true, error);
 
     if (!status) status = take_start(state, start, &stored, path, error);
+    *film = stored.central_film_thickness;
     result_free(&stored);
     return status;
 }
@@ -119,17 +155,56 @@ static run_result make_result(const full_info *info, const full_state *state,
     return result;
 }
 
+static full_settings make_settings(const fullrun_options *options) {
+    full_settings settings = full_default_settings();
+
+    settings.tolerance = options->tolerance;
+    return settings;
+}
+
+static int compare_seconds(const void *left, const void *right) {
+    double a = ((const full_info *)left)->seconds, b = ((const full_info *)right)->seconds;
+
+    return (a > b) - (a < b);
+}
+
+/* Solves as often as wanted, each time from `first`, the solution at the start, or cold where start is NULL;
+ * *info is the run of median time. */
+static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
+                              const full_state *first, const ehd_contact *start,
+                              const ehd_contact *contact, size_t repeats, ehd_error *error) {
+    full_info *runs = calloc(repeats, sizeof *runs);
+    ehd_status status =
+        runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
+
+    for (size_t i = 0; i < repeats && !status; i++) {
+        full_state_copy(state, first, &contact->grid);
+        status = start ? full_solve_from(&runs[i], state, solver, start, contact, error)
+                       : full_solve_cold(&runs[i], state, solver, contact, error);
+    }
+    if (!status) {
+        qsort(runs, repeats, sizeof *runs, compare_seconds);
+        *info = runs[repeats / 2];
+    }
+    free(runs);
+    return status;
+}
+
 static ehd_status solve(full_info *info, full_state *state, const ehd_contact *contact,
-                        const ehd_contact *start, ehd_error *error) {
-    const full_settings settings = full_default_settings();
+                        const ehd_contact *start, const fullrun_options *options,
+                        ehd_error *error) {
+    const full_settings settings = make_settings(options);
     full_solver *solver = NULL;
+    full_state first = {0};
     ehd_status status =
         full_solver_create(&solver, contact->kind, &contact->grid, &settings, error);
 
-    if (!status && start)
-        status = full_solve_from(info, state, solver, start, contact, error);
-    else if (!status)
-        status = full_solve_cold(info, state, solver, contact, error);
+    if (!status) status = full_state_init(&first, &contact->grid, error);
+    if (!status) {
+        full_state_copy(&first, state, &contact->grid);
+        status = solve_again(info, state, solver, &first, start, contact, options->repeats, error);
+    }
+    full_state_free(&first);
     full_solver_free(solver);
     return status;
 }
@@ -197,19 +272,28 @@ static ehd_status tell_resolution(artefact *file, const program *self, const ful
     return EHD_OK;
 }
 
-static ehd_status run_stationary(const program *self, const char *start_path,
+static void print_start(const char *path, double film, const run_result *result) {
+    printf("%-24s%s: %zu iterations, %.3g ms; its central film lies %+.2e off\n", "started from",
+           path, result->newton_iterations, result->seconds * 1e3,
+           film / result->central_film_thickness - 1);
+}
+
+static ehd_status run_stationary(const program *self, const fullrun_options *options,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], start_path, NULL};
+    const char *const inputs[] = {self->arguments[0], options->start, NULL};
     ehd_contact start = *contact;
     full_state state = {0};
     full_info info;
     artefact *file = NULL;
+    double start_film = NAN;
     ehd_status status = full_state_init(&state, &contact->grid, error);
 
-    if (!status && start_path) status = load_start(&state, &start, start_path, error);
+    if (!status && options->start)
+        status = load_start(&state, &start, &start_film, options->start, error);
     if (!status) status = result_create(&file, self, contact, text, inputs, error);
-    if (!status) status = solve(&info, &state, contact, start_path ? &start : NULL, error);
+    if (!status)
+        status = solve(&info, &state, contact, options->start ? &start : NULL, options, error);
     if (status) goto done;
 
     run_result result = make_result(&info, &state, contact, given->output_fields != 0);
@@ -221,8 +305,11 @@ static ehd_status run_stationary(const program *self, const char *start_path,
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],
                           result.reason);
-    else if (!status)
-        result_print(&result, contact);
+    if (status) goto done;
+    const contact_scalars scalars = full_evaluate_scalars(&state, contact);
+    result_print(&result, contact);
+    if (options->start) print_start(options->start, start_film, &result);
+    if (options->formulas) formulas_print(&scalars, contact);
 done:
     artefact_close(&file);
     full_state_free(&state);
@@ -237,9 +324,10 @@ static void march_effort(double *rows, double *linear, double *exit, const void 
     *exit = NAN;
 }
 
-static ehd_status run_transient(const program *self, bool resume, const ehd_contact *contact,
-                                const scene *given, const char *text, ehd_error *error) {
-    const full_settings settings = full_default_settings();
+static ehd_status run_transient(const program *self, const fullrun_options *options,
+                                const ehd_contact *contact, const scene *given, const char *text,
+                                ehd_error *error) {
+    const full_settings settings = make_settings(options);
     full_march *in_time = NULL;
     ehd_status status = full_march_create(&in_time, contact, &settings, given->start_film, error);
 
@@ -250,10 +338,12 @@ static ehd_status run_transient(const program *self, bool resume, const ehd_cont
                                     .settings_text = text,
                                     .solver = full_march_solver(in_time),
                                     .with_fields = given->output_fields != 0,
-                                    .resume = resume,
+                                    .resume = options->resume,
                                     .effort = march_effort};
         status = time_run(NULL, &task, error);
     }
+    if (!status && options->formulas)
+        status = formulas_print_in_time(self->output, given, contact, error);
     full_march_free(in_time);
     return status;
 }
@@ -274,15 +364,18 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
         status = ehd_fail(error, EHD_USAGE,
                           "--resume: found with a stationary scene, expected a "
                           "transient one");
+    if (!status && options->repeats > 1 && transient)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--repeat: found with a transient scene, expected a stationary one");
     if (!status)
-        status = transient ? run_transient(self, options->resume, &contact, &given, text, error)
-                           : run_stationary(self, options->start, &contact, &given, text, error);
+        status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,
+                                                              error);
     free(text);
     return status;
 }
 
 int main(int argc, char **argv) {
-    fullrun_options own = {0};
+    fullrun_options own = {.tolerance = full_default_settings().tolerance, .repeats = 1};
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
                                      .own = &own,

@@ -16,10 +16,7 @@ MODEL  := $(firstword $(MODELS))
 models: $(MODELS:%=$(OUT)/%.h5) ## all models (the default)
 .DEFAULT_GOAL := models
 
-trade: $(OUT)/calibrated.h5 ## what the sizes of the model deviate and cost on the scenes of check-plan.yml
-	@$(BIN)/romrun --trade --model $<
-
-.PHONY: models trade
+.PHONY: models
 
 # ---- Training and models
 
@@ -44,7 +41,9 @@ $(OUT)/residuals$2.h5: $(OUT)/basis$2.h5 $(OUT)/snapshots.h5
 $(OUT)/$1.h5: $(OUT)/residuals$2.h5 $(OUT)/basis$2.h5 $(BIN)/deimselect $(call options,$1,$(call deimselect_options,$1))
 	$$(call quiet,deimselect,$$@)$(BIN)/deimselect $$< --basis $(OUT)/basis$2.h5 -o $$@ --force $(strip $(call deimselect_options,$1))
 endef
-$(OUT)/calibrated.h5: $(OUT)/$(MODEL).h5 check-plan.yml scene.yml $(BIN)/romrun
-	$(call quiet,romrun    ,$@)$(BIN)/romrun --calibrate check-plan.yml --model $< -o $@ --force $(SET)
 
 $(foreach model,$(MODELS),$(eval $(call model_rules,$(model),$(model:model%=%))))
+
+ifneq ($(wildcard check-plan.yml),)
+  include $(SHARED)trade.mk
+endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/contact.h"
 
+#include "common/physics/film_formulas.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -28,21 +30,6 @@ static double line_alpha_p_H(double moes_M, double moes_L) {
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
 
-/* Central film of the line contact by the function fit of Moes and Bosma, from the four asymptotes
- * rigid or elastic, isoviscous or piezoviscous; in Moes units, then H = pi/(8 M) times that. */
-static double line_central_film(double moes_M, double moes_L) {
-    double rigid_iso = 3 / moes_M;
-    double elastic_iso = 2.621 * pow(moes_M, -0.2);
-    double rigid_piezo = 1.287 * pow(moes_L, 2. / 3);
-    double elastic_piezo = 1.311 * pow(moes_M, -0.125) * pow(moes_L, 0.75);
-    double s = (7 + 8 * exp(-2 * elastic_iso / rigid_iso)) / 5;
-    double iso = pow(pow(rigid_iso, 7. / 3) + pow(elastic_iso, 7. / 3), 3. / 7);
-    double piezo = 0;
-
-    if (moes_L > 0) piezo = pow(pow(rigid_piezo, -3.5) + pow(elastic_piezo, -3.5), -2. / 7);
-    return M_PI / (8 * moes_M) * pow(pow(iso, s) + pow(piezo, s), 1 / s);
-}
-
 /* The deflection is measured from a distance of the current half width, so that the constant of
  * eq. (4) moves with it (model.md, section 4). */
 static double line_approach_shift(double half_width, double length) {
@@ -56,7 +43,7 @@ const contact_kind contact_line = {
     .kernel = line_kernel,
     .lambda = line_lambda,
     .alpha_p_H = line_alpha_p_H,
-    .central_film = line_central_film,
+    .central_film = film_moes,
     .approach_shift = line_approach_shift,
 };
 

@@ -118,3 +118,26 @@ wait_for_file() {
     done
     return 1
 }
+
+# copy_scene NAME: that scene with a small grid, plan and models, as scenes/own.
+copy_scene() {
+    local root=$BATS_TEST_DIRNAME/../..
+    mkdir -p "$BATS_TEST_TMPDIR/scenes"
+    cd "$BATS_TEST_TMPDIR/scenes" || return
+    cp "$root"/scenes/*.* .
+    cp -r "$root/scenes/$1" own
+    cd own || return
+    rm -rf out
+    [ ! -e scene.yml ] || sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
+    sed -i -e 's/^model.*PRESSURE_MODES *=.*/&\nmodel.PRESSURE_MODES = 12\nmodel-fast.PRESSURE_MODES = 10\nmodel-paper.PRESSURE_MODES = 12/' \
+        -e 's/^model.*DEFORMATION_MODES *=.*/&\nmodel-paper.DEFORMATION_MODES = 8/' \
+        -e 's/^model.*ROWS *=.*/&\nmodel.ROWS = 40\nmodel-fast.ROWS = 40\nmodel-paper.ROWS = 40/' \
+        -e 's/^FIGURE3_PRESSURE_MODES.*/FIGURE3_PRESSURE_MODES = 8 12/' \
+        -e 's/^FIGURE3_DEFORMATION_MODES.*/FIGURE3_DEFORMATION_MODES = 8/' \
+        -e 's/^FIGURE3_FIXED.*/FIGURE3_FIXED = 12 8/' Makefile
+}
+
+run_make() { run make BIN="$BIN" "$@"; }
+
+# The programs as make calls them.
+programs='(snapgen|podbuild|deimselect|fullrun|romrun) '

@@ -5,24 +5,6 @@
 
 load common
 
-# copy_scene NAME: that scene with a small grid, plan and models, as scenes/own.
-copy_scene() {
-    local root=$BATS_TEST_DIRNAME/../..
-    mkdir -p "$BATS_TEST_TMPDIR/scenes"
-    cd "$BATS_TEST_TMPDIR/scenes" || return
-    cp "$root"/scenes/*.* .
-    cp -r "$root/scenes/$1" own
-    cd own || return
-    rm -rf out
-    [ ! -e scene.yml ] || sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
-    sed -i -e 's/^model.*PRESSURE_MODES *=.*/&\nmodel.PRESSURE_MODES = 12\nmodel-fast.PRESSURE_MODES = 10\nmodel-paper.PRESSURE_MODES = 12/' \
-        -e 's/^model.*DEFORMATION_MODES *=.*/&\nmodel-paper.DEFORMATION_MODES = 8/' \
-        -e 's/^model.*ROWS *=.*/&\nmodel.ROWS = 40\nmodel-fast.ROWS = 40\nmodel-paper.ROWS = 40/' \
-        -e 's/^FIGURE3_PRESSURE_MODES.*/FIGURE3_PRESSURE_MODES = 8 12/' \
-        -e 's/^FIGURE3_DEFORMATION_MODES.*/FIGURE3_DEFORMATION_MODES = 8/' \
-        -e 's/^FIGURE3_FIXED.*/FIGURE3_FIXED = 12 8/' Makefile
-}
-
 # One lubricant and a plan that covers its cases.
 small_low() {
     copy_scene stationary-line
@@ -51,12 +33,7 @@ small_high() {
     sed -i -e 's/^PROFILE_CASES.*/PROFILE_CASES = no1-M100-L10-p1.69/' Makefile
 }
 
-# The programs as make calls them.
-programs='(snapgen|podbuild|deimselect|fullrun|romrun) '
-
 setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
-
-run_make() { run make BIN="$BIN" "$@"; }
 
 # makes PATTERN: what make would run matches; makes_nothing: it would run no program.
 makes() {

@@ -316,12 +316,38 @@ bad_table() {
     refused 66 "table.csv: found" fullrun bad.yml -o r.h5
 }
 
+# of_formula NAME FIELD: that word of the line of a formula in $output.
+of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v field="$2" '{ print $field }'; }
+
+@test "--formulas in time: of the contact at each time, as if it were stationary" {
+    (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
+    run fullrun still.yml -o still.h5 --formulas
+    local still=$(of_formula dowson-toyoda 3) name
+    # under a constant load nothing moves, and all times deviate like the stationary contact
+    run fullrun scene.yml -o constant.h5 --formulas --quiet --set transient.load.amplitude=0
+    [ "$(grep -c '^formula ' <<<"$output")" -eq 6 ]
+    for field in 3 5 7; do close_to "$(of_formula dowson-toyoda $field)" "$still" 1e-3; done
+    # slowly, it goes between the stationary contacts of the smallest and largest load
+    run fullrun scene.yml -o slow.h5 --formulas --quiet --set transient.load.period=1e4 \
+        --set transient.end_time=1e4 --set transient.fixed_step=100
+    cp /dev/stdin slow <<<"$output"
+    run fullrun still.yml -o light.h5 --formulas --set moes.M=12.6
+    local light=$(of_formula ertel-grubin 3) light_minimum=$(of_formula dowson-higginson 3)
+    run fullrun still.yml -o heavy.h5 --formulas --set moes.M=15.4
+    local heavy=$(of_formula ertel-grubin 3) heavy_minimum=$(of_formula dowson-higginson 3)
+    run cat slow
+    close_to "$(of_formula ertel-grubin 3)" "$(printf '%s\n' "$light" "$heavy" | sort -g | tail -n 1)" 2e-3
+    close_to "$(of_formula dowson-higginson 3)" \
+        "$(printf '%s\n' "$light_minimum" "$heavy_minimum" | sort -g | tail -n 1)" 2e-2
+}
+
 @test "misuse is one line and exit 64" {
     fullrun scene.yml -o full.h5 --quiet
     refused 64 "--start: found with a transient scene" \
         fullrun scene.yml -o r.h5 --start full.h5
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     refused 64 "--resume: found with a stationary scene" fullrun still.yml -o r.h5 --resume
+    refused 64 "--repeat: found with a transient scene" fullrun scene.yml -o r.h5 --repeat 2
     refused 64 "output" fullrun scene.yml --resume
     refused 64 "--resume: found without --output, expected" \
         romrun scene.yml --model none.h5 --resume

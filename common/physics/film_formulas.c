@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/physics/film_formulas.h"
+
+#include <math.h>
+#include <stddef.h>
+
+static const double STEEL_MODULUS = 226e9; // Pa, E' of two bodies with E = 206 GPa and nu = 0.3
+
+double film_moes(double moes_M, double moes_L) {
+    double rigid_iso = 3 / moes_M;
+    double elastic_iso = 2.621 * pow(moes_M, -0.2);
+    double rigid_piezo = 1.287 * pow(moes_L, 2. / 3);
+    double elastic_piezo = 1.311 * pow(moes_M, -0.125) * pow(moes_L, 0.75);
+    double s = (7 + 8 * exp(-2 * elastic_iso / rigid_iso)) / 5;
+    double iso = pow(pow(rigid_iso, 7. / 3) + pow(elastic_iso, 7. / 3), 3. / 7);
+    double piezo = 0;
+
+    if (moes_L > 0) piezo = pow(pow(rigid_piezo, -3.5) + pow(elastic_piezo, -3.5), -2. / 7);
+    return M_PI / (8 * moes_M) * pow(pow(iso, s) + pow(piezo, s), 1 / s);
+}
+
+static double moes(const film_formula *self, const film_numbers *numbers) {
+    (void)self;
+    return film_moes(numbers->moes_M, numbers->moes_L);
+}
+
+/* H = h R/a^2 = (h/R) pi/(8 W). */
+static double power_law(const film_formula *self, const film_numbers *numbers) {
+    if (!(numbers->material > 0)) return 0; // these know no film without piezoviscosity
+    return M_PI / (8 * numbers->load) * self->factor * pow(numbers->speed, self->speed_power) *
+           pow(numbers->material, self->material_power) * pow(numbers->load, self->load_power);
+}
+
+// clang-format off
+const film_formula film_formulas[] = {
+    // columns: name, source, of the minimum, factor, powers of U, G, W, function
+    {"ertel-grubin", "Grubin, Central Research Institute TsNIITMASH, book 30, Moscow 1949, after Ertel", false,
+     1.95, 8. / 11, 8. / 11, -1. / 11, power_law},
+    {"dowson-toyoda", "Dowson and Toyoda, 5th Leeds-Lyon Symposium on Tribology, 1979", false,
+     3.06, 0.69, 0.56, -0.10, power_law},
+    {"pan-hamrock-central", "Pan and Hamrock, J. Tribology 111, 1989", false,
+     2.922, 0.692, 0.470, -0.166, power_law},
+    {"moes", "Moes, Wear 159, 1992", false, 0, 0, 0, 0, moes},
+    {"dowson-higginson", "Dowson and Higginson, exponents of Dowson, Proc. IMechE 182 (3A), 1968", true,
+     2.65, 0.70, 0.54, -0.13, power_law},
+    {"pan-hamrock-minimum", "Pan and Hamrock, J. Tribology 111, 1989", true,
+     1.714, 0.694, 0.568, -0.128, power_law},
+    {NULL, NULL, false, 0, 0, 0, 0, NULL}};
+// clang-format on
+
+film_numbers film_numbers_of(const ehd_contact *contact) {
+    const double width = contact->half_width;
+    const double modulus =
+        isnan(width) ? STEEL_MODULUS : 8 * contact->load * contact->radius / (M_PI * width * width);
+    const double ratio = contact->hertz_pressure / modulus;
+    film_numbers numbers = {.moes_M = contact->moes_M};
+
+    numbers.moes_L = contact->alpha_p_H / sqrt(contact->moes_M / (2 * M_PI));
+    if (!(contact->alpha_p_H > 0)) return numbers;
+    numbers.load = 2 * M_PI * ratio * ratio;
+    numbers.speed = pow(numbers.load / contact->moes_M, 2) / 2;
+    numbers.material = contact->alpha_p_H / ratio;
+    return numbers;
+}

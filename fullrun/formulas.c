@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "fullrun/formulas.h"
+
+#include "common/output/time_result.h"
+#include "common/physics/film_formulas.h"
+#include "common/program/program.h"
+#include "common/time/frame.h"
+#include "common/time/history.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Seconds of one evaluation, from the numbers of the contact on. */
+static double seconds_of(const film_formula *formula, const film_numbers *numbers) {
+    enum { TIMES = 2000 };
+    const double before = program_seconds();
+    volatile double film; // or the loop is left out
+
+    for (int i = 0; i < TIMES; i++)
+        film = formula->film(formula, numbers);
+    (void)film;
+    return (program_seconds() - before) / TIMES;
+}
+
+static void print_head(const film_formula *formula) {
+    printf("formula %-20s %-8s", formula->name, formula->of_minimum ? "minimum" : "central");
+}
+
+static void print_tail(const film_formula *formula, double seconds) {
+    printf("  %4.0f ns  %s\n", seconds * 1e9, formula->source);
+}
+
+void formulas_print(const contact_scalars *solution, const ehd_contact *contact) {
+    const film_numbers numbers = film_numbers_of(contact);
+
+    for (const film_formula *formula = film_formulas; formula->name; formula++) {
+        double film = formula->film(formula, &numbers);
+        double of_solution = formula->of_minimum ? solution->minimum_film_thickness
+                                                 : solution->central_film_thickness;
+        print_head(formula);
+        printf("  %-11.6g %+8.3f %%", film, 100 * (film / of_solution - 1));
+        print_tail(formula, seconds_of(formula, &numbers));
+    }
+}
+
+// ---- in time
+
+/* A deviation, and the time for which it stands. */
+typedef struct weighted {
+    double deviation, weight;
+} weighted;
+
+static int compare_deviations(const void *left, const void *right) {
+    double a = ((const weighted *)left)->deviation, b = ((const weighted *)right)->deviation;
+
+    return (a > b) - (a < b);
+}
+
+/* What the deviation does not exceed for the part `quantile` of the time; `values` ascend. */
+static double quantile_in_time(const weighted *values, size_t count, double quantile) {
+    double total = 0, sum = 0;
+    size_t i = 0;
+
+    for (size_t k = 0; k < count; k++)
+        total += values[k].weight;
+    while (i + 1 < count && (sum += values[i].weight) < quantile * total)
+        i++;
+    return values[i].deviation;
+}
+
+/* The contact at one of the times, as it would be if nothing had gone before, and the film scale of its
+ * frame. Where the approach is given the load is the result's. */
+static film_numbers numbers_at(double *film_scale, const time_series *series, size_t i,
+                               const ehd_histories *histories, const ehd_contact *reference) {
+    double values[NUM_VARY];
+    ehd_contact contact;
+
+    histories_at(values, histories, series->time[i]);
+    values[VARY_LOAD] = series->load[i];
+    const contact_frame frame = frame_at(series->time[i], values, NAN);
+    frame_contact(&contact, &frame, reference);
+    *film_scale = frame.film_scale;
+    return film_numbers_of(&contact);
+}
+
+static void print_formula_in_time(weighted *deviations, const film_formula *formula,
+                                  const time_series *series, const ehd_histories *histories,
+                                  const ehd_contact *reference) {
+    const size_t last = series->num_times - 1;
+    double scale;
+
+    for (size_t i = 0; i <= last; i++) {
+        const film_numbers numbers = numbers_at(&scale, series, i, histories, reference);
+        double film = scale * formula->film(formula, &numbers);
+        double of_solution = formula->of_minimum ? series->minimum_film_thickness[i]
+                                                 : series->central_film_thickness[i];
+        double before = series->time[i > 0 ? i - 1 : 0], after = series->time[i < last ? i + 1 : i];
+        deviations[i] = (weighted){fabs(film / of_solution - 1), (after - before) / 2};
+    }
+    qsort(deviations, last + 1, sizeof *deviations, compare_deviations);
+    print_head(formula);
+    printf("  worst %.3f %%, 95 %% %.3f %%, median %.3f %%", 100 * deviations[last].deviation,
+           100 * quantile_in_time(deviations, last + 1, 0.95),
+           100 * quantile_in_time(deviations, last + 1, 0.5));
+    const film_numbers at_start = numbers_at(&scale, series, 0, histories, reference);
+    print_tail(formula, seconds_of(formula, &at_start));
+}
+
+ehd_status formulas_print_in_time(const char *path, const scene *given,
+                                  const ehd_contact *reference, ehd_error *error) {
+    time_series series = {0};
+    ehd_histories *histories = NULL;
+    weighted *deviations = NULL;
+    ehd_status status = time_series_read(&series, path, reference->kind, error);
+
+    if (!status) status = histories_init(&histories, given, error);
+    if (!status) deviations = malloc((series.num_times + 1) * sizeof *deviations);
+    if (!status && !deviations) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    for (const film_formula *formula = film_formulas; formula->name && !status; formula++)
+        print_formula_in_time(deviations, formula, &series, histories, reference);
+    free(deviations);
+    histories_free(histories);
+    time_series_free(&series);
+    return status;
+}

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Film formulas: their numbers from a physical scene, what they do not depend on, their asymptotes, and the
+ * theory behind Grubin's. */
+#include "common/physics/film_formulas.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const film_formula *formula_of(const char *name) {
+    for (const film_formula *row = film_formulas; row->name; row++)
+        if (strcmp(row->name, name) == 0) return row;
+    fail_msg("no formula %s", name);
+    return NULL;
+}
+
+static double film_of(const char *name, const ehd_contact *contact) {
+    const film_formula *formula = formula_of(name);
+    const film_numbers numbers = film_numbers_of(contact);
+
+    return formula->film(formula, &numbers);
+}
+
+// ---- a roller of steel
+
+static const double LOAD = 300e3, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08, ALPHA = 2e-8;
+
+/* The roller with another modulus, in Pa. */
+static ehd_contact roller(double modulus) {
+    scene given = sample_scene("barus", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    ehd_error error;
+
+    given.load = LOAD;
+    given.radius = RADIUS;
+    given.speed = SPEED;
+    given.modulus = modulus;
+    given.viscosity = VISCOSITY;
+    given.lubricant.alpha = ALPHA;
+    if (contact_init(&contact, &given, &error)) fail_msg("%s", error.text);
+    return contact;
+}
+
+/* The same contact by its Moes numbers alone. */
+static ehd_contact without_modulus(const ehd_contact *contact) {
+    ehd_contact bare = *contact;
+
+    bare.half_width = bare.radius = bare.load = NAN;
+    return bare;
+}
+
+static void numbers_of_a_physical_contact(void **unused) {
+    const double modulus = 150e9;
+    const ehd_contact contact = roller(modulus);
+    const film_numbers numbers = film_numbers_of(&contact);
+    (void)unused;
+
+    check_close(numbers.speed, VISCOSITY * SPEED / (modulus * RADIUS), 1e-12, 0);
+    check_close(numbers.material, ALPHA * modulus, 1e-12, 0);
+    check_close(numbers.load, LOAD / (modulus * RADIUS), 1e-12, 0);
+    check_close(numbers.moes_M, contact.moes_M, 1e-12, 0);
+    check_close(numbers.moes_L, contact.moes_L, 1e-12, 0);
+}
+
+/* h in metres, by the formulas as they are printed. */
+static void films_of_a_physical_contact(void **unused) {
+    const double modulus = 226e9;
+    const ehd_contact contact = roller(modulus);
+    const double u = VISCOSITY * SPEED / (modulus * RADIUS), g = ALPHA * modulus,
+                 w = LOAD / (modulus * RADIUS);
+    const double scale = contact_film_scale(&contact);
+    (void)unused;
+
+    check_close(scale * film_of("ertel-grubin", &contact),
+                RADIUS * 1.95 * pow(u * g, 8. / 11) * pow(w, -1. / 11), 1e-12, 0);
+    check_close(scale * film_of("dowson-toyoda", &contact),
+                RADIUS * 3.06 * pow(u, 0.69) * pow(g, 0.56) * pow(w, -0.1), 1e-12, 0);
+    check_close(scale * film_of("dowson-higginson", &contact),
+                RADIUS * 2.65 * pow(u, 0.7) * pow(g, 0.54) * pow(w, -0.13), 1e-12, 0);
+    check_close(scale * film_of("pan-hamrock-central", &contact),
+                RADIUS * 2.922 * pow(u, 0.692) * pow(g, 0.47) * pow(w, -0.166), 1e-12, 0);
+    check_close(scale * film_of("pan-hamrock-minimum", &contact),
+                RADIUS * 1.714 * pow(u, 0.694) * pow(g, 0.568) * pow(w, -0.128), 1e-12, 0);
+}
+
+/* Steel stands for a modulus that is not known; only that of Pan and Hamrock sees it. */
+static void the_modulus_hardly_matters(void **unused) {
+    const ehd_contact steel = roller(226e9), soft = roller(180e9);
+    const ehd_contact bare_steel = without_modulus(&steel), bare = without_modulus(&soft);
+    (void)unused;
+
+    for (const film_formula *formula = film_formulas; formula->name; formula++) {
+        bool sees_it = strncmp(formula->name, "pan-hamrock", 11) == 0;
+        double known = film_of(formula->name, &soft), unknown = film_of(formula->name, &bare);
+        check_close(film_of(formula->name, &bare_steel), film_of(formula->name, &steel), 1e-12, 0);
+        check_close(unknown, known, sees_it ? 0.012 : 1e-12, 0);
+        if (sees_it) assert_false(is_close(unknown, known, 1e-3, 0));
+    }
+}
+
+/* A Hertz pressure that is given stands for another alpha. */
+static void the_hertz_pressure_wins(void **unused) {
+    ehd_contact contact = sample_contact("barus", "incompressible", 20, 8, 0.02), given = contact;
+    (void)unused;
+
+    given.hertz_pressure *= 1.25;
+    given.alpha_p_H *= 1.25;
+    check_close(film_of("dowson-toyoda", &given),
+                pow(1.25, 0.56) * film_of("dowson-toyoda", &contact), 1e-12, 0);
+    check_close(film_of("moes", &given), film_moes(20, 10), 1e-12, 0);
+}
+
+// ---- asymptotes
+
+/* H in Moes units, (h/R) U^(-1/2) with the sum velocity. */
+static double moes_units(double moes_M, double moes_L) {
+    return film_moes(moes_M, moes_L) * 8 * moes_M / M_PI;
+}
+
+static void moes_goes_to_its_asymptotes(void **unused) {
+    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity, and where the film ends, at
+    // x = 0.4754 sqrt(2 R h0), it is as thick as where the pressure is flat
+    const double martin = 4.896 / 2 * (1 + 0.4754 * 0.4754);
+    (void)unused;
+
+    check_close(1e-3 * moes_units(1e-3, 0), martin, 1e-3, 0);
+    check_close(moes_units(1e7, 0), 2.621 * pow(1e7, -0.2), 1e-3, 0);
+    check_close(moes_units(1e-2, 1e7), 1.287 * pow(1e7, 2. / 3), 1e-3, 0);
+    check_close(moes_units(1e12, 1e4), 1.311 * pow(1e12, -0.125) * pow(1e4, 0.75), 1e-3, 0);
+}
+
+static void isoviscous_contact(void **unused) {
+    const ehd_contact contact = sample_contact("barus", "incompressible", 20, 0, 0.02);
+    (void)unused;
+
+    for (const film_formula *formula = film_formulas; formula->name; formula++)
+        check_close(film_of(formula->name, &contact),
+                    strcmp(formula->name, "moes") == 0 ? film_moes(20, 0) : 0, 1e-14, 0);
+}
+
+// ---- theory
+
+/* int (H - H0)/H^3 dX over the inlet of a dry contact, X = -cosh s from -1 outwards, by the midpoint rule. */
+static double inlet_integral(double film) {
+    const double step = 2e-4;
+    double sum = 0;
+
+    for (double s = step / 2; s < 6; s += step) {
+        double gap = (cosh(s) * sinh(s) - s) / 2;
+        sum += gap / pow(film + gap, 3) * sinh(s) * step;
+    }
+    return sum;
+}
+
+/* The film with which the reduced pressure of a Barus lubricant reaches 1/alpha at the contact's edge:
+ * lambda int (H - H0)/H^3 dX = 1/(alpha p_H) (Ertel). */
+static double ertel_film(const ehd_contact *contact) {
+    const double wanted = 1 / (contact->alpha_p_H * contact->lambda);
+    double least = 1e-6, most = 10;
+
+    while (most > 1.0001 * least) {
+        double middle = sqrt(least * most);
+        if (inlet_integral(middle) > wanted)
+            least = middle;
+        else
+            most = middle;
+    }
+    return least;
+}
+
+/* Grubin fitted powers to it, in this range. */
+static void grubin_fits_the_inlet(void **unused) {
+    (void)unused;
+
+    for (double moes_M = 20; moes_M < 200; moes_M *= 2)
+        for (double moes_L = 5; moes_L < 16; moes_L += 5) {
+            const ehd_contact contact =
+                sample_contact("barus", "incompressible", moes_M, moes_L, 0.02);
+            check_close(film_of("ertel-grubin", &contact), ertel_film(&contact), 0.04, 0);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_of_a_physical_contact),
+        cmocka_unit_test(films_of_a_physical_contact),
+        cmocka_unit_test(the_modulus_hardly_matters),
+        cmocka_unit_test(the_hertz_pressure_wins),
+        cmocka_unit_test(moes_goes_to_its_asymptotes),
+        cmocka_unit_test(isoviscous_contact),
+        cmocka_unit_test(grubin_fits_the_inlet),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
