@@ -3,7 +3,6 @@
 
 #include "common/program/program.h"
 #include "common/time/march.h"
-#include "romrun/indicator.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -106,8 +105,7 @@ static void fit_indicator(trade_position *position, samples *self) {
 
     position->indicator_factor = factor;
     for (size_t i = 0; i < num_scenes; i++)
-        self->indicated[i] =
-            i < self->count ? indicator_deviation(factor, self->bound[i]) : INFINITY;
+        self->indicated[i] = i < self->count ? factor * self->bound[i] : INFINITY;
     for (size_t i = 0; i < self->count; i++)
         self->effectivity[i] = self->indicated[i] / deviation[i];
     for (int i = 0; i < NUM_TRADE_PARTS; i++) {

@@ -158,7 +158,7 @@ static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_con
     if (info->status == EHD_NOT_CONVERGED) return;
     result->bound = indicator_bound(solver->indicator, solver->reduced, &solver->state, contact,
                                     &info->scalars);
-    if (factor > 0) result->indicated = indicator_deviation(factor, result->bound);
+    if (factor > 0) result->indicated = factor * result->bound;
     result->seconds += program_seconds() - start;
 }
 

@@ -107,20 +107,18 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
     return sqrt(sum);
 }
 
+/* Of the central film, in units of a^2/R, where an error is no longer small against what the film can be
+ * linearised over. Measured on 1250 random scenes of both loaded regions, of five viscosity laws and two
+ * densities: up to half of it the deviation is at most a seventh of the linear bound, in the most accurate
+ * sizes, and soon behind it grows with its cube. */
+static const double LINEAR = 3e-4;
+
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars) {
     double residual =
         hypot(reduced_left_residual(solver), indicator_control_residual(self, state, contact));
+    double film_change = reduced_central_sensitivity(solver) * residual;
+    double part = film_change / LINEAR;
 
-    return reduced_central_sensitivity(solver) * residual / scalars->central_film_thickness;
-}
-
-/* Measured on random scenes of the lower loaded region, of five viscosity laws and two densities: up to a bound
- * of some permille the deviation is a tenth of it at most, at twice that it begins to grow with its cube. */
-static const double LINEAR = 2e-3;
-
-double indicator_deviation(double factor, double bound) {
-    double part = bound / LINEAR;
-
-    return factor * bound * (1 + part * part);
+    return film_change * (1 + part * part) / scalars->central_film_thickness;
 }

@@ -20,13 +20,10 @@ indicator *indicator_free(indicator *self); // accepts and returns NULL
 double indicator_control_residual(indicator *self, const reduced_state *state,
                                   const ehd_contact *contact);
 
-/* Of the relative deviation of the central film, but for a factor. `solver` has just solved `state` for
+/* Of the relative deviation of the central film, but for the factor of a calibration (trade_indicator_factor);
+ * grows faster where the error is no longer small. `solver` has just solved `state` for
  * `contact`, stationary, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
-
-/* The indicated deviation: factor * bound, growing faster where the bound says that the error is no longer
- * small against what the film can be linearised over. The factor is that of a calibration; see there. */
-double indicator_deviation(double factor, double bound);
 
 #endif

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/trade.h"
 
-#include "romrun/indicator.h"
-
 #include <math.h>
 #include <stdlib.h>
 
@@ -80,8 +78,7 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
     double largest = 0;
 
     for (size_t i = 0; i < count; i++)
-        if (bounds[i] > 0)
-            largest = fmax(largest, deviations[i] / indicator_deviation(1, bounds[i]));
+        if (bounds[i] > 0) largest = fmax(largest, deviations[i] / bounds[i]);
     return margin * largest;
 }
 
