@@ -90,10 +90,13 @@ static bool is_solved(const adaptive *self, size_t point) {
     return self->points.points[point].pressure != NULL;
 }
 
-/* Relative deviation of the central film by the model that judged a state; infinite where it did not
- * converge. */
+/* Whether the model that judged a state and the full one both have a solution. */
+static bool is_compared(const adaptive *self, const adaptive_state *state) {
+    return isfinite(state->verdict.bound) && is_solved(self, state->point);
+}
+
+/* Relative deviation of the central film by the model that judged a state. */
 static double true_deviation(const adaptive *self, const adaptive_state *state) {
-    if (!isfinite(state->verdict.bound)) return INFINITY;
     return fabs(state->verdict.central_film_thickness / self->central_film_thickness[state->point] -
                 1);
 }
@@ -103,23 +106,21 @@ static double factor_of(const adaptive *self, size_t round, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
 
-    for (size_t s = 0; s < self->num_states && round > 0; s++) {
+    for (size_t s = 0; s < self->num_states; s++) {
         const adaptive_state *state = &self->states[s];
-        if (state->round != round || !is_solved(self, state->point) ||
-            !isfinite(state->verdict.bound))
-            continue;
+        if (state->round != round || !is_compared(self, state)) continue;
         deviations[count] = true_deviation(self, state);
         bounds[count++] = state->verdict.bound;
     }
     return trade_indicator_factor(deviations, bounds, count);
 }
 
-/* Worst of what a round's points were found to deviate. */
+/* Worst of what a round's points were found to deviate; NaN: none of them was solved before. */
 static double worst_deviation(const adaptive *self, size_t round) {
     double worst = NAN;
 
-    for (size_t s = 0; s < self->num_states && round > 0; s++)
-        if (self->states[s].round == round && is_solved(self, self->states[s].point))
+    for (size_t s = 0; s < self->num_states; s++)
+        if (self->states[s].round == round && is_compared(self, &self->states[s]))
             worst = fmax(worst, true_deviation(self, &self->states[s]));
     return worst;
 }
@@ -351,12 +352,15 @@ static void report_round(const adaptive *self, size_t num_lost) {
     char found[96] = "", indicated[96] = "";
 
     if (!isnan(deviation))
-        snprintf(found, sizeof found, ", of which the new ones were up to %.2g off", deviation);
-    if (!isnan(round->indicated))
-        snprintf(indicated, sizeof indicated, ", others indicated to be up to %.2g off",
+        snprintf(found, sizeof found, ", the last ones were up to %.2g off", deviation);
+    if (num_lost > 0)
+        snprintf(indicated, sizeof indicated, "; %zu others are not solved by their model",
+                 num_lost);
+    else if (!isnan(round->indicated))
+        snprintf(indicated, sizeof indicated, "; others are indicated to be up to %.2g off",
                  round->indicated);
-    program_note(self->caller, "round %zu: %zu points%s%s, %zu not solved by their model, %.1f s",
-                 self->num_rounds, round->num_points, found, indicated, num_lost, round->seconds);
+    program_note(self->caller, "round %zu: %zu points%s%s, %.1f s", self->num_rounds,
+                 round->num_points, found, indicated, round->seconds);
 }
 
 static ehd_status judge_round(adaptive *self, ehd_error *error) {
@@ -447,15 +451,14 @@ static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_erro
     printf("%zu points of %zu, %zu converged, %zu rounds, %.1f s\n", self->num_states,
            self->set->num_points, last->num_points, self->num_rounds,
            program_seconds() - self->started);
-    if (!isnan(last->indicated))
+    if (isfinite(last->indicated))
         printf("central film of the others indicated to be at most %.2g off, with podbuild "
                "--energy %g\n",
                last->indicated, self->settings->discarded_energy);
-    if (last->indicated > self->settings->accuracy || isnan(last->indicated))
+    if (!(last->indicated <= self->settings->accuracy))
         program_warn(self->caller,
-                     "%s: found no more points to add, expected that the model is known to be "
-                     "accurate to %g",
-                     self->plan_path, self->settings->accuracy);
+                     "%s: found %zu points used up, expected fewer to show an accuracy of %g",
+                     self->plan_path, self->num_states, self->settings->accuracy);
     if (num_failed <= allowed_failures) return EHD_OK;
     return ehd_fail(error, EHD_NOT_CONVERGED,
                     "%s: found %zu of %zu points not converged, expected at most %zu "

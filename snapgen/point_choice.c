@@ -80,22 +80,31 @@ static bool is_worse(const candidates *from, const nearness *near, size_t i, siz
     return fmin(near->taken[i], near->chosen[i]) > fmin(near->taken[j], near->chosen[j]);
 }
 
-/* NO_PARENT: none is far enough from those chosen now. */
-static size_t worst(const candidates *from, const nearness *near, double part) {
+/* NO_PARENT: none is far enough from those chosen now. `known`: of those with a finite deviation. */
+static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
     for (size_t i = 0; i < from->num_points; i++) {
         // what is chosen has no distance to itself
         bool far = near->chosen[i] > 0 && near->chosen[i] >= part * near->taken[i];
         if (from->taken[i] || !far || !(from->indicated[i] > from->enough)) continue;
+        if (known && !isfinite(from->indicated[i])) continue;
         if (best == NO_PARENT || is_worse(from, near, i, best)) best = i;
     }
     return best;
 }
 
+static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
+    const double least_part = 1e-3;
+    size_t found = NO_PARENT;
+
+    for (double part = 1; part > least_part && found == NO_PARENT; part /= 2)
+        found = worst(from, near, part, known);
+    return found;
+}
+
 ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidates *from,
                               size_t most, ehd_error *error) {
-    const double least_part = 1e-3;
     size_t count = 0;
     nearness near = {malloc((from->num_points + 1) * sizeof(double)),
                      malloc((from->num_points + 1) * sizeof(double)),
@@ -110,12 +119,11 @@ ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidat
         near.taken[i] = near.chosen[i] = INFINITY;
     for (size_t i = 0; i < from->num_points && !status; i++)
         if (from->taken[i]) approach(near.taken, from, near.scale, i);
-    for (double part = 1; count < most && part > least_part && !status;) {
-        size_t next = worst(from, &near, part);
-        if (next == NO_PARENT) {
-            part /= 2;
-            continue;
-        }
+    while (count < most && !status) {
+        size_t next = NO_PARENT;
+        if (count % 2 == 1) next = furthest_worst(from, &near, true);
+        if (next == NO_PARENT) next = furthest_worst(from, &near, false);
+        if (next == NO_PARENT) break;
         chosen[count++] = next;
         approach(near.chosen, from, near.scale, next);
     }

@@ -23,10 +23,11 @@ typedef struct candidates {
     double enough;           // candidates indicated to deviate no more are left out
 } candidates;
 
-/* The worst first, of equal ones the one furthest from all that is trained on. Two that are chosen
- * together lie no nearer to each other than to what was taken before, because training on one of them
- * mends the other; where that leaves too few, half as near, and so on. Fewer than `most` only where there are
- * no more candidates. EHD_MEMORY. */
+/* The worst first, of equal ones the one furthest from all that is trained on. Every second one is the
+ * worst of those with a finite deviation, where there are any: a few of which nothing is known would else take
+ * all places. Two that are chosen together lie no nearer to each other than to what was taken before,
+ * because training on one of them mends the other; where that leaves too few, half as near, and so on.
+ * Fewer than `most` only where there are no more candidates. EHD_MEMORY. */
 ehd_status point_choice_worst(
     // output:
     size_t *chosen, // [*num_chosen], room for `most`

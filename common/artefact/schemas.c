@@ -219,8 +219,8 @@ static const artefact_field snapshots_fields[] = {
          "the indicator has no factor yet",
          "round"),
     REAL("round_deviation", "1", NEED_OPTIONAL,
-         "largest relative deviation of the central film by the model of the round at the points "
-         "that came in the next one; infinite where it did not converge, NaN in the last round",
+         "largest relative deviation of the central film by the model of the round at those points "
+         "of the next one that it solves; NaN where there are none",
          "round"),
     REAL("round_seconds", "s", NEED_OPTIONAL,
          "time since the start until the round was judged; NaN in an earlier run", "round"),
