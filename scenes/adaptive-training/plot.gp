@@ -34,9 +34,12 @@ do for [ending in "png svg"] {
     set ylabel "L"
     unset key
     set title "Where the adaptive training put its points; colour: round"
+    stats points using 1 nooutput
+    set xrange [STATS_min / 1.1:STATS_max * 1.1]
     set palette defined (0 "#f0e442", 0.5 "#56b4e9", 1 "#00306b")
     plot points using 1:2:3 with points pointtype 7 pointsize 1.1 linecolor palette
     unset multiplot
     unset logscale x
+    set autoscale x
     unset output
 }
