@@ -20,7 +20,7 @@ do for [ending in "png svg"] {
     set xlabel "training points"
     set ylabel "deviation of the central film"
     set title "All modes that the points support; numbers: scenes that fail"
-    set key bottom left
+    set key top right
     plot of("regular") using 2:8 with linespoints pointtype 5 linewidth 2 linecolor "#d55e00" title "regular grid: worst", \
          of("regular") using 2:7 with linespoints pointtype 4 dashtype 2 linecolor "#d55e00" title "95 %", \
          of("adaptive") using 2:8 with linespoints pointtype 7 linewidth 2 linecolor "#0072b2" title "adaptive: worst", \
