@@ -119,16 +119,9 @@ static ehd_status read_residuals(residual_snapshots *snapshots, const char *path
     ehd_status status = artefact_open(&file, path, kinds, error);
 
     if (!status) status = check_fit(file, basis, basis_path, identity, error);
-    if (!status) {
-        snapshots->count = artefact_length(file, "iteration");
-        size_t bytes = snapshots->count * basis->grid.num_inner * sizeof(double);
-        snapshots->residuals = malloc(bytes);
-        snapshots->steps = malloc(bytes);
-        snapshots->state = malloc(snapshots->count * sizeof *snapshots->state);
-        if (!snapshots->residuals || !snapshots->steps || !snapshots->state)
-            status = ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu iterations", path,
-                              snapshots->count);
-    }
+    if (!status)
+        status = residual_snapshots_init(snapshots, artefact_length(file, "iteration"),
+                                         basis->grid.num_inner, error);
     if (!status) status = artefact_get(file, "weighted_residual", snapshots->residuals, error);
     if (!status) status = artefact_get(file, "weighted_jacobian_step", snapshots->steps, error);
     for (size_t i = 0; i < snapshots->count && !status; i++)
@@ -157,15 +150,10 @@ static ehd_status write_model(const program *self, const select_options *options
                                  .jacobian_modes = choice->jacobian_modes};
     reduced_model model = {0};
     char text[128];
-    ehd_status status = reduced_model_build(&model, basis, choice->rows, choice->num_rows, error);
+    ehd_status status = row_choice_model(&model, choice, basis, error);
 
     snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n",
              options->method->name, choice->num_rows, options->weights->name, choice->num_control);
-    for (size_t r = 0; r < choice->num_rows && !status; r++)
-        model.row_weight[r] *= choice->factors[r];
-    if (!status && choice->num_control > 0)
-        status =
-            reduced_model_add_control(&model, basis, choice->control, choice->num_control, error);
     if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
     if (!status)
         printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes, %zu control "
@@ -199,9 +187,7 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
     row_choice_free(&choice);
-    free(snapshots.residuals);
-    free(snapshots.steps);
-    free(snapshots.state);
+    residual_snapshots_free(&snapshots);
     reduced_basis_free(&basis);
     return status;
 }

@@ -9,6 +9,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
+                                   ehd_error *error) {
+    size_t bytes = (count * num_inner + 1) * sizeof(double);
+
+    *snapshots = (residual_snapshots){.count = count};
+    snapshots->residuals = malloc(bytes);
+    snapshots->steps = malloc(bytes);
+    snapshots->state = malloc((count + 1) * sizeof *snapshots->state);
+    if (snapshots->residuals && snapshots->steps && snapshots->state) return EHD_OK;
+    residual_snapshots_free(snapshots);
+    return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for %zu iterations", count);
+}
+
+void residual_snapshots_free(residual_snapshots *snapshots) {
+    free(snapshots->residuals);
+    free(snapshots->steps);
+    free(snapshots->state);
+    *snapshots = (residual_snapshots){0};
+}
+
 void row_choice_free(row_choice *choice) {
     free(choice->rows);
     free(choice->control);
@@ -207,5 +227,17 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     pod_free(&pods[0]);
     pod_free(&pods[1]);
     if (status) row_choice_free(choice);
+    return status;
+}
+
+ehd_status row_choice_model(reduced_model *model, const row_choice *choice,
+                            const reduced_basis *basis, ehd_error *error) {
+    ehd_status status = reduced_model_build(model, basis, choice->rows, choice->num_rows, error);
+
+    for (size_t r = 0; r < choice->num_rows && !status; r++)
+        model->row_weight[r] *= choice->factors[r];
+    if (!status && choice->num_control > 0)
+        status =
+            reduced_model_add_control(model, basis, choice->control, choice->num_control, error);
     return status;
 }

@@ -18,6 +18,10 @@ typedef struct residual_snapshots {
 
 #define CONTROL_BY_ITSELF ((size_t)-1) // number of control rows: a tenth of the rows, at least 8
 
+ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
+                                   ehd_error *error); // free with residual_snapshots_free
+void residual_snapshots_free(residual_snapshots *snapshots);
+
 typedef struct row_choice {
     size_t num_rows;
     size_t *rows; // [num_rows] grid nodes in order of selection
@@ -46,5 +50,12 @@ ehd_status row_choice_make(
     size_t num_rows, // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
     size_t num_control, // CONTROL_BY_ITSELF: also fewer where the snapshots do not
     ehd_error *error);
+
+/* The model of these rows, with their weights and control rows. EHD_DATA, EHD_MEMORY. */
+ehd_status row_choice_model(
+    // output:
+    reduced_model *model, // free with reduced_model_free
+    // input:
+    const row_choice *choice, const reduced_basis *basis, ehd_error *error);
 
 #endif

@@ -109,6 +109,19 @@ static size_t exit_of(const double *pressure, const ehd_grid *grid) {
     return exit;
 }
 
+/* The next state; `pressure` is its place in the set and filled. */
+static void add_solved(snapshot_set *set, const solved_state *state, const double *pressure) {
+    size_t s = set->num_states++;
+
+    set->rigid_approach[s] = state->rigid_approach;
+    set->moes_M[s] = state->moes_M;
+    set->alpha_p_H[s] = state->alpha_p_H;
+    set->central_film_thickness[s] = state->central_film_thickness;
+    set->exit[s] = exit_of(pressure, &set->grid);
+    set->stationary[s] = true;
+    set->rate[s] = 0;
+}
+
 static ehd_status add_state(snapshot_set *set, artefact *file, const file_states *states, size_t i,
                             ehd_error *error) {
     size_t s = set->num_states, num_nodes = set->grid.num_nodes;
@@ -125,14 +138,11 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     if (!isfinite(sum + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i]))
         return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
                         artefact_path(file), i);
-    set->rigid_approach[s] = states->rigid_approach[i];
-    set->moes_M[s] = states->moes_M[i];
-    set->alpha_p_H[s] = states->alpha_p_H[i];
-    set->central_film_thickness[s] = states->central_film_thickness[i];
-    set->exit[s] = exit_of(pressure, &set->grid);
+    const solved_state state = {pressure, states->rigid_approach[i], states->moes_M[i],
+                                states->alpha_p_H[i], states->central_film_thickness[i]};
+    add_solved(set, &state, pressure);
     set->stationary[s] = !in_time || states->time[i] == 0;
     set->rate[s] = rate;
-    set->num_states++;
     return EHD_OK;
 }
 
@@ -202,6 +212,26 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
     free(states.memory);
     free(states.outcome);
     artefact_close(&file);
+    return status;
+}
+
+ehd_status snapshot_set_gather(snapshot_set *set, const solved_state *states, size_t num_states,
+                               const contact_kind *kind, const ehd_grid *grid, ehd_error *error) {
+    size_t bytes = num_states * grid->num_nodes * sizeof(double);
+
+    *set = (snapshot_set){.kind = kind, .grid = *grid};
+    ehd_status status = reserve(set, num_states, error);
+    for (size_t s = 0; s < num_states && !status; s++) {
+        double *pressure = set->pressure + s * grid->num_nodes;
+        memcpy(pressure, states[s].pressure, grid->num_nodes * sizeof(double));
+        add_solved(set, &states[s], pressure);
+    }
+    if (!status) status = add_snapshots(set, num_states, error);
+    if (!status) {
+        memcpy(set->snapshots, set->pressure, bytes);
+        set->num_snapshots = num_states;
+    }
+    if (status) snapshot_set_free(set);
     return status;
 }
 

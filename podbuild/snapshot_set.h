@@ -33,6 +33,20 @@ ehd_status snapshot_set_read(
     // input:
     const char *const *paths, size_t num_paths, ehd_error *error);
 
+/* A stationary solution in memory. */
+typedef struct solved_state {
+    const double *pressure; // [num_nodes]
+    double rigid_approach, moes_M, alpha_p_H, central_film_thickness;
+} solved_state;
+
+/* The same of solutions in memory; a basis is made of all of them. EHD_MEMORY. */
+ehd_status snapshot_set_gather(
+    // output:
+    snapshot_set *set, // free with snapshot_set_free
+    // input:
+    const solved_state *states, size_t num_states, const contact_kind *kind, const ehd_grid *grid,
+    ehd_error *error);
+
 void snapshot_set_free(snapshot_set *set);
 
 #endif

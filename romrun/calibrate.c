@@ -9,7 +9,6 @@
 #include "romrun/trade_file.h"
 #include "snapgen/training.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,18 +37,6 @@ static void validation_free(validation *self) {
 
 // ---- which scenes
 
-static bool is_same(double left, double right) {
-    return fabs(left - right) <= 1e-9 * fmax(fabs(left), fabs(right));
-}
-
-static bool was_trained(const reduced_states *states, const ehd_contact *contact) {
-    for (size_t s = 0; s < states->num_states; s++)
-        if (is_same(states->moes_M[s], contact->moes_M) &&
-            is_same(states->alpha_p_H[s], contact->alpha_p_H))
-            return true;
-    return false;
-}
-
 /* Marks the points inside the trained range. */
 static ehd_status choose_points(bool *keep, const training_set *set, const reduced_model *model,
                                 const trained_range *range, const program *self,
@@ -60,7 +47,7 @@ static ehd_status choose_points(bool *keep, const training_set *set, const reduc
         const ehd_contact *contact = &set->contacts[i];
         const char *outside = trained_range_check(range, contact->moes_M, contact->alpha_p_H, 0);
         training_point_name(name, contact);
-        if (was_trained(&model->states, contact))
+        if (reduced_states_have(&model->states, contact))
             return ehd_fail(error, EHD_DATA,
                             "%s: point %s: found a training point of %s, expected scenes that it "
                             "was not trained on",

@@ -41,6 +41,18 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     return EHD_OK;
 }
 
+static bool is_same(double left, double right) {
+    return fabs(left - right) <= 1e-9 * fmax(fabs(left), fabs(right));
+}
+
+bool reduced_states_have(const reduced_states *states, const ehd_contact *contact) {
+    for (size_t s = 0; s < states->num_states; s++)
+        if (is_same(states->moes_M[s], contact->moes_M) &&
+            is_same(states->alpha_p_H[s], contact->alpha_p_H))
+            return true;
+    return false;
+}
+
 void reduced_states_free(reduced_states *states) {
     free(states->coordinates);
     free(states->exit);

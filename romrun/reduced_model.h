@@ -37,6 +37,9 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
                                ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
+/* Whether this contact is one of the training points. */
+bool reduced_states_have(const reduced_states *states, const ehd_contact *contact);
+
 /* Bases on the whole grid: offline only. Node-major, so that a node's entries are contiguous. */
 typedef struct reduced_basis {
     const contact_kind *kind;

@@ -3,6 +3,7 @@
 #include "common/output/check.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "snapgen/adaptive.h"
 #include "snapgen/pool.h"
 #include "snapgen/residuals.h"
 #include "snapgen/snapshots.h"
@@ -14,7 +15,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_JOBS = 'j', KEY_SHARD = 0x200, KEY_RESUME, KEY_ALLOW_FAILURES, KEY_BASIS, KEY_COLD };
+enum {
+    KEY_JOBS = 'j',
+    KEY_SHARD = 0x200,
+    KEY_RESUME,
+    KEY_ALLOW_FAILURES,
+    KEY_BASIS,
+    KEY_COLD,
+    KEY_ADAPTIVE,
+    KEY_ACCURACY,
+    KEY_START,
+    KEY_BATCH,
+    KEY_MOST,
+    KEY_ENERGY
+};
 
 typedef struct snapgen_options {
     size_t num_jobs;
@@ -23,6 +37,9 @@ typedef struct snapgen_options {
     size_t allowed_failures;
     bool cold;
     const char *basis; // NULL: full model
+    bool adaptive;
+    const char *of_adaptive; // the last option that needs --adaptive; NULL: none
+    adaptive_settings how;
 } snapgen_options;
 
 static const struct argp_option own_options[] = {
@@ -51,6 +68,32 @@ static const struct argp_option own_options[] = {
      .arg = "BASIS.h5",
      .doc = "Repeat the plan with the projected system and write the snapshots of its residuals, "
             "for deimselect; points that do not converge count as long as they have iterations"},
+    {.name = "adaptive",
+     .key = KEY_ADAPTIVE,
+     .doc = "Train on as many points of the plan as are needed, where they are needed, until a "
+            "reduced model is accurate at all others; with --basis: only on the points that the "
+            "basis was made of"},
+    {.name = "accuracy",
+     .key = KEY_ACCURACY,
+     .arg = "X",
+     .doc = "Adaptive: wanted relative deviation of the central film; default 1e-3"},
+    {.name = "start",
+     .key = KEY_START,
+     .arg = "N",
+     .doc = "Adaptive: points of the first round, corners of the region and more between them; "
+            "default 20"},
+    {.name = "batch",
+     .key = KEY_BATCH,
+     .arg = "N",
+     .doc = "Adaptive: points of each further round; default a fifth of those before"},
+    {.name = "most",
+     .key = KEY_MOST,
+     .arg = "N",
+     .doc = "Adaptive: points in all; default those of the plan"},
+    {.name = "energy",
+     .key = KEY_ENERGY,
+     .arg = "TOL",
+     .doc = "Adaptive: as podbuild --energy, of the models on the way; default 1e-18"},
     {0}};
 
 // ---- the command line
@@ -69,6 +112,43 @@ static ehd_status parse_shard(shard *piece, const char *text, ehd_error *error) 
         parse_count(&piece->total, slash + 1, 1, 1000000, "--shard", EHD_USAGE, error);
     if (status) return status;
     return parse_count(&piece->number, number, 1, piece->total, "--shard", EHD_USAGE, error);
+}
+
+/* Options of adaptive training; false: it is none of them. */
+static bool parse_adaptive(ehd_status *status, snapgen_options *options, int key,
+                           const char *argument, ehd_error *error) {
+    adaptive_settings *how = &options->how;
+    const struct {
+        int key;
+        const char *name;
+        size_t *count;
+        size_t least;
+    } counts[] = {{KEY_START, "--start", &how->start, 3},
+                  {KEY_BATCH, "--batch", &how->batch, 1},
+                  {KEY_MOST, "--most", &how->most, 3}};
+    const struct {
+        int key;
+        const char *name;
+        double *value;
+        double least, most;
+    } reals[] = {{KEY_ACCURACY, "--accuracy", &how->accuracy, 1e-12, 1},
+                 {KEY_ENERGY, "--energy", &how->discarded_energy, 0, 0.999}};
+
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        if (counts[i].key != key) continue;
+        options->of_adaptive = counts[i].name;
+        *status = parse_count(counts[i].count, argument, counts[i].least, 1000000, counts[i].name,
+                              EHD_USAGE, error);
+        return true;
+    }
+    for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) {
+        if (reals[i].key != key) continue;
+        options->of_adaptive = reals[i].name;
+        *status = parse_real(reals[i].value, argument, reals[i].least, reals[i].most, reals[i].name,
+                             EHD_USAGE, error);
+        return true;
+    }
+    return false;
 }
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
@@ -96,8 +176,11 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_BASIS:
         options->basis = argument;
         break;
+    case KEY_ADAPTIVE:
+        options->adaptive = true;
+        break;
     default:
-        return ARGP_ERR_UNKNOWN;
+        if (!parse_adaptive(&status, options, key, argument, &error)) return ARGP_ERR_UNKNOWN;
     }
     if (status) argp_error(state, "%s", error.text);
     return status ? EINVAL : 0;
@@ -198,6 +281,26 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     return status;
 }
 
+/* Points chosen as they are needed. */
+static ehd_status train_adaptively(const program *self, const snapgen_options *options,
+                                   ehd_error *error) {
+    adaptive_settings how = options->how;
+    training_set set = {0};
+
+    if (options->piece.total > 1)
+        return ehd_fail(error, EHD_USAGE,
+                        "--shard: found with --adaptive, expected one of them: which points are "
+                        "needed depends on all others");
+    ehd_status status = load_set(&set, self, options->piece, error);
+    how.cold = options->cold;
+    if (!status && how.cold) status = training_set_make_cold(&set, self->arguments[0], error);
+    if (!status)
+        status = adaptive_train(self, &set, self->arguments[0], &how, options->resume,
+                                options->allowed_failures, options->num_jobs, error);
+    training_set_free(&set);
+    return status;
+}
+
 /* Second mode: the plan with the projected system. */
 static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
     const double before = program_seconds();
@@ -213,6 +316,11 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with --basis, expected one of them: the "
                         "projected system is done in seconds");
+    if (options->of_adaptive)
+        return ehd_fail(error, EHD_USAGE,
+                        "%s: found with --basis, expected one of them: the points are chosen "
+                        "before the basis is made",
+                        options->of_adaptive);
     if (options->cold)
         return ehd_fail(error, EHD_USAGE,
                         "--cold: found with --basis, expected one of them: the projected system "
@@ -220,7 +328,7 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     status = load_set(&set, self, options->piece, error);
     if (!status)
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
-                               options->num_jobs, error);
+                               options->adaptive, options->num_jobs, error);
     if (!status)
         printf("%zu points with the projected system, %zu converged, %.1f s\n",
                set.num_points + set.num_trajectories,
@@ -229,23 +337,33 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     return status;
 }
 
+static ehd_status run(const program *self, const snapgen_options *options, ehd_error *error) {
+    if (options->of_adaptive && !options->adaptive)
+        return ehd_fail(error, EHD_USAGE, "%s: found without --adaptive, expected both",
+                        options->of_adaptive);
+    if (options->basis) return repeat(self, options, error);
+    return options->adaptive ? train_adaptively(self, options, error) : train(self, options, error);
+}
+
 int main(int argc, char **argv) {
-    snapgen_options own = {.num_jobs = pool_default_workers(), .piece = {1, 1}};
-    const program_options options = {
-        .options = own_options,
-        .parse = parse_own,
-        .own = &own,
-        .arguments_doc = "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
-        .doc = "Solves all points of a training plan.",
-        .help_tail = print_settings,
-        .least_arguments = 1,
-        .most_arguments = 1,
-        .needs_output = true};
+    snapgen_options own = {
+        .num_jobs = pool_default_workers(), .piece = {1, 1}, .how = adaptive_default_settings()};
+    const program_options options = {.options = own_options,
+                                     .parse = parse_own,
+                                     .own = &own,
+                                     .arguments_doc =
+                                         "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --adaptive -o "
+                                         "SNAPSHOTS.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
+                                     .doc = "Solves all points of a training plan.",
+                                     .help_tail = print_settings,
+                                     .least_arguments = 1,
+                                     .most_arguments = 1,
+                                     .needs_output = true};
     ehd_error error = {""};
     program self;
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
-    ehd_status status = own.basis ? repeat(&self, &own, &error) : train(&self, &own, &error);
+    ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -76,7 +76,7 @@ static ehd_status run_point(pool *self, void *worker, size_t point, ehd_error *e
     pthread_mutex_unlock(&self->lock);
     status = work->solve(work->shared, worker, point, parent, error);
     pthread_mutex_lock(&self->lock);
-    if (!status) status = work->finish(work->shared, worker, point, parent, error);
+    if (!status && work->finish) status = work->finish(work->shared, worker, point, parent, error);
     return status;
 }
 

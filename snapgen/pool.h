@@ -25,7 +25,7 @@ typedef struct pool_work {
     void (*end)(void *worker);
     pool_task *solve;  // several at a time; `finish` of the parent has returned
     pool_task *start;  // one at a time with `finish`, before solve: for progress; NULL: none
-    pool_task *finish; // one at a time, such as writing to a file
+    pool_task *finish; // one at a time, such as writing to a file; NULL: none
 } pool_work;
 
 /* Returns EHD_OK when all points are finished; else the first error, after the points under way; or

@@ -122,6 +122,68 @@ static ehd_status finish_point(void *shared, void *worker, size_t point, size_t 
     return EHD_OK;
 }
 
+static size_t count_iterations(const repeated_training *training) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < training->set->num_points; i++)
+        count += training->traces[i].num_iterations;
+    return count;
+}
+
+static void free_traces(repeated_training *training) {
+    for (size_t i = 0; training->traces && i < training->set->num_points; i++) {
+        free(training->traces[i].residual);
+        free(training->traces[i].step);
+    }
+    free(training->traces);
+}
+
+/* Every point starts from a trained solution, so none waits for another. */
+static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
+    size_t num_points = training->set->num_points;
+    const pool_work work = {.num_points = num_points,
+                            .order = training->set->order,
+                            .num_workers = num_workers,
+                            .shared = training,
+                            .begin = begin_tracer,
+                            .end = end_tracer,
+                            .solve = trace_point,
+                            .finish = finish_point};
+
+    training->traces = calloc(num_points + 1, sizeof *training->traces);
+    if (!training->traces) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    if (num_points == 0) return EHD_OK;
+    progress_start(&training->progress, training->caller, num_points);
+    ehd_status status = pool_run(&work, error);
+    progress_finish(&training->progress);
+    return status;
+}
+
+// ---- in memory
+
+ehd_status residuals_collect(residual_snapshots *snapshots, const program *caller,
+                             const training_set *set, const reduced_model *model,
+                             size_t num_workers, ehd_error *error) {
+    repeated_training training = {.caller = caller, .set = set, .model = model};
+    size_t num_inner = model->grid.num_inner, at = 0;
+    ehd_status status = run_pool(&training, num_workers, error);
+
+    *snapshots = (residual_snapshots){0};
+    if (!status)
+        status = residual_snapshots_init(snapshots, count_iterations(&training), num_inner, error);
+    for (size_t i = 0; i < set->num_points && !status; i++) {
+        const point_trace *trace = &training.traces[i];
+        size_t count = trace->num_iterations, bytes = count * num_inner * sizeof(double);
+        if (count == 0) continue;
+        memcpy(snapshots->residuals + at * num_inner, trace->residual, bytes);
+        memcpy(snapshots->steps + at * num_inner, trace->step, bytes);
+        for (size_t k = 0; k < count; k++)
+            snapshots->state[at++] = (int64_t)i;
+    }
+    free_traces(&training);
+    return status;
+}
+
 // ---- the file
 
 static ehd_status put_iterations(artefact *file, const repeated_training *training,
@@ -230,11 +292,9 @@ static ehd_status write_file(artefact **file, const repeated_training *training,
                              const char *identity, ehd_error *error) {
     const reduced_model *model = training->model;
     const trajectories *repeated = &training->repeated;
-    size_t num_iterations = 0, num_compressed = repeated->first.rank;
+    size_t num_iterations = count_iterations(training), num_compressed = repeated->first.rank;
     size_t num_states = training->set->num_points + repeated->num_trajectories * NUM_KEPT;
 
-    for (size_t i = 0; i < training->set->num_points; i++)
-        num_iterations += training->traces[i].num_iterations;
     if (repeated->second.rank > num_compressed) num_compressed = repeated->second.rank;
     ehd_status status = grid_write(*file, model->kind, &model->grid, error);
     if (!status)
@@ -269,28 +329,28 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
     return status;
 }
 
-/* Every point starts from a trained solution, so none waits for another. */
-static ehd_status run_pool(repeated_training *training, size_t num_workers, ehd_error *error) {
-    size_t num_points = training->set->num_points;
-    const pool_work work = {.num_points = num_points,
-                            .order = training->set->order,
-                            .num_workers = num_workers,
-                            .shared = training,
-                            .begin = begin_tracer,
-                            .end = end_tracer,
-                            .solve = trace_point,
-                            .finish = finish_point};
+/* Leaves only the points that the basis was trained on. */
+static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
+                               const char *basis_path, ehd_error *error) {
+    bool *keep = calloc(set->num_points + 1, sizeof *keep);
+    ehd_status status =
+        keep ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
 
-    if (num_points == 0) return EHD_OK;
-    progress_start(&training->progress, training->caller, num_points);
-    ehd_status status = pool_run(&work, error);
-    progress_finish(&training->progress);
+    for (size_t i = 0; i < set->num_points && !status; i++)
+        keep[i] = reduced_states_have(&basis->states, &set->contacts[i]);
+    if (!status) status = training_set_keep(set, keep, plan_path, error);
+    if (!status && set->num_points == 0)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found no point that %s was trained on, expected the plan of its "
+                          "training",
+                          plan_path, basis_path);
+    free(keep);
     return status;
 }
 
-ehd_status residuals_run(size_t *num_failed, const program *caller, const training_set *set,
-                         const char *plan_path, const char *basis_path, size_t num_workers,
-                         ehd_error *error) {
+ehd_status residuals_run(size_t *num_failed, const program *caller, training_set *set,
+                         const char *plan_path, const char *basis_path, bool trained_only,
+                         size_t num_workers, ehd_error *error) {
     const char **inputs = training_inputs(set, plan_path, basis_path);
     reduced_basis basis = {0};
     reduced_model model = {0};
@@ -301,13 +361,11 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
                                : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
 
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
+    if (!status && trained_only) status = keep_trained(set, &basis, plan_path, basis_path, error);
     if (!status)
         status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,
                                  inputs, error);
     if (!status) status = reduced_model_build(&model, &basis, NULL, 0, error);
-    training.traces = calloc(set->num_points + 1, sizeof *training.traces);
-    if (!status && !training.traces)
-        status = ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
     if (!status) status = run_pool(&training, num_workers, error);
     if (!status && set->num_trajectories > 0)
         status = run_trajectories(&training, &basis, num_workers, error);
@@ -318,11 +376,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, const traini
     if (!status) status = training_check_outcome(set, *num_failed, plan_path, error);
     if (!status) status = write_file(&file, &training, identity, error);
     artefact_close(&file);
-    for (size_t i = 0; training.traces && i < set->num_points; i++) {
-        free(training.traces[i].residual);
-        free(training.traces[i].step);
-    }
-    free(training.traces);
+    free_traces(&training);
     free(inputs);
     trajectories_free(&training.repeated);
     reduced_model_free(&model);

@@ -4,6 +4,7 @@
 #define EHD_RESIDUALS_H
 
 #include "common/program/program.h"
+#include "deimselect/row_choice.h"
 #include "snapgen/training_set.h"
 
 /* Solves every point of the set with all Reynolds rows of the basis at `basis_path`, each from the
@@ -16,7 +17,18 @@ ehd_status residuals_run(
     // output:
     size_t *num_failed,
     // input:
-    const program *caller, const training_set *set, const char *plan_path, const char *basis_path,
+    const program *caller,
+    training_set *set, // left with the points that were repeated
+    const char *plan_path, const char *basis_path,
+    bool trained_only, // leave out the points that are no states of the basis
     size_t num_workers, ehd_error *error);
+
+/* The same for stationary points and in memory, with `model` of all rows. */
+ehd_status residuals_collect(
+    // output:
+    residual_snapshots *snapshots, // free with residual_snapshots_free
+    // input:
+    const program *caller, const training_set *set, const reduced_model *model, size_t num_workers,
+    ehd_error *error);
 
 #endif

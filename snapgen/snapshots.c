@@ -9,20 +9,25 @@
 
 // ---- creating
 
+ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
+                                 ehd_error *error) {
+    ehd_status status = artefact_put_part(file, "moes_M", state, 1, &contact->moes_M, error);
+
+    if (!status) status = artefact_put_part(file, "moes_L", state, 1, &contact->moes_L, error);
+    if (!status)
+        status = artefact_put_part(file, "alpha_p_H", state, 1, &contact->alpha_p_H, error);
+    if (!status)
+        status =
+            artefact_put_part(file, "hertz_pressure", state, 1, &contact->hertz_pressure, error);
+    return status;
+}
+
 /* What is known before anything is solved. */
-static ehd_status put_parameters(artefact *file, const training_set *set, ehd_error *error) {
+static ehd_status put_contacts(artefact *file, const training_set *set, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < set->num_points && !status; i++) {
-        const ehd_contact *contact = &set->contacts[i];
-        status = artefact_put_part(file, "moes_M", i, 1, &contact->moes_M, error);
-        if (!status) status = artefact_put_part(file, "moes_L", i, 1, &contact->moes_L, error);
-        if (!status)
-            status = artefact_put_part(file, "alpha_p_H", i, 1, &contact->alpha_p_H, error);
-        if (!status)
-            status =
-                artefact_put_part(file, "hertz_pressure", i, 1, &contact->hertz_pressure, error);
-    }
+    for (size_t i = 0; i < set->num_points && !status; i++)
+        status = snapshots_put_contact(file, i, &set->contacts[i], error);
     return status;
 }
 
@@ -31,13 +36,17 @@ static size_t num_states(const training_set *set) {
     return set->num_points + set->num_trajectories * NUM_KEPT;
 }
 
-/* Fields along the states; those of trajectories only where there are any. */
-static ehd_status declare_fields(artefact *file, const training_set *set, ehd_error *error) {
+static bool begins_with(const char *name, const char *beginning) {
+    return strncmp(name, beginning, strlen(beginning)) == 0;
+}
+
+ehd_status snapshots_declare(artefact *file, bool in_time, bool adaptive, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++) {
-        bool of_trajectory = strncmp(field->name, "trajectory", strlen("trajectory")) == 0;
-        if (strcmp(field->axes[0], "state") == 0 && (set->num_trajectories > 0 || !of_trajectory))
+        bool applies = (in_time || !begins_with(field->name, "trajectory")) &&
+                       (adaptive || !begins_with(field->name, "training"));
+        if (strcmp(field->axes[0], "state") == 0 && applies)
             status = artefact_declare(file, field->name, error);
     }
     return status;
@@ -52,8 +61,8 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
-    if (!status) status = declare_fields(*file, set, error);
-    if (!status) status = put_parameters(*file, set, error);
+    if (!status) status = snapshots_declare(*file, set->num_trajectories > 0, false, error);
+    if (!status) status = put_contacts(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
     free(inputs);
@@ -62,8 +71,8 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
-static ehd_status put_solution(artefact *file, const training_set *set, size_t point,
-                               const snapshot *solution, ehd_error *error) {
+static ehd_status put_solution(artefact *file, size_t point, const snapshot *solution,
+                               ehd_error *error) {
     const full_state *state = &solution->state;
     const contact_scalars *scalars = &solution->scalars;
     const int64_t exit_node = (int64_t)state->exit - 1; // x starts at node 1
@@ -79,7 +88,6 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
                  {"central_pressure", &scalars->central_pressure},
                  {"complementarity", &solution->complementarity}};
     ehd_status status = EHD_OK;
-    (void)set;
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
@@ -94,8 +102,9 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
     const int64_t iterations = (int64_t)solution->newton_iterations;
     const int64_t outcome = solution->status ? 1 : 0;
     ehd_status status = EHD_OK;
+    (void)set;
 
-    if (!solution->status) status = put_solution(file, set, point, solution, error);
+    if (!solution->status) status = put_solution(file, point, solution, error);
     if (!status)
         status =
             artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
@@ -181,38 +190,41 @@ ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
 
 // ---- resuming
 
-static ehd_status restore_point(training *points, artefact *file, size_t point, int64_t outcome,
-                                double *pressure, ehd_error *error) {
-    double rigid_approach = 0;
+ehd_status snapshots_restore(training *points, size_t point, artefact *file, size_t state,
+                             int64_t outcome, ehd_error *error) {
+    const ehd_grid *grid = &points->set->grid;
+    double *pressure = NULL, rigid_approach = 0;
     int64_t exit_node = 0;
     ehd_status status = EHD_OK;
 
     if (outcome != 0) return training_restore(points, point, NULL, 0, 0, error);
-    status = artefact_get_part(file, "pressure", point, 1, pressure, error);
+    pressure = malloc(grid->num_inner * sizeof *pressure);
+    if (!pressure) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    status = artefact_get_part(file, "pressure", state, 1, pressure, error);
     if (!status)
-        status = artefact_get_part(file, "rigid_approach", point, 1, &rigid_approach, error);
+        status = artefact_get_part(file, "rigid_approach", state, 1, &rigid_approach, error);
     if (!status)
-        status = artefact_get_integers_part(file, "exit_node", point, 1, &exit_node, error);
-    if (status) return status;
-    if (exit_node < 0 || (size_t)exit_node > points->set->grid.num_inner)
-        return ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
-                        artefact_path(file), (long long)exit_node, points->set->grid.num_inner);
-    return training_restore(points, point, pressure, rigid_approach, (size_t)exit_node + 1, error);
+        status = artefact_get_integers_part(file, "exit_node", state, 1, &exit_node, error);
+    if (!status && (exit_node < 0 || (size_t)exit_node > grid->num_inner))
+        status = ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
+                          artefact_path(file), (long long)exit_node, grid->num_inner);
+    if (!status)
+        status =
+            training_restore(points, point, pressure, rigid_approach, (size_t)exit_node + 1, error);
+    free(pressure);
+    return status;
 }
 
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
     int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
-    double *pressure = malloc(set->grid.num_inner * sizeof *pressure);
     ehd_status status = EHD_OK;
 
-    if (!outcomes || !pressure)
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!outcomes) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     if (!status) status = artefact_get_integers(file, "status", outcomes, error);
     for (size_t i = 0; i < set->num_points && !status; i++)
-        if (outcomes[i] >= 0) status = restore_point(points, file, i, outcomes[i], pressure, error);
+        if (outcomes[i] >= 0) status = snapshots_restore(points, i, file, i, outcomes[i], error);
     free(outcomes);
-    free(pressure);
     return status;
 }
 

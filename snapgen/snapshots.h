@@ -22,8 +22,21 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
 ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
                                       const trajectories *trained, ehd_error *error);
 
-/* Entry `store` of a training; `sink` is the artefact. */
-ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
+/* Entry `store` of a training; `sink` is the artefact, `state` the point. */
+ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
                            const snapshot *solution, ehd_error *error);
+
+// ---- of which these are made
+
+/* Fields along the states; those of trajectories and of adaptive training where there are any. */
+ehd_status snapshots_declare(artefact *file, bool in_time, bool adaptive, ehd_error *error);
+
+/* What is known of a point before it is solved. */
+ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
+                                 ehd_error *error);
+
+/* Marks a point as done that `file` holds as `state`, with its `outcome` there. */
+ehd_status snapshots_restore(training *points, size_t point, artefact *file, size_t state,
+                             int64_t outcome, ehd_error *error);
 
 #endif

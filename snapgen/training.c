@@ -155,8 +155,11 @@ ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
     bool *done = malloc(set->num_points * sizeof *done);
     if (!done) return ehd_fail(error, EHD_MEMORY, "points: found no memory");
 
-    for (size_t i = 0; i < set->num_points; i++)
-        done[i] = self->points[i].done;
+    size_t num_left = 0;
+    for (size_t i = 0; i < set->num_points; i++) {
+        done[i] = self->points[i].done || (self->wanted && !self->wanted[i]);
+        num_left += !done[i];
+    }
     self->num_before = self->num_done;
     const pool_work work = {.num_points = set->num_points,
                             .parent = set->parent,
@@ -169,7 +172,7 @@ ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
                             .start = show_point,
                             .solve = solve_point,
                             .finish = finish_point};
-    progress_start(&self->progress, self->program, set->num_points - self->num_before);
+    progress_start(&self->progress, self->program, num_left);
     ehd_status status = pool_run(&work, error);
     progress_finish(&self->progress);
     free(done);

@@ -34,6 +34,7 @@ typedef struct training {
     const program *program; // for messages and progress
     const training_set *set;
     trained_point *points; // [num_points of the set]; those of an earlier run are done before
+    const bool *wanted;    // [num_points], the others stay as they are; NULL: all
     size_t num_failed;     // done, but not EHD_OK
     size_t num_done;
     /* Takes a finished point away. Called by one thread at a time. */
@@ -52,7 +53,7 @@ void training_free(training *self);
 ehd_status training_restore(training *self, size_t point, const double *pressure,
                             double rigid_approach, size_t exit, ehd_error *error);
 
-/* Solves all points that are not done. A point that does not converge is a warning and counted; the
+/* Solves all wanted points that are not done. A point that does not converge is a warning and counted; the
  * points below it start cold. The solution of a point depends on the set alone, not on num_workers or
  * on what was done before. EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, or what `store` returns. */
 ehd_status training_run(training *self, size_t num_workers, ehd_error *error);

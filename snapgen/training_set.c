@@ -105,19 +105,23 @@ static size_t family_of(const training_set *set, size_t point) {
     return first;
 }
 
-static ehd_status make_tree(training_set *set, const char *plan_path, ehd_error *error) {
-    tree_point *points = malloc(set->num_points * sizeof *points);
-    if (!points) return no_memory(plan_path, error);
-
+void training_set_places(tree_point *places, const training_set *set) {
     for (size_t i = 0; i < set->num_points; i++) {
         const ehd_contact *contact = &set->contacts[i];
         double log_M = log(contact->moes_M);
         // L where the Hertz pressure follows from it, else what would give the Hertz pressure
         double material = contact->alpha_p_H / contact->kind->alpha_p_H(contact->moes_M, 1);
-        points[i] = (tree_point){.family = family_of(set, i),
+        places[i] = (tree_point){.family = family_of(set, i),
                                  .place = {log_M, material},
                                  .effort = fabs(log_M - log(12)) + 0.5 * material};
     }
+}
+
+static ehd_status make_tree(training_set *set, const char *plan_path, ehd_error *error) {
+    tree_point *points = malloc(set->num_points * sizeof *points);
+    if (!points) return no_memory(plan_path, error);
+
+    training_set_places(points, set);
     ehd_status status = tree_build(set->parent, points, set->num_points, error);
     if (!status) status = tree_order(set->order, set->parent, set->num_points, error);
     free(points);
@@ -210,15 +214,20 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     return status;
 }
 
-ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error) {
+ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,
+                                 ehd_error *error) {
     char *text;
 
-    if (asprintf(&text, "%s# cold\n", set->text) < 0) return no_memory(plan_path, error);
+    if (asprintf(&text, "%s# %s\n", set->text, line) < 0) return no_memory(plan_path, error);
     free(set->text);
     set->text = text;
+    return EHD_OK;
+}
+
+ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error) {
     for (size_t i = 0; i < set->num_points; i++)
         set->parent[i] = NO_PARENT;
-    return EHD_OK;
+    return training_set_add_text(set, "cold", plan_path, error);
 }
 
 ehd_status training_check_outcome(const training_set *set, size_t num_failed, const char *plan_path,

@@ -47,9 +47,16 @@ ehd_status training_set_init(
     // input:
     const plan *plan, const char *plan_path, shard piece, ehd_error *error);
 
+/* Adds a line that --resume tells this training from others by. EHD_MEMORY. */
+ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,
+                                 ehd_error *error);
+
 /* Takes the neighbours away, so that every point starts cold and its solution depends on the point
  * alone. EHD_MEMORY. */
 ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error);
+
+/* The points as the tree sees them, [num_points]. */
+void training_set_places(tree_point *places, const training_set *set);
 
 /* Leaves only the points that `keep`, [num_points], says, in a tree of their own. EHD_MEMORY. */
 ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,

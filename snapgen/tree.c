@@ -11,18 +11,19 @@ static ehd_status no_memory(size_t num_points, ehd_error *error) {
 
 // ---- minimum spanning trees
 
-/* What one coordinate is divided by: its range over all points. */
-static double coordinate_scale(const tree_point *points, size_t num_points, int axis) {
-    double low = INFINITY, high = -INFINITY;
-
-    for (size_t i = 0; i < num_points; i++) {
-        low = fmin(low, points[i].place[axis]);
-        high = fmax(high, points[i].place[axis]);
+void tree_scale(double scale[2], const tree_point *points, size_t num_points) {
+    for (int axis = 0; axis < 2; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t i = 0; i < num_points; i++) {
+            low = fmin(low, points[i].place[axis]);
+            high = fmax(high, points[i].place[axis]);
+        }
+        scale[axis] = high > low ? high - low : 1;
     }
-    return high > low ? high - low : 1;
 }
 
-static double distance(const tree_point *left, const tree_point *right, const double scale[2]) {
+double tree_distance(const tree_point *left, const tree_point *right, const double scale[2]) {
+    if (left->family != right->family) return INFINITY;
     return hypot((left->place[0] - right->place[0]) / scale[0],
                  (left->place[1] - right->place[1]) / scale[1]);
 }
@@ -41,33 +42,36 @@ static size_t next_point(const tree_point *points, size_t num_points, const bool
     return best;
 }
 
-ehd_status tree_build(size_t *parent, const tree_point *points, size_t num_points,
-                      ehd_error *error) {
-    const double scale[2] = {coordinate_scale(points, num_points, 0),
-                             coordinate_scale(points, num_points, 1)};
+ehd_status tree_extend(size_t *parent, const tree_point *points, size_t num_points,
+                       size_t num_before, ehd_error *error) {
     double *nearest = malloc(num_points * sizeof *nearest); // distance to the tree of its family
     bool *added = calloc(num_points, sizeof *added);
+    double scale[2];
     ehd_status status = nearest && added ? EHD_OK : no_memory(num_points, error);
 
+    tree_scale(scale, points, num_points);
     for (size_t i = 0; i < num_points && !status; i++) {
-        parent[i] = NO_PARENT;
+        if (i >= num_before) parent[i] = NO_PARENT;
         nearest[i] = INFINITY;
     }
     for (size_t step = 0; step < num_points && !status; step++) {
-        size_t here = next_point(points, num_points, added, nearest);
+        size_t here = step < num_before ? step : next_point(points, num_points, added, nearest);
         added[here] = true;
-        for (size_t i = 0; i < num_points; i++) {
-            if (added[i] || points[i].family != points[here].family) continue;
-            double away = distance(&points[here], &points[i], scale);
-            if (away < nearest[i]) {
-                nearest[i] = away;
-                parent[i] = here;
-            }
+        for (size_t i = num_before; i < num_points; i++) {
+            double away = tree_distance(&points[here], &points[i], scale);
+            if (added[i] || !(away < nearest[i])) continue;
+            nearest[i] = away;
+            parent[i] = here;
         }
     }
     free(nearest);
     free(added);
     return status;
+}
+
+ehd_status tree_build(size_t *parent, const tree_point *points, size_t num_points,
+                      ehd_error *error) {
+    return tree_extend(parent, points, num_points, 0, error);
 }
 
 // ---- orders

@@ -15,6 +15,12 @@ typedef struct tree_point {
     double effort;   // of a cold start, in any unit
 } tree_point;
 
+/* What each coordinate is divided by: its range over all points, 1 where there is none. */
+void tree_scale(double scale[2], const tree_point *points, size_t num_points);
+
+/* Infinite between families. */
+double tree_distance(const tree_point *left, const tree_point *right, const double scale[2]);
+
 /* Minimum spanning trees, one a family, rooted where a cold start is easiest (Prim's method). Of equal
  * choices the first point wins, so that the same points always give the same tree. O(num_points^2).
  * EHD_MEMORY. */
@@ -23,6 +29,13 @@ ehd_status tree_build(
     size_t *parent, // [num_points], NO_PARENT at a root
     // input:
     const tree_point *points, size_t num_points, ehd_error *error);
+
+/* The same where the first points are in trees already: the others grow on to these. EHD_MEMORY. */
+ehd_status tree_extend(
+    // in and out:
+    size_t *parent, // [num_points], of which the first num_before stay
+    // input:
+    const tree_point *points, size_t num_points, size_t num_before, ehd_error *error);
 
 /* Parents first, and those first on which the longest chains wait. EHD_MEMORY. */
 ehd_status tree_order(

@@ -156,6 +156,7 @@ static const artefact_axis snapshots_axes[] = {
     STATE_AXIS,
     X_AXIS,
     {"compressed", "1", "index of the compressed snapshot, strongest first"},
+    {"round", "1", "index of the round of adaptive training"},
     {0}};
 
 static const artefact_field snapshots_fields[] = {
@@ -196,6 +197,33 @@ static const artefact_field snapshots_fields[] = {
         "compressed", "x"),
     REAL("compressed_singular_values", "1", NEED_OPTIONAL,
          "singular values of those snapshots, descending", "compressed"),
+    INTEGER("training_point", NEED_OPTIONAL,
+            "index of the point of the plan, of those inside of its bounds, that adaptive training "
+            "chose",
+            "state"),
+    INTEGER("training_round", NEED_OPTIONAL, "round of adaptive training that the state came in",
+            "state"),
+    REAL("training_bound", "1", NEED_OPTIONAL,
+         "what the indicator said of the state before it was solved, but for its factor: bound of "
+         "the relative deviation of the central film by the reduced model of the rounds before; "
+         "infinite where that did not converge, NaN in the first round",
+         "state"),
+    REAL("training_film", "1", NEED_OPTIONAL,
+         "film thickness H at X = 0 by that model; NaN where there is none", "state"),
+    INTEGER("round_points", NEED_OPTIONAL,
+            "converged training solutions up to and with the round, of which its model is made",
+            "round"),
+    REAL("round_indicated", "1", NEED_OPTIONAL,
+         "largest deviation of the central film that is indicated for the remaining points of the "
+         "plan; infinite where the model of the round does not converge, NaN where none remain or "
+         "the indicator has no factor yet",
+         "round"),
+    REAL("round_deviation", "1", NEED_OPTIONAL,
+         "largest relative deviation of the central film by the model of the round at those points "
+         "of the next one that it solves; NaN where there are none",
+         "round"),
+    REAL("round_seconds", "s", NEED_OPTIONAL,
+         "time since the start until the round was judged; NaN in an earlier run", "round"),
     {0}};
 
 static const artefact_attribute snapshots_attributes[] = {
@@ -208,7 +236,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           1,
-                                          1,
+                                          2,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,

@@ -9,27 +9,12 @@
 
 static const double moes_M[] = {8, 11, 15, 20}, moes_L[] = {2, 4, 6};
 
-static void keep(trained *self, size_t s, const full_state *solution) {
-    snapshot_set *set = &self->set;
-    const ehd_contact *contact = &self->contacts[s];
-    size_t num_nodes = set->grid.num_nodes;
-
-    memcpy(set->pressure + s * num_nodes, solution->pressure, num_nodes * sizeof(double));
-    memcpy(self->film + s * num_nodes, solution->film, num_nodes * sizeof(double));
-    set->stationary[s] = true;
-    set->rigid_approach[s] = solution->rigid_approach;
-    set->exit[s] = solution->exit;
-    set->moes_M[s] = contact->moes_M;
-    set->alpha_p_H[s] = contact->alpha_p_H;
-    set->central_film_thickness[s] =
-        full_evaluate_scalars(solution, contact).central_film_thickness;
-}
-
 void trained_init(trained *self, double step) {
     full_settings settings = full_default_settings();
     full_solver *solver;
     full_state solution;
     full_info info;
+    solved_state states[TRAINED_STATES];
 
     memset(self, 0, sizeof *self);
     settings.tolerance = 1e-13;
@@ -37,30 +22,26 @@ void trained_init(trained *self, double step) {
     for (size_t s = 0; s < TRAINED_STATES; s++)
         self->contacts[s] =
             sample_contact("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3], step);
-    snapshot_set *set = &self->set;
-    set->kind = self->contacts[0].kind;
-    set->grid = self->contacts[0].grid;
-    set->num_states = TRAINED_STATES;
-    set->pressure = calloc(TRAINED_STATES * set->grid.num_nodes, sizeof(double));
-    set->rigid_approach = calloc(TRAINED_STATES, sizeof(double));
-    set->exit = calloc(TRAINED_STATES, sizeof *set->exit);
-    set->moes_M = calloc(TRAINED_STATES, sizeof(double));
-    set->alpha_p_H = calloc(TRAINED_STATES, sizeof(double));
-    set->central_film_thickness = calloc(TRAINED_STATES, sizeof(double));
-    set->stationary = calloc(TRAINED_STATES, sizeof *set->stationary);
-    set->rate = calloc(TRAINED_STATES, sizeof(double));
-    self->film = calloc(TRAINED_STATES * set->grid.num_nodes, sizeof(double));
-    assert_int_equal(full_solver_create(&solver, set->kind, &set->grid, &settings, NULL), EHD_OK);
-    assert_int_equal(full_state_init(&solution, &set->grid, NULL), EHD_OK);
+    const contact_kind *kind = self->contacts[0].kind;
+    const ehd_grid *grid = &self->contacts[0].grid;
+    double *pressure = calloc(TRAINED_STATES * grid->num_nodes, sizeof *pressure);
+    self->film = calloc(TRAINED_STATES * grid->num_nodes, sizeof(double));
+    assert_int_equal(full_solver_create(&solver, kind, grid, &settings, NULL), EHD_OK);
+    assert_int_equal(full_state_init(&solution, grid, NULL), EHD_OK);
     for (size_t s = 0; s < TRAINED_STATES; s++) {
-        assert_int_equal(full_solve_cold(&info, &solution, solver, &self->contacts[s], NULL),
-                         EHD_OK);
+        const ehd_contact *contact = &self->contacts[s];
+        double *here = pressure + s * grid->num_nodes;
+        assert_int_equal(full_solve_cold(&info, &solution, solver, contact, NULL), EHD_OK);
         assert_string_equal(info.reason, "");
-        keep(self, s, &solution);
+        memcpy(here, solution.pressure, grid->num_nodes * sizeof *here);
+        memcpy(self->film + s * grid->num_nodes, solution.film, grid->num_nodes * sizeof(double));
+        states[s] =
+            (solved_state){here, solution.rigid_approach, contact->moes_M, contact->alpha_p_H,
+                           full_evaluate_scalars(&solution, contact).central_film_thickness};
     }
-    set->num_snapshots = TRAINED_STATES;
-    set->snapshots = calloc(TRAINED_STATES * set->grid.num_nodes, sizeof(double));
-    memcpy(set->snapshots, set->pressure, TRAINED_STATES * set->grid.num_nodes * sizeof(double));
+    assert_int_equal(snapshot_set_gather(&self->set, states, TRAINED_STATES, kind, grid, NULL),
+                     EHD_OK);
+    free(pressure);
     full_state_free(&solution);
     full_solver_free(solver);
 }

@@ -1,0 +1,506 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/adaptive.h"
+
+#include "romrun/indicator.h"
+#include "romrun/trade.h"
+#include "snapgen/adaptive_file.h"
+#include "snapgen/point_choice.h"
+#include "snapgen/snapshots.h"
+#include "snapgen/trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* How far candidates may lie outside of the hull of the corners, in parts of their extent: all of the corners
+ * of a curved edge would be more points than training there needs. */
+static const double CORNER_TOLERANCE = 1.0 / 200;
+
+enum { LEAST_BATCH = 4 };
+
+typedef struct adaptive {
+    const program *caller;
+    training_set *set;
+    const char *plan_path;
+    const adaptive_settings *settings;
+    size_t num_workers;
+    double started; // program_seconds
+
+    artefact *file;
+    training points;
+    tree_point *places;             // [num_points]
+    double *central_film_thickness; // [num_points] by the full model, of those solved
+    bool *taken;                    // [num_points]
+    size_t *state_of_point;         // [num_points] of those taken
+    trial_verdict *verdicts;        // [num_points] of the others, by the present model
+    double *indicated;              // [num_points] of the others; infinite before the first model
+
+    size_t num_states;
+    adaptive_state *states; // [num_states]
+    size_t num_rounds;      // judged
+    adaptive_round *rounds; // [num_rounds]
+} adaptive;
+
+adaptive_settings adaptive_default_settings(void) {
+    return (adaptive_settings){
+        .accuracy = 1e-3, .start = 20, .most = SIZE_MAX, .discarded_energy = 1e-18};
+}
+
+static void adaptive_free(adaptive *self) {
+    artefact_close(&self->file);
+    training_free(&self->points);
+    free(self->places);
+    free(self->central_film_thickness);
+    free(self->taken);
+    free(self->state_of_point);
+    free(self->verdicts);
+    free(self->indicated);
+    free(self->states);
+    free(self->rounds);
+}
+
+static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
+    size_t count = self->set->num_points;
+
+    self->places = malloc(count * sizeof *self->places);
+    self->central_film_thickness = malloc(count * sizeof(double));
+    self->taken = calloc(count, sizeof *self->taken);
+    self->state_of_point = malloc(count * sizeof *self->state_of_point);
+    self->verdicts = malloc(count * sizeof *self->verdicts);
+    self->indicated = malloc(count * sizeof(double));
+    self->states = malloc(count * sizeof *self->states);
+    self->rounds = malloc(count * sizeof *self->rounds);
+    if (!self->places || !self->central_film_thickness || !self->taken || !self->state_of_point ||
+        !self->verdicts || !self->indicated || !self->states || !self->rounds)
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points", self->plan_path,
+                        count);
+    training_set_places(self->places, self->set);
+    for (size_t i = 0; i < count; i++)
+        self->indicated[i] = INFINITY;
+    return training_init(&self->points, self->caller, self->set, error);
+}
+
+static size_t smaller(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+// ---- what is known of the rounds
+
+static bool is_solved(const adaptive *self, size_t point) {
+    return self->points.points[point].pressure != NULL;
+}
+
+/* Whether the model that judged a state and the full one both have a solution. */
+static bool is_compared(const adaptive *self, const adaptive_state *state) {
+    return isfinite(state->verdict.bound) && is_solved(self, state->point);
+}
+
+/* Relative deviation of the central film by the model that judged a state. */
+static double true_deviation(const adaptive *self, const adaptive_state *state) {
+    return fabs(state->verdict.central_film_thickness / self->central_film_thickness[state->point] -
+                1);
+}
+
+/* Factor of the indicator from the points that came in a round; 0: none. `work` is [2, num_states]. */
+static double factor_of(const adaptive *self, size_t round, double *work) {
+    double *deviations = work, *bounds = work + self->num_states;
+    size_t count = 0;
+
+    for (size_t s = 0; s < self->num_states; s++) {
+        const adaptive_state *state = &self->states[s];
+        if (state->round != round || !is_compared(self, state)) continue;
+        deviations[count] = true_deviation(self, state);
+        bounds[count++] = state->verdict.bound;
+    }
+    return trade_indicator_factor(deviations, bounds, count);
+}
+
+/* Worst of what a round's points were found to deviate; NaN: none of them was solved before. */
+static double worst_deviation(const adaptive *self, size_t round) {
+    double worst = NAN;
+
+    for (size_t s = 0; s < self->num_states; s++)
+        if (self->states[s].round == round && is_compared(self, &self->states[s]))
+            worst = fmax(worst, true_deviation(self, &self->states[s]));
+    return worst;
+}
+
+/* Converged points up to a round. */
+static size_t count_solved(const adaptive *self, size_t round) {
+    size_t count = 0;
+
+    for (size_t s = 0; s < self->num_states; s++)
+        count += self->states[s].round <= round && is_solved(self, self->states[s].point);
+    return count;
+}
+
+/* Rounds that an earlier run has judged: the worst candidate of each is the first of the next one. */
+static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
+    double *work = malloc((2 * self->num_states + 1) * sizeof *work);
+    if (!work) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+
+    for (size_t s = 0; s < self->num_states; s++) {
+        const adaptive_state *state = &self->states[s];
+        if (state->round != self->num_rounds + 1) continue;
+        double factor = factor_of(self, self->num_rounds, work);
+        self->rounds[self->num_rounds] = (adaptive_round){
+            .num_points = count_solved(self, self->num_rounds),
+            .indicated = factor > 0 ? indicator_deviation(factor, state->verdict.bound) : NAN,
+            .deviation = NAN,
+            .seconds = NAN};
+        self->num_rounds++;
+    }
+    free(work);
+    return EHD_OK;
+}
+
+// ---- choosing
+
+static void take(adaptive *self, size_t point, const trial_verdict *verdict) {
+    self->states[self->num_states] = (adaptive_state){point, self->num_rounds, *verdict};
+    self->state_of_point[point] = self->num_states++;
+    self->taken[point] = true;
+}
+
+/* Takes the worst of what is left, but for those that are good enough. */
+static ehd_status take_worst(adaptive *self, size_t most, double enough, bool judged,
+                             ehd_error *error) {
+    const candidates from = {self->places, self->set->num_points, self->taken, self->indicated,
+                             enough};
+    const trial_verdict unknown = {NAN, NAN};
+    size_t *chosen = malloc((most + 1) * sizeof *chosen), count = 0;
+    ehd_status status =
+        chosen ? point_choice_worst(chosen, &count, &from, most, error)
+               : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", most);
+
+    for (size_t i = 0; i < count; i++)
+        take(self, chosen[i], judged ? &self->verdicts[chosen[i]] : &unknown);
+    free(chosen);
+    return status;
+}
+
+/* Places in the plane of the trained range, in units of their extent. */
+static void normalise(double (*places)[2], const training_set *set) {
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        places[i][0] = set->contacts[i].moes_M;
+        places[i][1] = set->contacts[i].alpha_p_H;
+        for (int axis = 0; axis < 2; axis++) {
+            low[axis] = fmin(low[axis], places[i][axis]);
+            high[axis] = fmax(high[axis], places[i][axis]);
+        }
+    }
+    for (size_t i = 0; i < set->num_points; i++)
+        for (int axis = 0; axis < 2; axis++)
+            if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
+}
+
+static ehd_status take_corners(adaptive *self, ehd_error *error) {
+    size_t num_points = self->set->num_points;
+    double(*places)[2] = malloc(num_points * sizeof *places);
+    size_t *corners = malloc(num_points * sizeof *corners);
+    const trial_verdict unknown = {NAN, NAN};
+    ehd_status status =
+        places && corners
+            ? EHD_OK
+            : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", num_points);
+
+    if (!status) {
+        normalise(places, self->set);
+        size_t count =
+            point_choice_corners(corners, (const double(*)[2])places, num_points, CORNER_TOLERANCE);
+        for (size_t i = 0; i < smaller(count, self->settings->most); i++)
+            take(self, corners[i], &unknown);
+    }
+    free(corners);
+    free(places);
+    return status;
+}
+
+/* The first round, nothing being known yet: corners, and what lies furthest from these and each other. */
+static ehd_status take_start(adaptive *self, ehd_error *error) {
+    size_t wanted = smaller(self->settings->start, self->settings->most);
+    ehd_status status = take_corners(self, error);
+
+    if (!status && wanted > self->num_states)
+        status = take_worst(self, wanted - self->num_states, 0, false, error);
+    return status
+               ? status
+               : adaptive_file_add(self->file, self->set, self->states, 0, self->num_states, error);
+}
+
+static ehd_status take_batch(adaptive *self, ehd_error *error) {
+    size_t first = self->num_states, batch = self->settings->batch;
+    double indicated = self->rounds[self->num_rounds - 1].indicated;
+
+    if (batch == 0) batch = first / 5 > LEAST_BATCH ? first / 5 : LEAST_BATCH;
+    batch = smaller(batch, smaller(self->settings->most, self->set->num_points) - first);
+    ehd_status status =
+        take_worst(self, batch, isnan(indicated) ? -1 : self->settings->accuracy, true, error);
+    return status ? status
+                  : adaptive_file_add(self->file, self->set, self->states, first,
+                                      self->num_states - first, error);
+}
+
+// ---- solving
+
+/* Each point starts from the nearest one of all rounds, as far as that comes before it. */
+static ehd_status order_points(adaptive *self, ehd_error *error) {
+    size_t count = self->num_states, before = 0;
+    tree_point *places = malloc(count * sizeof *places);
+    size_t *parent = malloc(count * sizeof *parent);
+    ehd_status status = places && parent ? EHD_OK
+                                         : ehd_fail(error, EHD_MEMORY,
+                                                    "order: found no memory for %zu points", count);
+
+    for (size_t s = 0; s < count && !status; s++) {
+        places[s] = self->places[self->states[s].point];
+        before += self->states[s].round < self->num_rounds;
+    }
+    if (!status) status = tree_extend(parent, places, count, before, error);
+    for (size_t i = 0; i < self->set->num_points && !status; i++)
+        self->set->parent[i] = NO_PARENT;
+    for (size_t s = before; s < count && !status && !self->settings->cold; s++)
+        if (parent[s] != NO_PARENT)
+            self->set->parent[self->states[s].point] = self->states[parent[s]].point;
+    if (!status)
+        status = tree_order(self->set->order, self->set->parent, self->set->num_points, error);
+    free(parent);
+    free(places);
+    return status;
+}
+
+/* Entry `store` of the training. */
+static ehd_status store(void *sink, const training_set *set, size_t point, const snapshot *solution,
+                        ehd_error *error) {
+    adaptive *self = sink;
+
+    self->central_film_thickness[point] = solution->scalars.central_film_thickness;
+    return snapshots_store(self->file, set, self->state_of_point[point], solution, error);
+}
+
+static ehd_status solve_round(adaptive *self, ehd_error *error) {
+    ehd_status status = order_points(self, error);
+
+    self->points.store = store;
+    self->points.sink = self;
+    self->points.wanted = self->taken;
+    return status ? status : training_run(&self->points, self->num_workers, error);
+}
+
+// ---- judging
+
+/* Model of all points that are solved. */
+static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_error *error) {
+    size_t count = 0;
+    ehd_contact *contacts = malloc((self->num_states + 1) * sizeof *contacts);
+    solved_state *solved = malloc((self->num_states + 1) * sizeof *solved);
+    ehd_error cause = {""};
+    ehd_status status =
+        contacts && solved
+            ? EHD_OK
+            : ehd_fail(&cause, EHD_MEMORY, "found no memory for %zu points", self->num_states);
+
+    for (size_t s = 0; s < self->num_states && !status; s++) {
+        size_t point = self->states[s].point;
+        const trained_point *trained = &self->points.points[point];
+        const ehd_contact *contact = &self->set->contacts[point];
+        if (!trained->pressure) continue;
+        contacts[count] = *contact;
+        solved[count++] =
+            (solved_state){trained->pressure, trained->rigid_approach, contact->moes_M,
+                           contact->alpha_p_H, self->central_film_thickness[point]};
+    }
+    const training_set trained = {.grid = self->set->grid,
+                                  .kind = self->set->kind,
+                                  .num_points = count,
+                                  .contacts = contacts};
+    if (!status)
+        status = trial_build(model, self->caller, &trained, solved,
+                             self->settings->discarded_energy, self->num_workers, &cause);
+    if (status == EHD_INTERRUPTED)
+        *error = cause;
+    else if (status)
+        ehd_fail(error, status, "%s: model of %zu points: %s", self->plan_path, count, cause.text);
+    free(solved);
+    free(contacts);
+    return status;
+}
+
+/* Lets the present model judge what is left. */
+static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
+    size_t num_points = self->set->num_points;
+    bool *left = malloc(num_points * sizeof *left);
+    reduced_model model = {0};
+    ehd_status status = left ? build_model(&model, self, error)
+                             : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+
+    for (size_t i = 0; i < num_points && !status; i++)
+        left[i] = !self->taken[i];
+    if (!status)
+        status = trial_judge(self->verdicts, &model, self->set->contacts, left, num_points,
+                             self->num_workers, error);
+    reduced_model_free(&model);
+    free(left);
+    return status;
+}
+
+static void report_round(const adaptive *self, size_t num_lost) {
+    const adaptive_round *round = &self->rounds[self->num_rounds - 1];
+    double deviation = worst_deviation(self, self->num_rounds - 1);
+    char found[96] = "", indicated[96] = "";
+
+    if (!isnan(deviation))
+        snprintf(found, sizeof found, ", the last ones were up to %.2g off", deviation);
+    if (num_lost > 0)
+        snprintf(indicated, sizeof indicated, "; %zu others are not solved by their model",
+                 num_lost);
+    else if (!isnan(round->indicated))
+        snprintf(indicated, sizeof indicated, "; others are indicated to be up to %.2g off",
+                 round->indicated);
+    program_note(self->caller, "round %zu: %zu points%s%s, %.1f s", self->num_rounds,
+                 round->num_points, found, indicated, round->seconds);
+}
+
+static ehd_status judge_round(adaptive *self, ehd_error *error) {
+    double *work = malloc((2 * self->num_states + 1) * sizeof *work);
+    double worst = NAN;
+    size_t num_lost = 0;
+    bool any_left = self->num_states < self->set->num_points;
+    ehd_status status =
+        work ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+
+    if (!status && any_left) status = judge_candidates(self, error);
+    if (!status) {
+        double factor = factor_of(self, self->num_rounds, work);
+        for (size_t i = 0; i < self->set->num_points; i++) {
+            if (self->taken[i]) continue;
+            double bound = self->verdicts[i].bound;
+            self->indicated[i] = factor > 0 ? indicator_deviation(factor, bound) : bound;
+            if (factor > 0) worst = fmax(worst, self->indicated[i]);
+            if (!isfinite(bound)) num_lost++;
+        }
+        self->rounds[self->num_rounds] =
+            (adaptive_round){.num_points = count_solved(self, self->num_rounds),
+                             .indicated = worst,
+                             .deviation = NAN,
+                             .seconds = program_seconds() - self->started};
+        self->num_rounds++;
+        report_round(self, num_lost);
+    }
+    free(work);
+    return status;
+}
+
+// ---- rounds
+
+static bool is_finished(const adaptive *self) {
+    return self->rounds[self->num_rounds - 1].indicated <= self->settings->accuracy ||
+           self->num_states >= smaller(self->set->num_points, self->settings->most);
+}
+
+static ehd_status run_rounds(adaptive *self, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (self->num_states == 0) status = take_start(self, error);
+    while (!status) {
+        status = solve_round(self, error);
+        if (!status && self->points.num_failed == self->num_states)
+            status = ehd_fail(error, EHD_NOT_CONVERGED,
+                              "%s: found none of %zu points converged, expected at least one",
+                              self->plan_path, self->num_states);
+        if (!status) status = judge_round(self, error);
+        if (status || is_finished(self)) break;
+        status = take_batch(self, error);
+    }
+    for (size_t r = 0; r < self->num_rounds; r++)
+        self->rounds[r].deviation = worst_deviation(self, r + 1);
+    if (status == EHD_INTERRUPTED)
+        ehd_fail(error, status,
+                 "%s.partial: found an interruption after %zu points in %zu rounds, expected "
+                 "--resume to continue",
+                 self->caller->output, self->points.num_done, self->num_rounds);
+    return status;
+}
+
+static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
+    if (resume) {
+        ehd_status status =
+            adaptive_file_resume(&self->file, self->states, &self->num_states,
+                                 self->central_film_thickness, &self->points, self->caller, error);
+        if (!status) {
+            for (size_t s = 0; s < self->num_states; s++) {
+                self->taken[self->states[s].point] = true;
+                self->state_of_point[self->states[s].point] = s;
+            }
+            program_note(self->caller, "%s.partial: %zu of %zu points are done",
+                         self->caller->output, self->points.num_done, self->num_states);
+            return recall_rounds(self, error);
+        }
+        if (status != EHD_NOINPUT) return status;
+    }
+    return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
+}
+
+/* The short result, and whether too much was lost. */
+static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_error *error) {
+    const adaptive_round *last = &self->rounds[self->num_rounds - 1];
+    size_t num_failed = self->points.num_failed;
+
+    printf("%zu points of %zu, %zu converged, %zu rounds, %.1f s\n", self->num_states,
+           self->set->num_points, last->num_points, self->num_rounds,
+           program_seconds() - self->started);
+    if (isfinite(last->indicated))
+        printf("central film of the others indicated to be at most %.2g off, with podbuild "
+               "--energy %g\n",
+               last->indicated, self->settings->discarded_energy);
+    if (!(last->indicated <= self->settings->accuracy))
+        program_warn(self->caller,
+                     "%s: found %zu points used up, expected fewer to show an accuracy of %g",
+                     self->plan_path, self->num_states, self->settings->accuracy);
+    if (num_failed <= allowed_failures) return EHD_OK;
+    return ehd_fail(error, EHD_NOT_CONVERGED,
+                    "%s: found %zu of %zu points not converged, expected at most %zu "
+                    "(--allow-failures)",
+                    self->plan_path, num_failed, self->num_states, allowed_failures);
+}
+
+/* By what --resume tells one adaptive training from another. */
+static ehd_status add_text(training_set *set, const char *plan_path,
+                           const adaptive_settings *settings, ehd_error *error) {
+    char line[256];
+
+    snprintf(line, sizeof line,
+             "adaptive: accuracy %.17g, start %zu, batch %zu, most %zu, energy %.17g",
+             settings->accuracy, settings->start, settings->batch, settings->most,
+             settings->discarded_energy);
+    return training_set_add_text(set, line, plan_path, error);
+}
+
+ehd_status adaptive_train(const program *caller, training_set *set, const char *plan_path,
+                          const adaptive_settings *settings, bool resume, size_t allowed_failures,
+                          size_t num_workers, ehd_error *error) {
+    adaptive self = {.caller = caller,
+                     .set = set,
+                     .plan_path = plan_path,
+                     .settings = settings,
+                     .num_workers = num_workers,
+                     .started = program_seconds()};
+    ehd_status status = EHD_OK;
+
+    if (set->num_trajectories > 0)
+        status =
+            ehd_fail(error, EHD_DATA,
+                     "%s: found %zu transient scenes with --adaptive, expected stationary ones",
+                     plan_path, set->num_trajectories);
+    if (!status) status = add_text(set, plan_path, settings, error);
+    if (!status) status = adaptive_init(&self, error);
+    if (!status) status = open_file(&self, resume, error);
+    if (!status) status = run_rounds(&self, error);
+    if (!status) status = adaptive_file_put_curve(self.file, self.rounds, self.num_rounds, error);
+    if (!status) status = artefact_finish(&self.file, error);
+    if (!status) status = report(&self, allowed_failures, error);
+    adaptive_free(&self);
+    return status;
+}

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/adaptive_file.h"
+
+#include "common/output/grid_file.h"
+#include "snapgen/snapshots.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+ehd_status adaptive_file_create(artefact **file, const program *caller, const training_set *set,
+                                const char *plan_path, ehd_error *error) {
+    const char **inputs = training_inputs(set, plan_path, NULL);
+    ehd_status status = inputs ? artefact_create_growing(file, caller->output, &schema_snapshots,
+                                                         "state", caller, set->text, inputs, error)
+                               : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
+
+    if (!status) status = grid_write(*file, set->kind, &set->grid, error);
+    if (!status) status = snapshots_declare(*file, false, true, error);
+    if (!status) status = artefact_begin_streaming(*file, error);
+    if (status) artefact_close(file);
+    free(inputs);
+    return status;
+}
+
+// ---- states
+
+static ehd_status put_choice(artefact *file, size_t place, const adaptive_state *state,
+                             ehd_error *error) {
+    const int64_t point = (int64_t)state->point, round = (int64_t)state->round;
+    const trial_verdict *verdict = &state->verdict;
+    ehd_status status = artefact_put_integers_part(file, "training_point", place, 1, &point, error);
+
+    if (!status)
+        status = artefact_put_integers_part(file, "training_round", place, 1, &round, error);
+    if (!status)
+        status = artefact_put_part(file, "training_bound", place, 1, &verdict->bound, error);
+    if (!status)
+        status = artefact_put_part(file, "training_film", place, 1,
+                                   &verdict->central_film_thickness, error);
+    return status;
+}
+
+ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
+                             size_t first, size_t count, ehd_error *error) {
+    double *numbers = malloc((count + 1) * sizeof *numbers);
+    ehd_status status = numbers ? EHD_OK
+                                : ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points",
+                                           artefact_path(file), count);
+
+    for (size_t i = 0; i < count && !status; i++) {
+        const adaptive_state *state = &states[first + i];
+        numbers[i] = (double)(first + i);
+        status = snapshots_put_contact(file, first + i, &set->contacts[state->point], error);
+        if (!status) status = put_choice(file, first + i, state, error);
+    }
+    // the axis last and once, so that a round that is read is whole
+    if (!status) status = artefact_put_axis_part(file, "state", first, count, numbers, error);
+    if (!status) status = artefact_flush(file, error);
+    free(numbers);
+    return status;
+}
+
+// ---- resuming
+
+static ehd_status read_choice(adaptive_state *state, artefact *file, size_t place,
+                              size_t num_points, ehd_error *error) {
+    int64_t point = 0, round = 0;
+    ehd_status status = artefact_get_integers_part(file, "training_point", place, 1, &point, error);
+
+    if (!status)
+        status = artefact_get_integers_part(file, "training_round", place, 1, &round, error);
+    if (!status)
+        status = artefact_get_part(file, "training_bound", place, 1, &state->verdict.bound, error);
+    if (!status)
+        status = artefact_get_part(file, "training_film", place, 1,
+                                   &state->verdict.central_film_thickness, error);
+    if (!status && (point < 0 || (size_t)point >= num_points || round < 0))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: state %zu: found point %lld of round %lld, expected 0 to %zu of 0 "
+                          "or later",
+                          artefact_path(file), place, (long long)point, (long long)round,
+                          num_points - 1);
+    if (status) return status;
+    state->point = (size_t)point;
+    state->round = (size_t)round;
+    return EHD_OK;
+}
+
+static ehd_status restore_state(training *points, double *central_film_thickness, artefact *file,
+                                const adaptive_state *state, size_t place, ehd_error *error) {
+    int64_t outcome = -1;
+    ehd_status status = artefact_get_integers_part(file, "status", place, 1, &outcome, error);
+
+    if (status || outcome < 0) return status;
+    status = artefact_get_part(file, "central_film_thickness", place, 1,
+                               &central_film_thickness[state->point], error);
+    if (status) return status;
+    return snapshots_restore(points, state->point, file, place, outcome, error);
+}
+
+ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t *num_states,
+                                double *central_film_thickness, training *points,
+                                const program *caller, ehd_error *error) {
+    const training_set *set = points->set;
+    ehd_status status =
+        artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
+    if (status) return status;
+
+    size_t count = artefact_length(*file, "state");
+    // equal settings give equal axes, unless somebody else wrote the file
+    if (count > set->num_points || artefact_length(*file, "x") != set->grid.num_inner)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s.partial: found axes of other lengths, expected those of the plan",
+                          caller->output);
+    if (!status) status = artefact_cut_axis(*file, "state", count, error);
+    for (size_t i = 0; i < count && !status; i++) {
+        status = read_choice(&states[i], *file, i, set->num_points, error);
+        if (!status)
+            status = restore_state(points, central_film_thickness, *file, &states[i], i, error);
+    }
+    *num_states = count;
+    if (status) artefact_close(file);
+    return status;
+}
+
+// ---- the curve
+
+ehd_status adaptive_file_put_curve(artefact *file, const adaptive_round *rounds, size_t num_rounds,
+                                   ehd_error *error) {
+    ehd_status status = artefact_end_streaming(file, error);
+
+    if (!status) status = artefact_put_axis(file, "round", num_rounds, NULL, error);
+    for (size_t i = 0; i < num_rounds && !status; i++) {
+        const int64_t num_points = (int64_t)rounds[i].num_points;
+        status = artefact_put_integers_part(file, "round_points", i, 1, &num_points, error);
+        if (!status)
+            status = artefact_put_part(file, "round_indicated", i, 1, &rounds[i].indicated, error);
+        if (!status)
+            status = artefact_put_part(file, "round_deviation", i, 1, &rounds[i].deviation, error);
+        if (!status)
+            status = artefact_put_part(file, "round_seconds", i, 1, &rounds[i].seconds, error);
+    }
+    return status;
+}

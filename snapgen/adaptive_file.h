@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* snapshots.h5 of an adaptive training: its states are points of the plan in the order in which they were
+ * chosen, and more of them come round by round. */
+#ifndef EHD_ADAPTIVE_FILE_H
+#define EHD_ADAPTIVE_FILE_H
+
+#include "common/artefact/artefact.h"
+#include "snapgen/training.h"
+#include "snapgen/trial.h"
+
+/* A point that was chosen. */
+typedef struct adaptive_state {
+    size_t point;          // of the set
+    size_t round;          // from 0
+    trial_verdict verdict; // by the model of the rounds before; NaN in the first round
+} adaptive_state;
+
+/* What a round came to. */
+typedef struct adaptive_round {
+    size_t num_points; // converged ones that its model is made of
+    double indicated;  // worst of the remaining points; NaN: none, or no factor yet
+    double deviation;  // worst of the points of the next round; NaN: there are none
+    double seconds;    // since the start; NaN: in an earlier run
+} adaptive_round;
+
+/* A new file without states, streaming. Errors as artefact_create. */
+ehd_status adaptive_file_create(artefact **file, const program *caller, const training_set *set,
+                                const char *plan_path, ehd_error *error);
+
+/* States first … first + count - 1 of `states` are to be solved. */
+ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
+                             size_t first, size_t count, ehd_error *error);
+
+/* Continues NAME.partial: the states that were chosen, and in `points` those of them that are done.
+ * Errors as artefact_resume. */
+ehd_status adaptive_file_resume(
+    // output:
+    artefact **file,
+    adaptive_state *states, // [*num_states], room for all points of the set
+    size_t *num_states,
+    double *central_film_thickness, // [num_points of the set] of those that are done and converged
+    // in and out:
+    training *points,
+    // input:
+    const program *caller, ehd_error *error);
+
+/* The curve; ends the streaming. */
+ehd_status adaptive_file_put_curve(artefact *file, const adaptive_round *rounds, size_t num_rounds,
+                                   ehd_error *error);
+
+#endif

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/point_choice.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// ---- corners
+
+typedef struct hull {
+    const double (*places)[2];
+    size_t num_points;
+    double tolerance;
+    size_t *corners;
+    size_t count;
+} hull;
+
+/* How far a point lies to the left of the way from one corner to another; of the same place: from it. */
+static double distance_outside(const hull *self, size_t from, size_t to, size_t point) {
+    const double *a = self->places[from], *b = self->places[to], *p = self->places[point];
+    double along[2] = {b[0] - a[0], b[1] - a[1]}, there[2] = {p[0] - a[0], p[1] - a[1]};
+    double length = hypot(along[0], along[1]);
+
+    if (length == 0) return hypot(there[0], there[1]);
+    return (along[0] * there[1] - along[1] * there[0]) / length;
+}
+
+/* Corners between two that are known, without these. */
+static void add_between(hull *self, size_t from, size_t to) {
+    size_t furthest = NO_PARENT;
+    double most = self->tolerance;
+
+    for (size_t i = 0; i < self->num_points; i++) {
+        double outside = distance_outside(self, from, to, i);
+        if (outside > most) {
+            most = outside;
+            furthest = i;
+        }
+    }
+    if (furthest == NO_PARENT) return;
+    self->corners[self->count++] = furthest;
+    add_between(self, from, furthest);
+    add_between(self, furthest, to);
+}
+
+size_t point_choice_corners(size_t *corners, const double (*places)[2], size_t num_points,
+                            double tolerance) {
+    hull self = {places, num_points, tolerance, corners, 0};
+    size_t first = 0, last = 0;
+
+    if (num_points == 0) return 0;
+    for (size_t i = 1; i < num_points; i++) {
+        const double *place = places[i], *low = places[first], *high = places[last];
+        if (place[0] < low[0] || (place[0] == low[0] && place[1] < low[1])) first = i;
+        if (place[0] > high[0] || (place[0] == high[0] && place[1] > high[1])) last = i;
+    }
+    corners[self.count++] = first;
+    if (last == first) return self.count;
+    corners[self.count++] = last;
+    add_between(&self, first, last);
+    add_between(&self, last, first);
+    return self.count;
+}
+
+// ---- worst
+
+typedef struct nearness {
+    double *taken;  // [num_points] distance to the nearest point taken before
+    double *chosen; // [num_points] to the nearest one chosen now
+    double scale[2];
+} nearness;
+
+static void approach(double *nearest, const candidates *from, const double scale[2], size_t point) {
+    for (size_t i = 0; i < from->num_points; i++)
+        nearest[i] = fmin(nearest[i], tree_distance(&from->points[i], &from->points[point], scale));
+}
+
+/* Whether candidate i comes before j. */
+static bool is_worse(const candidates *from, const nearness *near, size_t i, size_t j) {
+    if (from->indicated[i] != from->indicated[j]) return from->indicated[i] > from->indicated[j];
+    return fmin(near->taken[i], near->chosen[i]) > fmin(near->taken[j], near->chosen[j]);
+}
+
+/* NO_PARENT: none is far enough from those chosen now. `known`: of those with a finite deviation. */
+static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
+    size_t best = NO_PARENT;
+
+    for (size_t i = 0; i < from->num_points; i++) {
+        // what is chosen has no distance to itself
+        bool far = near->chosen[i] > 0 && near->chosen[i] >= part * near->taken[i];
+        if (from->taken[i] || !far || !(from->indicated[i] > from->enough)) continue;
+        if (known && !isfinite(from->indicated[i])) continue;
+        if (best == NO_PARENT || is_worse(from, near, i, best)) best = i;
+    }
+    return best;
+}
+
+static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
+    const double least_part = 1e-3;
+    size_t found = NO_PARENT;
+
+    for (double part = 1; part > least_part && found == NO_PARENT; part /= 2)
+        found = worst(from, near, part, known);
+    return found;
+}
+
+ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidates *from,
+                              size_t most, ehd_error *error) {
+    size_t count = 0;
+    nearness near = {malloc((from->num_points + 1) * sizeof(double)),
+                     malloc((from->num_points + 1) * sizeof(double)),
+                     {1, 1}};
+    ehd_status status = EHD_OK;
+
+    if (!near.taken || !near.chosen)
+        status =
+            ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", from->num_points);
+    tree_scale(near.scale, from->points, from->num_points);
+    for (size_t i = 0; i < from->num_points && !status; i++)
+        near.taken[i] = near.chosen[i] = INFINITY;
+    for (size_t i = 0; i < from->num_points && !status; i++)
+        if (from->taken[i]) approach(near.taken, from, near.scale, i);
+    while (count < most && !status) {
+        size_t next = NO_PARENT;
+        if (count % 2 == 1) next = furthest_worst(from, &near, true);
+        if (next == NO_PARENT) next = furthest_worst(from, &near, false);
+        if (next == NO_PARENT) break;
+        chosen[count++] = next;
+        approach(near.chosen, from, near.scale, next);
+    }
+    *num_chosen = count;
+    free(near.taken);
+    free(near.chosen);
+    return status;
+}

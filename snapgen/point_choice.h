@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which candidates are trained on next. */
+#ifndef EHD_POINT_CHOICE_H
+#define EHD_POINT_CHOICE_H
+
+#include "snapgen/tree.h"
+#include <stdbool.h>
+
+/* Corners of the convex hull of places, but for those that lie no further than `tolerance` outside of what
+ * the others span (quickhull, Barber, Dobkin and Huhdanpaa 1996, that stops early). Of equal ones the first
+ * counts. The result depends on the places alone. */
+size_t point_choice_corners(
+    // output:
+    size_t *corners, // [return value], room for num_points
+    // input:
+    const double (*places)[2], size_t num_points, double tolerance);
+
+typedef struct candidates {
+    const tree_point *points; // [num_points]
+    size_t num_points;
+    const bool *taken;       // [num_points] trained on before
+    const double *indicated; // [num_points] deviation; infinite where nothing is known
+    double enough;           // candidates indicated to deviate no more are left out
+} candidates;
+
+/* The worst first, of equal ones the one furthest from all that is trained on. Every second one is the
+ * worst of those with a finite deviation, where there are any: a few of which nothing is known would else take
+ * all places. Two that are chosen together lie no nearer to each other than to what was taken before,
+ * because training on one of them mends the other; where that leaves too few, half as near, and so on.
+ * Fewer than `most` only where there are no more candidates. EHD_MEMORY. */
+ehd_status point_choice_worst(
+    // output:
+    size_t *chosen, // [*num_chosen], room for `most`
+    size_t *num_chosen,
+    // input:
+    const candidates *from, size_t most, ehd_error *error);
+
+#endif

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "snapgen/trial.h"
+
+#include "deimselect/row_choice.h"
+#include "podbuild/bases.h"
+#include "romrun/indicator.h"
+#include "romrun/reduced_solver.h"
+#include "snapgen/pool.h"
+#include "snapgen/residuals.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// ---- building
+
+static ehd_status build_basis(reduced_basis *basis, const training_set *set,
+                              const solved_state *states, double discarded_energy,
+                              ehd_error *error) {
+    const bases_settings settings = {
+        {.discarded_energy = discarded_energy}, {0}, DEFORMATION_COUPLED};
+    snapshot_set solutions = {0};
+    pod_basis pressure = {0}, deformation = {0};
+    ehd_status status =
+        snapshot_set_gather(&solutions, states, set->num_points, set->kind, &set->grid, error);
+
+    if (!status) status = bases_build(basis, &pressure, &deformation, &solutions, &settings, error);
+    pod_free(&pressure);
+    pod_free(&deformation);
+    snapshot_set_free(&solutions);
+    return status;
+}
+
+/* The iterations of all rows from which the selected ones follow. */
+static ehd_status repeat_training(residual_snapshots *snapshots, const program *caller,
+                                  const training_set *set, const reduced_basis *basis,
+                                  size_t num_workers, ehd_error *error) {
+    reduced_model all_rows = {0};
+    ehd_status status = reduced_model_build(&all_rows, basis, NULL, 0, error);
+
+    if (!status) status = residuals_collect(snapshots, caller, set, &all_rows, num_workers, error);
+    reduced_model_free(&all_rows);
+    return status;
+}
+
+ehd_status trial_build(reduced_model *model, const program *caller, const training_set *set,
+                       const solved_state *states, double discarded_energy, size_t num_workers,
+                       ehd_error *error) {
+    program silent = *caller;
+    reduced_basis basis = {0};
+    residual_snapshots snapshots = {0};
+    row_choice choice = {0};
+    ehd_status status = build_basis(&basis, set, states, discarded_energy, error);
+
+    silent.quiet = true;
+    if (!status) status = repeat_training(&snapshots, &silent, set, &basis, num_workers, error);
+    if (!status)
+        status = row_choice_make(&choice, &snapshots, &basis, selection_methods, weightings, 0,
+                                 CONTROL_BY_ITSELF, error);
+    if (!status) status = row_choice_model(model, &choice, &basis, error);
+    row_choice_free(&choice);
+    residual_snapshots_free(&snapshots);
+    reduced_basis_free(&basis);
+    return status;
+}
+
+// ---- judging
+
+typedef struct judgement {
+    const reduced_model *model;
+    const ehd_contact *contacts;
+    trial_verdict *verdicts;
+} judgement;
+
+/* What a thread needs. */
+typedef struct judge {
+    reduced_solver *solver;
+    indicator *indicator;
+    reduced_state state;
+} judge;
+
+static void end_judge(void *worker) {
+    judge *self = worker;
+
+    if (self) {
+        reduced_solver_free(self->solver);
+        indicator_free(self->indicator);
+        free(self->state.coordinates);
+        free(self);
+    }
+}
+
+static ehd_status begin_judge(void **worker, void *shared, ehd_error *error) {
+    const reduced_model *model = ((const judgement *)shared)->model;
+    const reduced_settings settings = reduced_default_settings();
+    judge *self = calloc(1, sizeof *self);
+
+    *worker = self;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->state.coordinates = calloc(model->num_unknowns, sizeof(double));
+    self->indicator = indicator_create(model);
+    if (!self->state.coordinates || !self->indicator)
+        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    return reduced_solver_create(&self->solver, model, &settings, error);
+}
+
+static ehd_status judge_contact(void *shared, void *worker, size_t point, size_t parent,
+                                ehd_error *error) {
+    const judgement *work = shared;
+    const ehd_contact *contact = &work->contacts[point];
+    trial_verdict *verdict = &work->verdicts[point];
+    judge *self = worker;
+    reduced_info info;
+    (void)parent;
+
+    *verdict = (trial_verdict){INFINITY, NAN};
+    reduced_guess(&self->state, work->model, contact->moes_M, contact->alpha_p_H);
+    ehd_status status = reduced_solve(&info, &self->state, self->solver, contact, NULL, error);
+    if (status || info.status) return status;
+    double bound =
+        indicator_bound(self->indicator, self->solver, &self->state, contact, &info.scalars);
+    if (isfinite(bound)) *verdict = (trial_verdict){bound, info.scalars.central_film_thickness};
+    return EHD_OK;
+}
+
+ehd_status trial_judge(trial_verdict *verdicts, const reduced_model *model,
+                       const ehd_contact *contacts, const bool *wanted, size_t num_contacts,
+                       size_t num_workers, ehd_error *error) {
+    judgement shared = {model, contacts, verdicts};
+    bool *done = malloc(num_contacts * sizeof *done);
+    if (!done) return ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu", num_contacts);
+
+    for (size_t i = 0; i < num_contacts; i++)
+        done[i] = !wanted[i];
+    const pool_work work = {.num_points = num_contacts,
+                            .done = done,
+                            .num_workers = num_workers,
+                            .shared = &shared,
+                            .begin = begin_judge,
+                            .end = end_judge,
+                            .solve = judge_contact};
+    ehd_status status = pool_run(&work, error);
+    free(done);
+    return status;
+}

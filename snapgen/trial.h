@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A reduced model of what is solved so far, and what it says of other contacts. */
+#ifndef EHD_TRIAL_H
+#define EHD_TRIAL_H
+
+#include "common/program/program.h"
+#include "podbuild/snapshot_set.h"
+#include "romrun/reduced_model.h"
+#include "snapgen/training_set.h"
+
+/* A model of stationary solutions, in memory, as podbuild --energy, snapgen --basis and deimselect make it
+ * with their defaults. EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text; EHD_MEMORY,
+ * EHD_INTERNAL. */
+ehd_status trial_build(
+    // output:
+    reduced_model *model, // free with reduced_model_free
+    // input:
+    const program *caller,      // messages of the parts are not shown
+    const training_set *set,    // the points of the solutions
+    const solved_state *states, // [num_points of the set]
+    double discarded_energy, size_t num_workers, ehd_error *error);
+
+/* What the model finds for a contact. */
+typedef struct trial_verdict {
+    double bound;                  // indicator_bound; infinite where the model does not converge
+    double central_film_thickness; // NaN where it does not converge
+} trial_verdict;
+
+/* Solves the contacts for which `wanted` is set, each from its own guess, so that the verdicts depend on
+ * model and contact alone. EHD_INTERRUPTED with an empty text; EHD_MEMORY. */
+ehd_status trial_judge(
+    // output:
+    trial_verdict *verdicts, // [num_contacts], those not wanted stay
+    // input:
+    const reduced_model *model, const ehd_contact *contacts, const bool *wanted,
+    size_t num_contacts, size_t num_workers, ehd_error *error);
+
+#endif

@@ -1,0 +1,203 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# snapgen --adaptive: points where they are needed, until a wanted accuracy holds.
+
+load common
+
+# A region of 121 nodes with 153 candidates; of the training all further tests are about.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    common_setup_small
+    cat >region.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary:
+      moes.M: [8, 8.4, 8.8, 9.2, 9.6, 10, 10.5, 11, 11.5, 12, 12.5, 13, 13.5, 14, 14.5, 15, 16]
+      moes.L: [2, 2.5, 3, 3.5, 4, 4.5, 5, 5.5, 6]
+YAML
+    snapgen region.yml --adaptive --start 8 -o s.h5 --jobs 1 >report.txt 2>notes.txt
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+# same_training A B: all datasets but the times equal to the last bit.
+same_training() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
+    assert set(left) == set(right), set(left) ^ set(right)
+    for name in left:
+        if name != "round_seconds":
+            assert left[name][...].tobytes() == right[name][...].tobytes(), name
+PYTHON
+}
+
+@test "stops when the accuracy is indicated, with far fewer points than candidates" {
+    cat report.txt notes.txt
+    snapgen --check s.h5
+    [ ! -e s.h5.partial ]
+    [[ $(head -n 1 report.txt) =~ ^([0-9]+)" points of 153, "([0-9]+)" converged, "([0-9]+)" rounds, " ]]
+    points=${BASH_REMATCH[1]} rounds=${BASH_REMATCH[3]}
+    ((points == BASH_REMATCH[2] && points < 100 && rounds > 2))
+    [[ $(sed -n 2p report.txt) == "central film of the others indicated to be at most "* ]]
+    [ "$(grep -c "^snapgen: round [0-9]*: [0-9]* points" notes.txt)" -eq "$rounds" ]
+    /usr/bin/python3 - "$points" "$rounds" <<'PYTHON'
+import sys, h5py, numpy
+points, rounds = int(sys.argv[1]), int(sys.argv[2])
+with h5py.File("s.h5") as s:
+    assert len(s["state"]) == points and len(s["round"]) == rounds
+    assert (s["status"][...] == 0).all()
+    chosen = s["training_point"][...]
+    assert len(set(chosen)) == points and chosen.min() >= 0 and chosen.max() < 153
+    M = numpy.array([8, 8.4, 8.8, 9.2, 9.6, 10, 10.5, 11, 11.5, 12, 12.5, 13, 13.5, 14, 14.5, 15, 16])
+    assert (s["moes_M"][...] == M[chosen // 9]).all()
+    assert (s["moes_L"][...] == 2 + 0.5 * (chosen % 9)).all()
+    of_round = s["training_round"][...]
+    assert (numpy.diff(of_round) >= 0).all() and of_round[0] == 0 and of_round[-1] == rounds - 1
+    assert (of_round == 0).sum() == 8
+    # corners of the region come first
+    corners = {(8, 2), (8, 6), (16, 2), (16, 6)}
+    assert corners <= set(zip(s["moes_M"][:8], s["moes_L"][:8]))
+    # the curve says what the states say
+    assert (s["round_points"][...] == [(of_round <= r).sum() for r in range(rounds)]).all()
+    off = abs(s["training_film"][...] / s["central_film_thickness"][...] - 1)
+    assert numpy.isnan(off[:8]).all()
+    for r in range(rounds - 1):
+        here = off[of_round == r + 1]
+        worst = numpy.nanmax(here) if not numpy.isnan(here).all() else numpy.nan
+        numpy.testing.assert_allclose(s["round_deviation"][r], worst, rtol=1e-9)
+    assert numpy.isnan(s["round_deviation"][-1])
+    assert s["round_indicated"][-1] <= 1e-3 and not (s["round_indicated"][:-1] <= 1e-3).any()
+    assert (numpy.diff(s["round_seconds"][...]) > 0).all()
+PYTHON
+}
+
+@test "the next stages take it, and the accuracy is met between the candidates" {
+    podbuild s.h5 -o b.h5 --energy 1e-18
+    snapgen region.yml --adaptive --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5
+    [ "$(/usr/bin/python3 -c 'import h5py
+print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = True ]
+    for M in 8.2 9.1 10.7 13.2 15.5; do
+        for L in 2.2 3.3 4.7 5.8; do
+            fullrun scene.yml --set moes.M=$M --set moes.L=$L -o full.h5 --force >/dev/null
+            romrun scene.yml --set moes.M=$M --set moes.L=$L --model m.h5 -o red.h5 --force >/dev/null
+            close_to "$(number red.h5 central_film_thickness)" \
+                "$(number full.h5 central_film_thickness)" 1e-3
+        done
+    done
+    # without --adaptive the whole plan is repeated, and serves as well
+    snapgen region.yml --basis b.h5 -o all.h5 --quiet
+    deimselect all.h5 --basis b.h5 -o n.h5
+    [ "$(/usr/bin/python3 -c 'import h5py; print(len(h5py.File("all.h5")["state"]))')" = 153 ]
+}
+
+@test "--jobs changes no result but the times" {
+    snapgen region.yml --adaptive --start 8 -o two.h5 --jobs 2 --quiet
+    same_training s.h5 two.h5
+    snapgen region.yml --adaptive --start 8 -o many.h5 --jobs 7 --quiet
+    same_training s.h5 many.h5
+}
+
+@test "kill -9 and Ctrl-C lose no finished point, and --resume gives the bits of an uninterrupted run" {
+    slow=(snapgen region.yml --adaptive --start 8 --batch 3 --accuracy 1e-6 --most 50
+        --set grid.step=0.005 --quiet)
+    "${slow[@]}" -o whole.h5
+    for states in 3 12 20; do
+        "${slow[@]}" -o x.h5 --resume &
+        wait_for_states x.h5.partial "$states"
+        kill -KILL $!
+        wait $! || true
+        [ ! -e x.h5 ]
+    done
+    "${slow[@]}" -o x.h5 --resume 2>stopped.txt &
+    wait_for_states x.h5.partial 25
+    kill -INT $!
+    code=0
+    wait $! || code=$?
+    [ "$code" -eq 130 ]
+    [ "$(wc -l <stopped.txt)" -eq 1 ]
+    grep -q "^snapgen: x.h5.partial: found an interruption after [0-9]* points in [0-9]* rounds" stopped.txt
+    # unfinished, so no stage takes it, and another training does not continue it
+    refused 65 "x.h5.partial" podbuild x.h5.partial -o b.h5
+    refused 65 "x.h5.partial: found other settings" "${slow[@]}" --start 9 -o x.h5 --resume
+    refused 65 "x.h5.partial: found other settings" snapgen region.yml -o x.h5 --resume
+    run --separate-stderr "${slow[@]}" -o x.h5 --resume --jobs 1
+    [ "$status" -eq 0 ]
+    same_training whole.h5 x.h5
+    # what was done before was not done again
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("x.h5") as x:
+    assert numpy.isnan(x["round_seconds"][:5]).all() and x["round_seconds"][-1] > 0
+PYTHON
+}
+
+@test "ends with the points of the plan or with --most, and says that it is not enough" {
+    run --separate-stderr snapgen plan.yml --adaptive --start 4 --batch 2 -o x.h5 --quiet
+    [ "$status" -eq 0 ]
+    [[ $output == "9 points of 9, 9 converged, 4 rounds, "* ]]
+    [[ $stderr == "snapgen: plan.yml: found 9 points used up, expected fewer to show an accuracy of 0.001" ]]
+    run --separate-stderr snapgen region.yml --adaptive --start 8 --most 13 -o y.h5 --quiet
+    [ "$status" -eq 0 ]
+    [[ $output == "13 points of 153, "* ]]
+    # the first ones of the longer training
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("s.h5") as s, h5py.File("y.h5") as y:
+    assert (s["training_point"][:12] == y["training_point"][:12]).all()
+    assert (s["pressure"][:12] == y["pressure"][:12]).all()
+PYTHON
+}
+
+@test "points that the full model does not solve are reported and are not chosen again" {
+    cat >failing.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [2, 8, 9, 10, 11, 12, 13, 14], moes.L: [1, 2, 3]}
+YAML
+    run --separate-stderr snapgen failing.yml --set grid.x_max=1.1 --adaptive --start 8 -o x.h5 --quiet
+    [ "$status" -eq 3 ]
+    [[ $stderr == *"point M=2 L="*": not converged"* ]]
+    [[ $stderr == *"failing.yml: found 2 of 16 points not converged, expected at most 0 (--allow-failures)" ]]
+    snapgen --check x.h5
+    [[ $(podbuild x.h5 -o b.h5) == "14 states on "*", 2 left out that had not converged"* ]]
+    run --separate-stderr snapgen failing.yml --set grid.x_max=1.1 --adaptive --start 8 -o y.h5 --quiet \
+        --allow-failures 2
+    [ "$status" -eq 0 ]
+}
+
+@test "its file opens with h5py, xarray and ncdump" {
+    run "$BATS_TEST_DIRNAME/open_elsewhere.py" s.h5
+    echo "$output"
+    [ "$status" -ne 2 ] || skip "a reader is not installed"
+    [ "$status" -eq 0 ]
+}
+
+@test "what does not go together is refused" {
+    refuse 64 "--most: found without --adaptive" snapgen plan.yml --most 9 -o x.h5
+    refuse 64 "--accuracy: found 0, expected" snapgen plan.yml --adaptive --accuracy 0 -o x.h5
+    refuse 64 "--start: found 2, expected" snapgen plan.yml --adaptive --start 2 -o x.h5
+    refuse 64 "--shard: found with --adaptive" snapgen plan.yml --adaptive --shard 1/2 -o x.h5
+    podbuild s.h5 -o b.h5
+    refuse 64 "--batch: found with --basis" snapgen plan.yml --adaptive --batch 3 --basis b.h5 -o x.h5
+    sed 's/L: \[.*\]/L: [2.1, 4.1]/' plan.yml >other.yml
+    refuse 65 "other.yml: found no point that b.h5 was trained on" \
+        snapgen other.yml --adaptive --basis b.h5 -o x.h5
+    cat >moving.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 12], moes.L: [3]}
+  - scene:
+      contact: line
+      regime: transient
+      moes: {M: 12, L: 4}
+      lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
+      grid: {step: 0.05}
+      transient: {load: {law: sine, amplitude: 0.1, period: 0.5}, end_time: 0.1}
+YAML
+    refuse 65 "moving.yml: found 1 transient scenes with --adaptive" snapgen moving.yml --adaptive -o x.h5
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which candidates are trained on next: corners of a region, and the worst that lie apart. */
+#include "snapgen/point_choice.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- corners
+
+static bool contains(const size_t *numbers, size_t count, size_t wanted) {
+    for (size_t i = 0; i < count; i++)
+        if (numbers[i] == wanted) return true;
+    return false;
+}
+
+static void corners_of_a_grid_are_its_four(void **state) {
+    double places[25][2];
+    size_t corners[25];
+    (void)state;
+
+    for (size_t i = 0; i < 25; i++) {
+        places[i][0] = (double)(i % 5);
+        places[i][1] = (double)(i / 5);
+    }
+    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, 25, 1e-9), 4);
+    for (size_t i = 0; i < 4; i++)
+        assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
+}
+
+/* Points on a circle are all corners; where some distance outside is allowed, as many as it takes. */
+static void corners_of_a_circle_follow_the_tolerance(void **state) {
+    enum { COUNT = 360 };
+    double places[COUNT][2];
+    size_t corners[COUNT];
+    (void)state;
+
+    for (size_t i = 0; i < COUNT; i++) {
+        places[i][0] = cos((double)i * acos(-1) / 180);
+        places[i][1] = sin((double)i * acos(-1) / 180);
+    }
+    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 1e-9), COUNT);
+    // the sagitta of 90 degrees is 0.293, of 45 degrees 0.076, of 22 or 23 degrees 0.020
+    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.3), 4);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.1), 8);
+    assert_int_equal(point_choice_corners(corners, (const double(*)[2])places, COUNT, 0.025), 16);
+}
+
+static void corners_of_few_points(void **state) {
+    const double same[3][2] = {{1, 2}, {1, 2}, {1, 2}};
+    const double line[4][2] = {{1, 0}, {0, 0}, {3, 0}, {2, 0}};
+    size_t corners[4];
+    (void)state;
+
+    assert_int_equal(point_choice_corners(corners, NULL, 0, 1e-9), 0);
+    assert_int_equal(point_choice_corners(corners, same, 3, 1e-9), 1);
+    assert_int_equal(point_choice_corners(corners, line, 4, 1e-9), 2);
+    assert_int_equal(corners[0], 1);
+    assert_int_equal(corners[1], 2);
+}
+
+// ---- worst
+
+/* Twelve candidates on a line from 0 to 11, of which the first and the last are taken; the second coordinate
+ * is the same for all. */
+enum { NUM_LINE = 12 };
+static tree_point line_points[NUM_LINE];
+static bool line_taken[NUM_LINE];
+static double line_indicated[NUM_LINE];
+
+static candidates make_line(const double indicated[NUM_LINE], double enough) {
+    for (size_t i = 0; i < NUM_LINE; i++) {
+        line_points[i] = (tree_point){.place = {(double)i, 7}};
+        line_taken[i] = i == 0 || i == NUM_LINE - 1;
+        line_indicated[i] = indicated[i];
+    }
+    return (candidates){line_points, NUM_LINE, line_taken, line_indicated, enough};
+}
+
+static void check_choice(const candidates *from, size_t most, const size_t *expected,
+                         size_t num_expected) {
+    size_t chosen[NUM_LINE], count = 99;
+
+    assert_int_equal(point_choice_worst(chosen, &count, from, most, NULL), EHD_OK);
+    assert_int_equal(count, num_expected);
+    for (size_t i = 0; i < count; i++)
+        assert_int_equal(chosen[i], expected[i]);
+}
+
+/* Next to the worst others are nearly as bad, but the second one is found elsewhere. */
+static void the_worst_come_first_and_apart(void **state) {
+    const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
+    const candidates from = make_line(indicated, 0);
+    (void)state;
+
+    // 4 is 4 away from what is taken: then 9, which is 2 away from that, then 2, which is 2 from 0 and 4
+    check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
+}
+
+static void what_is_good_enough_or_taken_is_left(void **state) {
+    const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
+    const candidates from = make_line(indicated, 2.5);
+    (void)state;
+
+    // as near as need be, but no others; 3 is nearer to what is taken than 5
+    check_choice(&from, NUM_LINE, (size_t[]){4, 9, 3, 5}, 4);
+    const candidates none = make_line(indicated, 9);
+    check_choice(&none, NUM_LINE, NULL, 0);
+}
+
+/* Without any knowledge the plane is filled evenly. */
+static void the_unknown_is_filled_evenly(void **state) {
+    double indicated[NUM_LINE];
+    (void)state;
+
+    for (size_t i = 0; i < NUM_LINE; i++)
+        indicated[i] = INFINITY;
+    const candidates from = make_line(indicated, 0);
+    check_choice(&from, 3, (size_t[]){5, 8, 2}, 3);
+    check_choice(&from, 0, NULL, 0);
+}
+
+static void what_has_a_number_comes_every_second_time(void **state) {
+    const double indicated[] = {99, 1, INFINITY, 7, 9, 8, INFINITY, 1, INFINITY, 3, 2, 99};
+    const candidates from = make_line(indicated, 0);
+    const double unknown[] = {99,       INFINITY, 5, INFINITY, INFINITY, 6,
+                              INFINITY, INFINITY, 1, 1,        1,        99};
+    (void)state;
+
+    // 6 is furthest from all; of the numbers 7 is the worst that is far enough from it
+    check_choice(&from, 2, (size_t[]){6, 3}, 2);
+    const candidates more = make_line(unknown, 0);
+    check_choice(&more, 4, (size_t[]){6, 2, 1, 9}, 4);
+}
+
+/* Other lubricants at the same place are other points. */
+static void families_are_far_from_each_other(void **state) {
+    const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
+    const candidates from = make_line(indicated, 0);
+    (void)state;
+
+    line_points[5].family = 1;
+    check_choice(&from, 2, (size_t[]){4, 5}, 2);
+}
+
+static void choice_survives_failing_allocations(void **state) {
+    const double indicated[] = {99, 1, 2, 7, 9, 8, 2, 1, 1, 3, 2, 99};
+    const candidates from = make_line(indicated, 0);
+    size_t chosen[NUM_LINE], count, call = 0;
+    (void)state;
+
+    for (;; call++) {
+        allocation_fail_at(call);
+        ehd_status status = point_choice_worst(chosen, &count, &from, 3, NULL);
+        if (!allocation_failed()) break;
+        assert_int_equal(status, EHD_MEMORY);
+    }
+    assert_int_equal(call, 2);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(corners_of_a_grid_are_its_four),
+                                       cmocka_unit_test(corners_of_a_circle_follow_the_tolerance),
+                                       cmocka_unit_test(corners_of_few_points),
+                                       cmocka_unit_test(the_worst_come_first_and_apart),
+                                       cmocka_unit_test(what_is_good_enough_or_taken_is_left),
+                                       cmocka_unit_test(the_unknown_is_filled_evenly),
+                                       cmocka_unit_test(what_has_a_number_comes_every_second_time),
+                                       cmocka_unit_test(families_are_far_from_each_other),
+                                       cmocka_unit_test(choice_survives_failing_allocations)};
+
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
