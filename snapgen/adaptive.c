@@ -143,11 +143,11 @@ static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
         const adaptive_state *state = &self->states[s];
         if (state->round != self->num_rounds + 1) continue;
         double factor = factor_of(self, self->num_rounds, work);
-        self->rounds[self->num_rounds] = (adaptive_round){
-            .num_points = count_solved(self, self->num_rounds),
-            .indicated = factor > 0 ? indicator_deviation(factor, state->verdict.bound) : NAN,
-            .deviation = NAN,
-            .seconds = NAN};
+        self->rounds[self->num_rounds] =
+            (adaptive_round){.num_points = count_solved(self, self->num_rounds),
+                             .indicated = factor > 0 ? factor * state->verdict.bound : NAN,
+                             .deviation = NAN,
+                             .seconds = NAN};
         self->num_rounds++;
     }
     free(work);
@@ -377,7 +377,7 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
         for (size_t i = 0; i < self->set->num_points; i++) {
             if (self->taken[i]) continue;
             double bound = self->verdicts[i].bound;
-            self->indicated[i] = factor > 0 ? indicator_deviation(factor, bound) : bound;
+            self->indicated[i] = factor > 0 ? factor * bound : bound;
             if (factor > 0) worst = fmax(worst, self->indicated[i]);
             if (!isfinite(bound)) num_lost++;
         }
