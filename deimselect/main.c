@@ -29,7 +29,10 @@ static const struct argp_option own_options[] = {
      .key = KEY_ROWS,
      .arg = "N",
      .doc = "Number of rows; default 2 a mode, or what the snapshots tell apart"},
-    {.name = "method", .key = KEY_METHOD, .arg = "NAME", .doc = "joint (default), qr; see below"},
+    {.name = "method",
+     .key = KEY_METHOD,
+     .arg = "NAME",
+     .doc = "joint (default), qr, sopt; see below"},
     {.name = "weights",
      .key = KEY_WEIGHTS,
      .arg = "NAME",
@@ -59,10 +62,8 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
                              &error);
         break;
     case KEY_METHOD:
-        options->method = selection_methods;
-        while (options->method->name && strcmp(options->method->name, argument))
-            options->method++;
-        if (!options->method->name)
+        options->method = selection_find(argument);
+        if (!options->method)
             status = ehd_fail(&error, EHD_USAGE, "--method: found %.40s, expected one of --help",
                               argument);
         break;

@@ -18,16 +18,12 @@ void row_choice_free(row_choice *choice) {
     memset(choice, 0, sizeof *choice);
 }
 
-/* How many rows the method takes for a mode of either basis. */
-static size_t rows_per_mode(const selection_method *method) {
-    return method->select == selection_pivoted_qr ? 2 : 1;
-}
-
 /* How many modes of either basis the method is given. */
 static size_t wanted_modes(const selection_method *method, size_t num_rows, size_t num_unknowns) {
-    size_t modes = (num_rows + rows_per_mode(method) - 1) / rows_per_mode(method);
+    const size_t rows_a_mode = method->rows_per_mode > 0 ? method->rows_per_mode : 1;
+    size_t modes = (num_rows + rows_a_mode - 1) / rows_a_mode;
 
-    return rows_per_mode(method) > 1 && modes < num_unknowns ? num_unknowns : modes;
+    return rows_a_mode > 1 && modes < num_unknowns ? num_unknowns : modes;
 }
 
 static const char *const snapshot_names[] = {"residuals", "Jacobian products"};
@@ -104,9 +100,9 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const red
 static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
                              const selection_method *method, bool given, ehd_error *error) {
     int poorer = pods[1].num_modes < pods[0].num_modes;
-    size_t most = rows_per_mode(method) * pods[poorer].num_modes;
+    size_t most = method->rows_per_mode * pods[poorer].num_modes;
 
-    if (*num_rows <= most) return EHD_OK;
+    if (method->rows_per_mode == 0 || *num_rows <= most) return EHD_OK;
     if (given)
         return ehd_fail(error, EHD_DATA,
                         "--rows: found %zu, expected at most %zu, as many as the snapshots of the "

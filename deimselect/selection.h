@@ -25,6 +25,7 @@ typedef ehd_status selection_function(
 typedef struct selection_method {
     const char *name; // "joint"
     selection_function *select;
+    size_t rows_per_mode; // at most, of the modes of either basis; 0: any number of rows
     const char *help;
 } selection_method;
 
@@ -34,6 +35,12 @@ extern const selection_method selection_methods[]; // ends with a row whose name
 selection_function selection_joint;
 /* Column-pivoted QR of both bases side by side (Drmac and Gugercin 2016) (file pivoted_qr.c). */
 selection_function selection_pivoted_qr;
+
+/* Oversampled S-OPT behind a start by pivoted QR (Lauzon et al. 2022) (file s_opt.c). */
+selection_function selection_s_opt;
+
+/* The entry of this name, or NULL. */
+const selection_method *selection_find(const char *name);
 
 /* Smallest singular value of modes[:num_columns] sampled at the rows: 1/sigma_min bounds how much
  * gappy least squares amplifies what the basis does not hold. Zero with fewer rows than columns. */
