@@ -18,6 +18,10 @@ const selection_method selection_methods[] = {
      "oversampled S-OPT: largest product of the determinants of both bases sampled at the rows, "
      "over the norms of "
      "their columns; any number of rows"},
+    {"exits", selection_exits, 0,
+     "joint, from as many rows as pressure modes on the row that helps the worst exit of training "
+     "most; any number "
+     "of rows"},
     {NULL, NULL, 0, NULL},
 };
 
@@ -27,6 +31,15 @@ const selection_method *selection_find(const char *name) {
     while (entry->name && strcmp(entry->name, name))
         entry++;
     return entry->name ? entry : NULL;
+}
+
+selection_bases selection_leading(const selection_bases *bases) {
+    selection_bases leading = *bases;
+
+    for (int i = 0; i < 2; i++)
+        if (bases->num_leading > 0 && leading.num_modes[i] > bases->num_leading)
+            leading.num_modes[i] = bases->num_leading;
+    return leading;
 }
 
 ehd_status selection_sigma_min(double *sigma_min, const double *modes, size_t num_columns,

@@ -362,6 +362,7 @@ static void refuses_more_rows_than_it_can_give(void **state) {
     const selection_bases one = {.num_nodes = 8, .num_modes = {1, 1}, .modes = {six, five}};
     check_refused(selection_pivoted_qr, &one, 3, "found 3, expected at most 2");
     check_refused(selection_s_opt, &bases, 9, "found 9, expected at most 8");
+    check_refused(selection_exits, &bases, 9, "found 9, expected at most 8");
     free(six);
     free(five);
 }
