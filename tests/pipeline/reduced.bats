@@ -93,6 +93,28 @@ stability() {
     refused 64 "--stability" deimselect r.h5 --basis b.h5 --stability 0.5 -o x.h5
 }
 
+@test "with other weights of the test basis" {
+    for weight in identity "row-norm --plan plan.yml"; do
+        podbuild s.h5 -o bw.h5 --weight $weight --force
+        snapgen plan.yml --basis bw.h5 -o rw.h5 --quiet --force
+        deimselect rw.h5 --basis bw.h5 -o mw.h5 --force
+        romrun scene.yml --model mw.h5 -o red.h5 --force
+        close_to "$(number red.h5 central_film_thickness)" \
+            "$(number full.h5 central_film_thickness)" 0.005
+    done
+    refuse 64 "--plan: found none with --weight row-norm, expected the plan of the training" \
+        podbuild s.h5 -o x.h5 --weight row-norm
+    refuse 64 "--plan: found plan.yml with --weight mode, expected none" \
+        podbuild s.h5 -o x.h5 --plan plan.yml
+    refused 64 "--weight: found sqrt, expected one of --help" podbuild s.h5 -o x.h5 --weight sqrt
+    sed 's/8, 11, 15/7, 10/; s/2, 4, 6/3/' plan.yml >other.yml
+    refuse 65 "other.yml: --plan: found none of the stationary training points, expected the plan" \
+        podbuild s.h5 -o x.h5 --weight row-norm --plan other.yml
+    sed 's/step: 0.05/step: 0.1/' base.yml >coarse.yml
+    sed 's/base.yml/coarse.yml/' plan.yml >other.yml
+    refuse 65 "other.yml: " podbuild s.h5 -o x.h5 --weight row-norm --plan other.yml
+}
+
 @test "the same input gives the same bits, whatever --jobs" {
     podbuild s.h5 -o b2.h5
     same_data b.h5 b2.h5
