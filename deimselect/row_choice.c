@@ -282,9 +282,11 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     memset(choice, 0, sizeof *choice);
     bases.exits = exits;
     if (!exits) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
-    if (!status)
-        status = (settings->stability > 0 ? take_stable_rows : take_rows)(
-            choice, pods, &bases, snapshots, basis, settings, num_rows, error);
+    if (!status && settings->stability > 0)
+        status =
+            take_stable_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
+    else if (!status)
+        status = take_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
     if (!status)
         status =
             choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);

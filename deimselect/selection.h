@@ -14,7 +14,7 @@ typedef struct selection_bases {
     const double *singular_values[2]; // [num_modes]
     // what the rows have to determine, whatever the exit
     size_t num_leading;  // leading modes of each basis; 0: all
-    size_t num_exits;    // of training, each once
+    size_t num_exits;    // of training, ascending, each once
     const size_t *exits; // [num_exits] the exit takes this node and those behind it away
 } selection_bases;
 

@@ -60,9 +60,11 @@ row_stability *row_stability_free(row_stability *self) {
     return NULL;
 }
 
-/* seen = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the exit. */
-static ehd_status block_init(exit_block *block, row_stability *self, const double *modes,
-                             size_t num_modes, size_t num_before, ehd_error *error) {
+/* seen = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the exit. `so_far` is that
+ * matrix over the nodes before `from`, in, and before the exit, out. */
+static ehd_status block_init(exit_block *block, row_stability *self, double *so_far, size_t from,
+                             const double *modes, size_t num_modes, size_t num_before,
+                             ehd_error *error) {
     const int n = (int)num_modes;
     block->modes = modes;
     block->num_modes = num_modes;
@@ -72,8 +74,9 @@ static ehd_status block_init(exit_block *block, row_stability *self, const doubl
     block->direction = calloc(num_modes, sizeof(double));
     if (!block->seen || !block->gram || !block->direction) return no_memory(error);
 
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, n, (int)num_before, 1, modes,
-                (int)self->num_nodes, 0, block->seen, n);
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, n, (int)(num_before - from), 1, modes + from,
+                (int)self->num_nodes, 1, so_far, n);
+    memcpy(block->seen, so_far, num_modes * num_modes * sizeof(double));
     ehd_status status = lapack_outcome(
         "dsyevd", LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'L', n, block->seen, n, self->values),
         error);
@@ -94,11 +97,16 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
     const selection_bases leading = selection_leading(bases);
     const size_t *num_modes = leading.num_modes;
     const size_t larger = num_modes[num_modes[1] > num_modes[0]];
+    double *so_far[2] = {calloc(num_modes[0] * num_modes[0], sizeof(double)),
+                         calloc(num_modes[1] * num_modes[1], sizeof(double))};
     row_stability *self = calloc(1, sizeof *self);
     ehd_status status = EHD_OK;
 
     *stability = NULL;
-    if (!self) return no_memory(error);
+    if (!self || !so_far[0] || !so_far[1]) {
+        status = no_memory(error);
+        goto done;
+    }
     self->num_nodes = bases->num_nodes;
     self->num_blocks = 2 * (bases->num_exits + 1);
     self->blocks = calloc(self->num_blocks, sizeof *self->blocks);
@@ -112,9 +120,13 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
         status = no_memory(error);
     for (size_t b = 0; b < self->num_blocks && !status; b++) {
         const size_t num_before = b / 2 < bases->num_exits ? bases->exits[b / 2] : bases->num_nodes;
-        status = block_init(&self->blocks[b], self, bases->modes[b % 2], num_modes[b % 2],
-                            num_before, error);
+        const size_t from = b >= 2 ? self->blocks[b - 2].num_before : 0;
+        status = block_init(&self->blocks[b], self, so_far[b % 2], from, bases->modes[b % 2],
+                            num_modes[b % 2], num_before, error);
     }
+done:
+    free(so_far[0]);
+    free(so_far[1]);
     if (status)
         row_stability_free(self);
     else
