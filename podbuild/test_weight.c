@@ -57,6 +57,7 @@ typedef struct row_squares {
     const reduced_model *model;
     double *sum;   // [num_nodes]
     size_t *count; // [num_nodes] of states in which the row was before the exit
+    size_t num_states;
 } row_squares;
 
 static void add_squares(void *context, double *matrix, double *right, const size_t *rows,
@@ -94,7 +95,6 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     const reduced_settings none = {.max_iterations = 0};
     reduced_solver *solver = NULL;
     reduced_state state = {0};
-    size_t num_found = 0;
     ehd_status status = reduced_solver_create(&solver, squares->model, &none, error);
 
     state.coordinates = malloc(states->num_unknowns * sizeof(double));
@@ -105,13 +105,13 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
         const ehd_contact *contact = contact_of(states, s, contacts, num_contacts);
         reduced_info ignored;
         if (!states->stationary[s] || !contact) continue;
-        num_found++;
+        squares->num_states++;
         state.exit = states->exit[s];
         memcpy(state.coordinates, states->coordinates + s * states->num_unknowns,
                states->num_unknowns * sizeof(double));
         status = reduced_solve(&ignored, &state, solver, contact, NULL, error);
     }
-    if (!status && num_found == 0)
+    if (!status && squares->num_states == 0)
         status = ehd_fail(error, EHD_DATA,
                           "--plan: found none of the stationary training points, expected the plan "
                           "that they were solved for");
@@ -120,27 +120,34 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     return status;
 }
 
+/* One over the norms. Behind the first exit no row counts more than the last one that all solutions have: rows there
+ * are short, and with weights that grow towards the last exit the exit of many solutions does not settle. */
+static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
+    double last = 1;
+
+    for (size_t k = 0; k < num_nodes; k++) {
+        const double own = squares->count[k] > 0 && squares->sum[k] > 0
+                               ? sqrt((double)squares->count[k] / squares->sum[k])
+                               : last;
+        weight[k] = k > 1 && squares->count[k] < squares->num_states ? fmin(own, last) : own;
+        if (squares->count[k] == squares->num_states) last = own;
+    }
+    weight[0] = weight[1]; // the boundary has no row
+}
+
 ehd_status test_weight_row_norm(double *weight, const reduced_basis *basis,
                                 const ehd_contact *contacts, size_t num_contacts,
                                 ehd_error *error) {
     const size_t num_nodes = basis->grid.num_nodes;
     reduced_model model = {0};
     row_squares squares = {&model, calloc(num_nodes, sizeof(double)),
-                           calloc(num_nodes, sizeof(size_t))};
+                           calloc(num_nodes, sizeof(size_t)), 0};
     ehd_status status = squares.sum && squares.count
                             ? reduced_model_build(&model, basis, NULL, 0, error)
                             : ehd_fail(error, EHD_MEMORY, "row norms: found no memory");
 
     if (!status) status = visit_states(&squares, contacts, num_contacts, error);
-    if (!status) {
-        double last = 1;
-        for (size_t k = 0; k < num_nodes; k++) {
-            if (squares.count[k] > 0 && squares.sum[k] > 0)
-                last = sqrt((double)squares.count[k] / squares.sum[k]);
-            weight[k] = last;
-        }
-        weight[0] = weight[1]; // the boundary has no row
-    }
+    if (!status) turn_over(weight, &squares, num_nodes);
     free(squares.sum);
     free(squares.count);
     reduced_model_free(&model);

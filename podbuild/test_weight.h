@@ -32,7 +32,7 @@ test_weight_function test_weight_mode;
 test_weight_function test_weight_identity;
 
 /* One over the norm of the row of the reduced Jacobian, root mean square over the stationary training solutions whose
- * contact is known; rows behind all exits as the last one before. EHD_DATA: no contact is known. */
+ * contact is known; behind the first exit at most that of the last row before it. EHD_DATA: no contact is known. */
 test_weight_function test_weight_row_norm;
 
 #endif

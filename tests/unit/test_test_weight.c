@@ -115,12 +115,18 @@ static void row_norm_is_the_mean_of_all_solutions(void **state) {
     (void)state;
     double *before = basis.weight, *weight = malloc(basis.grid.num_nodes * sizeof *weight);
     double most = 0;
+    size_t first = basis.grid.num_nodes;
     assert_int_equal(test_weight_row_norm(weight, &basis, training.contacts, TRAINED_STATES, NULL),
                      EHD_OK);
     basis.weight = weight;
-    for (size_t s = 0; s < TRAINED_STATES; s++)
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
         most = fmax(most, norms_at(s).most);
+        first = basis.states.exit[s] < first ? basis.states.exit[s] : first;
+    }
     basis.weight = before;
+    // rows that an exit takes away count no more than the last one that none does
+    for (size_t k = first; k < basis.grid.num_nodes; k++)
+        assert_true(weight[k] <= weight[first - 1]);
     free(weight);
     assert_true(most > 1 && most <= sqrt(TRAINED_STATES) * (1 + 1e-10));
 }
