@@ -24,16 +24,16 @@ do for [ending in "png svg"] {
     set format y "10^{%T}"
     do for [region in regions] {
         set key top right
-        set title sprintf("%s loaded region: weights, two joint rows a mode", region eq "low" ? "Lower" : "Higher")
+        set title sprintf("%s loaded region: weights, joint, two rows a mode", region eq "low" ? "Lower" : "Higher")
         set xlabel "pressure modes"
-        set ylabel "deviation of the central film, 95 %: lines; worst: marks"
+        set ylabel "deviation of the central film, 95 %, worst"
         plot for [i = 1:3] points(region, word("mode identity row-norm", i), "joint", "$6 == 2 * $3", 3, 8) \
                  using 1:2 with lines linewidth 2 linecolor rgb word(colours, i) title word("mode identity row-norm", i), \
              for [i = 1:3] points(region, word("mode identity row-norm", i), "joint", "$6 == 2 * $3", 3, 9) \
                  using 1:2 with points pointtype 7 linecolor rgb word(colours, i) notitle
         set title sprintf("%s loaded region: methods, %d modes, weight mode", region eq "low" ? "Lower" : "Higher", modes)
         set xlabel "rows"
-        set ylabel "1/{/Symbol s}_{min} at the worst exit, where all rows have 1"
+        set ylabel "stability at the worst exit (all rows: 1)"
         set format y "%g"
         plot for [i = 1:4] points(region, "mode", word("joint qr sopt exits", i), sprintf("$3 == %d && $17 != \"inf\"", modes), 6, 17) \
                  using 1:2 with linespoints pointtype 7 linewidth 2 linecolor rgb word(colours, i) \

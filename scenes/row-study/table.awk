@@ -25,6 +25,7 @@ NR == 1 {
     if ($13 == 0) without[variant]++
     failures[variant] += $13
     iterations[variant] += $10
+    measured[variant]++
     sizes[size] = 1
 }
 
@@ -51,7 +52,7 @@ END {
     for (i = 1; i <= num_variants; i++) {
         split(variants[i], part, " ")
         printf "%-8s %-6s %-10s  %8.3f %8.3f %9.3f  %10.2f %8d %8d\n", part[1], part[2], part[3], ratio(p95, variants[i]),
-            ratio(worst, variants[i]), ratio(stable, variants[i]), iterations[variants[i]] / num_sizes,
+            ratio(worst, variants[i]), ratio(stable, variants[i]), iterations[variants[i]] / measured[variants[i]],
             without[variants[i]], failures[variants[i]]
     }
 }
