@@ -96,7 +96,8 @@ ehd_status control_choose(size_t *control, size_t *num_control, bool given,
     gather_converged(left, snapshots, num_inner);
     ehd_status status =
         subtract_predicted(left, num_converged, num_inner, modes, num_modes, rows, num_rows, error);
-    const selection_bases bases = {num_inner, {num_converged, 0}, {left, NULL}, {NULL, NULL}};
+    const selection_bases bases = {
+        .num_nodes = num_inner, .num_modes = {num_converged, 0}, .modes = {left, NULL}};
     if (!status) status = selection_pivoted_qr(control, &bases, *num_control, error);
     free(left);
     return status;

@@ -13,14 +13,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_METHOD, KEY_WEIGHTS, KEY_CONTROL };
+enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_STABILITY, KEY_METHOD, KEY_WEIGHTS, KEY_CONTROL };
 
 typedef struct select_options {
     const char *basis;
-    size_t num_rows; // 0: by itself
-    const selection_method *method;
-    const weighting *weights;
-    size_t num_control; // CONTROL_BY_ITSELF: by itself
+    row_settings rows;
 } select_options;
 
 static const struct argp_option own_options[] = {
@@ -29,7 +26,16 @@ static const struct argp_option own_options[] = {
      .key = KEY_ROWS,
      .arg = "N",
      .doc = "Number of rows; default 2 a mode, or what the snapshots tell apart"},
-    {.name = "method", .key = KEY_METHOD, .arg = "NAME", .doc = "joint (default), qr; see below"},
+    {.name = "stability",
+     .key = KEY_STABILITY,
+     .arg = "S",
+     .doc = "As few rows as leave 1/sigma_min at most S at every exit of training, where all rows "
+            "have 1; "
+            "in place of --rows"},
+    {.name = "method",
+     .key = KEY_METHOD,
+     .arg = "NAME",
+     .doc = "joint (default), qr, sopt, exits; see below"},
     {.name = "weights",
      .key = KEY_WEIGHTS,
      .arg = "NAME",
@@ -51,24 +57,26 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
         options->basis = argument;
         break;
     case KEY_ROWS:
-        status =
-            parse_count(&options->num_rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
-        break;
-    case KEY_CONTROL:
-        status = parse_count(&options->num_control, argument, 0, 10000000, "--control", EHD_USAGE,
+        status = parse_count(&options->rows.num_rows, argument, 1, 10000000, "--rows", EHD_USAGE,
                              &error);
         break;
+    case KEY_STABILITY:
+        status = parse_real(&options->rows.stability, argument, 1, 1e12, "--stability", EHD_USAGE,
+                            &error);
+        break;
+    case KEY_CONTROL:
+        status = parse_count(&options->rows.num_control, argument, 0, 10000000, "--control",
+                             EHD_USAGE, &error);
+        break;
     case KEY_METHOD:
-        options->method = selection_methods;
-        while (options->method->name && strcmp(options->method->name, argument))
-            options->method++;
-        if (!options->method->name)
+        options->rows.method = selection_find(argument);
+        if (!options->rows.method)
             status = ehd_fail(&error, EHD_USAGE, "--method: found %.40s, expected one of --help",
                               argument);
         break;
     case KEY_WEIGHTS:
-        options->weights = weighting_find(argument);
-        if (!options->weights)
+        options->rows.weights = weighting_find(argument);
+        if (!options->rows.weights)
             status = ehd_fail(&error, EHD_USAGE, "--weights: found %.40s, expected one of --help",
                               argument);
         break;
@@ -138,13 +146,14 @@ static ehd_status write_model(const program *self, const select_options *options
                               const reduced_basis *basis, const row_choice *choice,
                               const char *identity, ehd_error *error) {
     const char *const inputs[] = {self->arguments[0], options->basis, NULL};
-    const model_origin origin = {.method = options->method->name,
+    const model_origin origin = {.method = options->rows.method->name,
                                  .basis_identity = identity,
                                  .sigma_min_residual = choice->sigma_min_residual,
                                  .sigma_min_jacobian = choice->sigma_min_jacobian,
                                  .sigma_min_over_exits = choice->sigma_min_over_exits,
                                  .sigma_min_by_exit = choice->sigma_min_by_exit,
-                                 .weights = options->weights->name,
+                                 .stability = choice->stability,
+                                 .weights = options->rows.weights->name,
                                  .factors = choice->factors,
                                  .num_jacobian_modes = choice->num_jacobian_modes,
                                  .jacobian_modes = choice->jacobian_modes};
@@ -153,15 +162,17 @@ static ehd_status write_model(const program *self, const select_options *options
     ehd_status status = row_choice_model(&model, choice, basis, error);
 
     snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n",
-             options->method->name, choice->num_rows, options->weights->name, choice->num_control);
+             options->rows.method->name, choice->num_rows, options->rows.weights->name,
+             choice->num_control);
     if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
     if (!status)
         printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes, %zu control "
                "rows\n"
-               "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n",
-               model.num_rows, model.grid.num_inner, options->method->name, model.num_unknowns,
+               "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n"
+               "stability: %.3g at the worst exit of training, where all rows have 1\n",
+               model.num_rows, model.grid.num_inner, options->rows.method->name, model.num_unknowns,
                model.num_needed, model.control.num_rows, 1 / choice->sigma_min_residual,
-               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits);
+               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits, choice->stability);
     reduced_model_free(&model);
     return status;
 }
@@ -181,8 +192,7 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
         status =
             read_residuals(&snapshots, self->arguments[0], &basis, options->basis, identity, error);
     if (!status) {
-        status = row_choice_make(&choice, &snapshots, &basis, options->method, options->weights,
-                                 options->num_rows, options->num_control, &cause);
+        status = row_choice_make(&choice, &snapshots, &basis, &options->rows, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
@@ -193,8 +203,9 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
 }
 
 int main(int argc, char **argv) {
-    select_options own = {
-        .method = selection_methods, .weights = weightings, .num_control = CONTROL_BY_ITSELF};
+    select_options own = {.rows = {.method = selection_methods,
+                                   .weights = weightings,
+                                   .num_control = CONTROL_BY_ITSELF}};
     const program_options options = {
         .options = own_options,
         .parse = parse_own,
@@ -210,6 +221,12 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
+    if (own.rows.num_rows > 0 && own.rows.stability > 0)
+        return program_finish(&self,
+                              ehd_fail(&error, EHD_USAGE,
+                                       "--stability: found --rows %zu too, expected one of the two",
+                                       own.rows.num_rows),
+                              &error);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -2,6 +2,7 @@
 #include "deimselect/row_choice.h"
 
 #include "deimselect/control.h"
+#include "deimselect/stability.h"
 #include "podbuild/pod.h"
 
 #include <math.h>
@@ -38,16 +39,12 @@ void row_choice_free(row_choice *choice) {
     memset(choice, 0, sizeof *choice);
 }
 
-/* How many rows the method takes for a mode of either basis. */
-static size_t rows_per_mode(const selection_method *method) {
-    return method->select == selection_pivoted_qr ? 2 : 1;
-}
-
 /* How many modes of either basis the method is given. */
 static size_t wanted_modes(const selection_method *method, size_t num_rows, size_t num_unknowns) {
-    size_t modes = (num_rows + rows_per_mode(method) - 1) / rows_per_mode(method);
+    const size_t rows_a_mode = method->rows_per_mode > 0 ? method->rows_per_mode : 1;
+    size_t modes = (num_rows + rows_a_mode - 1) / rows_a_mode;
 
-    return rows_per_mode(method) > 1 && modes < num_unknowns ? num_unknowns : modes;
+    return rows_a_mode > 1 && modes < num_unknowns ? num_unknowns : modes;
 }
 
 static const char *const snapshot_names[] = {"residuals", "Jacobian products"};
@@ -70,7 +67,7 @@ static ehd_status build_pods(pod_basis pods[2], const residual_snapshots *snapsh
 
 /* Smaller sigma_min of both bases, for the rows before an exit. */
 static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
-                                const row_choice *choice, size_t exit, size_t num_columns,
+                                const row_choice *choice, size_t exit, const size_t num_columns[2],
                                 size_t *kept, ehd_error *error) {
     size_t count = 0;
 
@@ -79,7 +76,7 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
     *sigma_min = INFINITY;
     for (int i = 0; i < 2; i++) {
         double sigma;
-        ehd_status status = selection_sigma_min(&sigma, pods[i].modes, num_columns,
+        ehd_status status = selection_sigma_min(&sigma, pods[i].modes, num_columns[i],
                                                 pods[i].num_nodes, kept, count, error);
         if (status) return status;
         *sigma_min = fmin(*sigma_min, sigma);
@@ -87,22 +84,16 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
     return EHD_OK;
 }
 
-static ehd_status measure(row_choice *choice, const pod_basis pods[2], const reduced_basis *basis,
-                          ehd_error *error) {
-    const reduced_states *states = &basis->states;
-    size_t num_columns =
-        basis->num_pressure < pods[0].num_modes ? basis->num_pressure : pods[0].num_modes;
-    double *const sigmas[] = {&choice->sigma_min_residual, &choice->sigma_min_jacobian};
+/* sigma_min_by_exit, each exit looked at once. */
+static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
+                                const reduced_states *states, const size_t num_columns[2],
+                                ehd_error *error) {
     size_t *kept = malloc(choice->num_rows * sizeof *kept);
     ehd_status status = EHD_OK;
 
     choice->sigma_min_by_exit = malloc((states->num_states + 1) * sizeof(double));
     if (!kept || !choice->sigma_min_by_exit)
         status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
-
-    for (int i = 0; i < 2 && !status; i++)
-        status = selection_sigma_min(sigmas[i], pods[i].modes, pods[i].num_modes, pods[i].num_nodes,
-                                     choice->rows, choice->num_rows, error);
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
         size_t same = 0; // an earlier state with this exit
@@ -120,13 +111,30 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const red
     return status;
 }
 
+/* All of it with as many leading modes as there are pressure modes, so that methods and numbers of rows can be
+ * compared. */
+static ehd_status measure(row_choice *choice, const pod_basis pods[2], const reduced_basis *basis,
+                          const selection_bases *bases, ehd_error *error) {
+    const selection_bases leading = selection_leading(bases);
+    double *const sigmas[] = {&choice->sigma_min_residual, &choice->sigma_min_jacobian};
+    ehd_status status = EHD_OK;
+
+    for (int i = 0; i < 2 && !status; i++)
+        status = selection_sigma_min(sigmas[i], pods[i].modes, leading.num_modes[i],
+                                     pods[i].num_nodes, choice->rows, choice->num_rows, error);
+    if (!status) status = measure_exits(choice, pods, &basis->states, leading.num_modes, error);
+    if (!status)
+        status = row_stability_of(&choice->stability, bases, choice->rows, choice->num_rows, error);
+    return status;
+}
+
 /* As many rows as the snapshots tell apart: two a mode where no number is given. */
 static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
                              const selection_method *method, bool given, ehd_error *error) {
     int poorer = pods[1].num_modes < pods[0].num_modes;
-    size_t most = rows_per_mode(method) * pods[poorer].num_modes;
+    size_t most = method->rows_per_mode * pods[poorer].num_modes;
 
-    if (*num_rows <= most) return EHD_OK;
+    if (method->rows_per_mode == 0 || *num_rows <= most) return EHD_OK;
     if (given)
         return ehd_fail(error, EHD_DATA,
                         "--rows: found %zu, expected at most %zu, as many as the snapshots of the "
@@ -146,18 +154,101 @@ static ehd_status check_rows(size_t num_rows, const reduced_basis *basis, ehd_er
     return EHD_OK;
 }
 
-static ehd_status select_rows(row_choice *choice, const pod_basis pods[2], size_t num_rows,
-                              const selection_method *method, ehd_error *error) {
-    const selection_bases bases = {pods[0].num_nodes,
-                                   {pods[0].num_modes, pods[1].num_modes},
-                                   {pods[0].modes, pods[1].modes},
-                                   {pods[0].singular_values, pods[1].singular_values}};
+static int compare_sizes(const void *a, const void *b) {
+    const size_t x = *(const size_t *)a, y = *(const size_t *)b;
 
+    return (x > y) - (x < y);
+}
+
+/* The exits of training, each once and counted as the rows of the snapshots are. NULL: no memory. */
+static size_t *list_exits(size_t *num_exits, const reduced_states *states) {
+    size_t *exits = malloc((states->num_states + 1) * sizeof *exits);
+
+    *num_exits = 0;
+    if (!exits) return NULL;
+    for (size_t s = 0; s < states->num_states; s++)
+        exits[s] = states->exit[s] - 1;
+    qsort(exits, states->num_states, sizeof *exits, compare_sizes);
+    for (size_t s = 0; s < states->num_states; s++)
+        if (s == 0 || exits[s] != exits[*num_exits - 1]) exits[(*num_exits)++] = exits[s];
+    return exits;
+}
+
+/* What the method selects from: the PODs, and `exits` from list_exits. */
+static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *basis,
+                                  const size_t *exits, size_t num_exits) {
+    const selection_bases bases = {
+        .num_nodes = pods[0].num_nodes,
+        .num_modes = {pods[0].num_modes, pods[1].num_modes},
+        .modes = {pods[0].modes, pods[1].modes},
+        .singular_values = {pods[0].singular_values, pods[1].singular_values},
+        .num_leading = basis->num_pressure,
+        .num_exits = num_exits,
+        .exits = exits};
+
+    return bases;
+}
+
+/* PODs of as many modes as the method wants for the rows, and the rows. */
+static ehd_status take_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
+                            const residual_snapshots *snapshots, const reduced_basis *basis,
+                            const row_settings *settings, size_t num_rows, ehd_error *error) {
+    const size_t num_unknowns = basis->states.num_unknowns;
+    ehd_status status = check_rows(num_rows, basis, error);
+
+    if (!status)
+        status = build_pods(pods, snapshots, basis->grid.num_inner,
+                            wanted_modes(settings->method, num_rows, num_unknowns), error);
+    if (!status)
+        status = limit_rows(&num_rows, pods, settings->method, settings->num_rows > 0, error);
+    if (!status) status = check_rows(num_rows, basis, error);
+    if (status) return status;
+    *bases = make_bases(pods, basis, bases->exits, bases->num_exits);
     choice->num_rows = num_rows;
     choice->rows = malloc(num_rows * sizeof *choice->rows);
     if (!choice->rows)
         return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
-    return method->select(choice->rows, &bases, num_rows, error);
+    return settings->method->select(choice->rows, bases, num_rows, error);
+}
+
+static ehd_status refuse_stability(const row_choice *choice, const selection_bases *bases,
+                                   const row_settings *settings, ehd_error *error) {
+    double reached;
+    ehd_status status = row_stability_of(&reached, bases, choice->rows, choice->num_rows, error);
+
+    return status
+               ? status
+               : ehd_fail(error, EHD_DATA,
+                          "--stability: found %.4g at best, with %zu rows by method %s, "
+                          "expected at most %g",
+                          reached, choice->num_rows, settings->method->name, settings->stability);
+}
+
+/* Twice as many rows as long as they are not stable, and of the rows that are the first ones that are. */
+static ehd_status take_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
+                                   const residual_snapshots *snapshots, const reduced_basis *basis,
+                                   const row_settings *settings, size_t num_rows,
+                                   ehd_error *error) {
+    const size_t num_inner = basis->grid.num_inner;
+    size_t fewest = 0;
+
+    for (;;) {
+        ehd_status status =
+            take_rows(choice, pods, bases, snapshots, basis, settings, num_rows, error);
+        if (!status)
+            status = row_stability_fewest(&fewest, bases, choice->rows, choice->num_rows,
+                                          settings->stability, error);
+        if (status) return status;
+        if (fewest <= choice->num_rows) break;
+        if (choice->num_rows < num_rows || num_rows == num_inner)
+            return refuse_stability(choice, bases, settings, error);
+        num_rows = 2 * num_rows < num_inner ? 2 * num_rows : num_inner;
+        row_choice_free(choice);
+        pod_free(&pods[0]);
+        pod_free(&pods[1]);
+    }
+    choice->num_rows = fewest > basis->num_pressure ? fewest : basis->num_pressure;
+    return EHD_OK;
 }
 
 /* The leading modes of the Jacobian products at the rows, and what they weigh. */
@@ -197,33 +288,36 @@ static ehd_status choose_control(row_choice *choice, const residual_snapshots *s
 }
 
 ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapshots,
-                           const reduced_basis *basis, const selection_method *method,
-                           const weighting *weights, size_t num_rows, size_t num_control,
+                           const reduced_basis *basis, const row_settings *settings,
                            ehd_error *error) {
-    size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
+    const size_t num_inner = basis->grid.num_inner, num_unknowns = basis->states.num_unknowns;
+    const size_t two_a_mode =
+        2 * basis->num_pressure < num_inner ? 2 * basis->num_pressure : num_inner;
+    const size_t num_rows = settings->num_rows > 0 ? settings->num_rows : two_a_mode;
     pod_basis pods[2] = {{0}, {0}};
-    bool given = num_rows > 0;
-    ehd_status status;
+    selection_bases bases = {0};
+    size_t *exits = list_exits(&bases.num_exits, &basis->states);
+    ehd_status status = EHD_OK;
 
     memset(choice, 0, sizeof *choice);
-    if (!given)
-        num_rows = 2 * basis->num_pressure < num_inner ? 2 * basis->num_pressure : num_inner;
-    status = check_rows(num_rows, basis, error);
+    bases.exits = exits;
+    if (!exits) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
+    if (!status && settings->stability > 0)
+        status =
+            take_stable_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
+    else if (!status)
+        status = take_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
     if (!status)
-        status = build_pods(pods, snapshots, num_inner,
-                            wanted_modes(method, num_rows, num_unknowns), error);
-    if (!status) status = limit_rows(&num_rows, pods, method, given, error);
-    if (!status) status = check_rows(num_rows, basis, error);
-    if (!status) status = select_rows(choice, pods, num_rows, method, error);
-    if (!status)
-        status = choose_control(choice, snapshots, &pods[0], num_unknowns, num_control, error);
-    if (!status) status = weigh_rows(choice, &pods[1], num_unknowns, weights, error);
-    if (!status) status = measure(choice, pods, basis, error);
+        status =
+            choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);
+    if (!status) status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
+    if (!status) status = measure(choice, pods, basis, &bases, error);
     // row 0 of the snapshots belongs to node 1
     for (size_t r = 0; r < choice->num_rows && !status; r++)
         choice->rows[r]++;
     for (size_t r = 0; r < choice->num_control && !status; r++)
         choice->control[r]++;
+    free(exits);
     pod_free(&pods[0]);
     pod_free(&pods[1]);
     if (status) row_choice_free(choice);

@@ -32,23 +32,30 @@ typedef struct row_choice {
     double *jacobian_modes;                        // [num_rows, num_jacobian_modes] at the rows
     double sigma_min_residual, sigma_min_jacobian; // of the bases sampled at the rows
     double sigma_min_over_exits;
+    double stability;          // 1/sigma_min against all rows, worst exit (stability.h)
     double *sigma_min_by_exit; // [num_states]
 } row_choice;
+
+typedef struct row_settings {
+    const selection_method *method;
+    const weighting *weights;
+    size_t num_rows;  // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
+    double stability; // at most, by as few rows as that takes; 0: num_rows says how many
+    size_t num_control; // CONTROL_BY_ITSELF: also fewer where the snapshots do not
+} row_settings;
 
 void row_choice_free(row_choice *choice);
 
 /* PODs of both snapshot sets, the method's rows and their weights, and the smallest singular values of the bases sampled
  * there: over all rows, and for the exit of each training state with the rows before it and as many
  * leading modes as the basis has pressure modes (film rupture takes the other rows away).
- * EHD_DATA: fewer rows than unknowns, more rows or control rows than the snapshots support. */
+ * EHD_DATA: fewer rows than unknowns, more rows or control rows than the snapshots support, a stability that the
+ * method does not reach. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free
     // input:
-    const residual_snapshots *snapshots, const reduced_basis *basis, const selection_method *method,
-    const weighting *weights,
-    size_t num_rows, // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
-    size_t num_control, // CONTROL_BY_ITSELF: also fewer where the snapshots do not
+    const residual_snapshots *snapshots, const reduced_basis *basis, const row_settings *settings,
     ehd_error *error);
 
 /* The model of these rows, with their weights and control rows. EHD_DATA, EHD_MEMORY. */

@@ -5,16 +5,42 @@
 
 #include <lapacke.h>
 #include <stdlib.h>
+#include <string.h>
 
 const selection_method selection_methods[] = {
-    {"joint", selection_joint,
+    {"joint", selection_joint, 1,
      "greedy on the interpolation errors of both bases (paper, Fig. A1); at most as many rows as "
      "the "
      "smaller basis has modes"},
-    {"qr", selection_pivoted_qr,
+    {"qr", selection_pivoted_qr, 2,
      "column-pivoted QR of both bases side by side; at most as many rows as both have modes"},
-    {NULL, NULL, NULL},
+    {"sopt", selection_s_opt, 0,
+     "oversampled S-OPT: largest product of the determinants of both bases sampled at the rows, "
+     "over the norms of "
+     "their columns; any number of rows"},
+    {"exits", selection_exits, 0,
+     "joint, from as many rows as pressure modes on the row that helps the worst exit of training "
+     "most; any number "
+     "of rows"},
+    {NULL, NULL, 0, NULL},
 };
+
+const selection_method *selection_find(const char *name) {
+    const selection_method *entry = selection_methods;
+
+    while (entry->name && strcmp(entry->name, name))
+        entry++;
+    return entry->name ? entry : NULL;
+}
+
+selection_bases selection_leading(const selection_bases *bases) {
+    selection_bases leading = *bases;
+
+    for (int i = 0; i < 2; i++)
+        if (bases->num_leading > 0 && leading.num_modes[i] > bases->num_leading)
+            leading.num_modes[i] = bases->num_leading;
+    return leading;
+}
 
 ehd_status selection_sigma_min(double *sigma_min, const double *modes, size_t num_columns,
                                size_t num_nodes, const size_t *rows, size_t num_rows,

@@ -12,6 +12,10 @@ typedef struct selection_bases {
     size_t num_modes[2];              // of the residual basis, of the Jacobian basis
     const double *modes[2];           // [num_modes, num_nodes] row-major, orthonormal
     const double *singular_values[2]; // [num_modes]
+    // what the rows have to determine, whatever the exit
+    size_t num_leading;  // leading modes of each basis; 0: all
+    size_t num_exits;    // of training, ascending, each once
+    const size_t *exits; // [num_exits] the exit takes this node and those behind it away
 } selection_bases;
 
 /* A method writes num_rows distinct rows in order, so that any prefix is a selection.
@@ -25,6 +29,7 @@ typedef ehd_status selection_function(
 typedef struct selection_method {
     const char *name; // "joint"
     selection_function *select;
+    size_t rows_per_mode; // at most, of the modes of either basis; 0: any number of rows
     const char *help;
 } selection_method;
 
@@ -34,6 +39,18 @@ extern const selection_method selection_methods[]; // ends with a row whose name
 selection_function selection_joint;
 /* Column-pivoted QR of both bases side by side (Drmac and Gugercin 2016) (file pivoted_qr.c). */
 selection_function selection_pivoted_qr;
+
+/* Oversampled S-OPT behind a start by pivoted QR (Lauzon et al. 2022) (file s_opt.c). */
+selection_function selection_s_opt;
+
+/* The joint greedy, then a row at a time for the worst exit of training (file exits.c). */
+selection_function selection_exits;
+
+/* The same bases without the modes behind the leading ones. */
+selection_bases selection_leading(const selection_bases *bases);
+
+/* The entry of this name, or NULL. */
+const selection_method *selection_find(const char *name);
 
 /* Smallest singular value of modes[:num_columns] sampled at the rows: 1/sigma_min bounds how much
  * gappy least squares amplifies what the basis does not hold. Zero with fewer rows than columns. */

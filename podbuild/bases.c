@@ -2,15 +2,11 @@
 #include "podbuild/bases.h"
 
 #include "common/physics/deflection.h"
+#include "podbuild/test_weight.h"
 
 #include <cblas.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* D is the absolute first pressure mode (paper, below eq. 27), which vanishes beyond the trained exits
- * and at the inlet; a floor keeps the rows there in the least squares. */
-static const double WEIGHT_FLOOR = 1e-3; // of the largest entry
 
 double bases_energy_discarded(const pod_basis *basis) {
     double all = 0, left_out = 0;
@@ -49,17 +45,6 @@ static double *turn_modes(const pod_basis *pod) {
         for (size_t k = 0; k < pod->num_nodes; k++)
             modes[k * pod->num_modes + j] = pod->modes[j * pod->num_nodes + k];
     return modes;
-}
-
-static double *make_weight(const pod_basis *pod) {
-    double *weight = malloc(pod->num_nodes * sizeof(double)), largest = 0;
-
-    if (!weight) return NULL;
-    for (size_t k = 0; k < pod->num_nodes; k++)
-        largest = fmax(largest, fabs(pod->modes[k]));
-    for (size_t k = 0; k < pod->num_nodes; k++)
-        weight[k] = fmax(fabs(pod->modes[k]), WEIGHT_FLOOR * largest);
-    return weight;
 }
 
 /* Coordinates of all states in a POD basis, into columns first … of the states. */
@@ -117,11 +102,12 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
         basis->num_pressure = pressure_pod->num_modes;
         basis->num_deformation = deformation_pod->num_modes;
         basis->pressure = turn_modes(pressure_pod);
-        basis->weight = make_weight(pressure_pod);
+        basis->weight = malloc(num_nodes * sizeof(double));
         if (deflections) basis->deformation_modes = turn_modes(deformation_pod);
         if (!basis->pressure || !basis->weight || (deflections && !basis->deformation_modes))
             status = ehd_fail(error, EHD_MEMORY, "bases: found no memory");
     }
+    if (!status) status = test_weight_mode(basis->weight, basis, NULL, 0, error);
     if (!status)
         status = fill_states(basis, set, pressure_pod, deformation_pod, deflections, error);
     free(deflections);

@@ -13,8 +13,8 @@ typedef struct bases_settings {
     deformation_kind kind;
 } bases_settings;
 
-/* PODs of pressure and, when independent, deflection; the weight D; the training solutions in reduced
- * coordinates. EHD_DATA (more modes than snapshots), EHD_MEMORY, EHD_INTERNAL. */
+/* PODs of pressure and, when independent, deflection; the weight D by the first mode; the training solutions in
+ * reduced coordinates. EHD_DATA (more modes than snapshots), EHD_MEMORY, EHD_INTERNAL. */
 ehd_status bases_build(
     // output:
     reduced_basis *basis,       // free with reduced_basis_free

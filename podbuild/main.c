@@ -3,7 +3,9 @@
 #include "common/output/check.h"
 #include "common/program/program.h"
 #include "podbuild/bases.h"
+#include "podbuild/test_weight.h"
 #include "romrun/basis_file.h"
+#include "snapgen/training_set.h"
 
 #include <errno.h>
 #include <stdint.h>
@@ -11,7 +13,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_PRESSURE_MODES = 0x200, KEY_DEFORMATION_MODES, KEY_ENERGY, KEY_DEFORMATION };
+enum {
+    KEY_PRESSURE_MODES = 0x200,
+    KEY_DEFORMATION_MODES,
+    KEY_ENERGY,
+    KEY_DEFORMATION,
+    KEY_WEIGHT,
+    KEY_PLAN
+};
+
+typedef struct build_options {
+    bases_settings bases;
+    const test_weight *weight;
+    const char *plan; // NULL: none
+} build_options;
 
 static const struct argp_option own_options[] = {
     {.name = "pressure-modes",
@@ -32,10 +47,19 @@ static const struct argp_option own_options[] = {
      .doc =
          "coupled: deflections of the pressure modes (default); independent: modes of their own, "
          "as published"},
+    {.name = "weight",
+     .key = KEY_WEIGHT,
+     .arg = "NAME",
+     .doc = "Weight of the Reynolds rows: mode (default), identity, row-norm; see below"},
+    {.name = "plan",
+     .key = KEY_PLAN,
+     .arg = "PLAN.yml",
+     .doc = "The plan of the training, for weights that evaluate its contacts"},
     {0}};
 
 static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    bases_settings *settings = state->input;
+    build_options *options = state->input;
+    bases_settings *settings = &options->bases;
     ehd_error error;
     ehd_status status = EHD_OK;
 
@@ -62,11 +86,26 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
             status = ehd_fail(&error, EHD_USAGE,
                               "--deformation: found %.40s, expected coupled|independent", argument);
         break;
+    case KEY_WEIGHT:
+        options->weight = test_weight_find(argument);
+        if (!options->weight)
+            status = ehd_fail(&error, EHD_USAGE, "--weight: found %.40s, expected one of --help",
+                              argument);
+        break;
+    case KEY_PLAN:
+        options->plan = argument;
+        break;
     default:
         return ARGP_ERR_UNKNOWN;
     }
     if (status) argp_error(state, "%s", error.text);
     return status ? EINVAL : 0;
+}
+
+static void print_weights(void) {
+    puts("Weights of the Reynolds rows:");
+    for (const test_weight *weight = test_weights; weight->name; weight++)
+        printf("  %-10s %s\n", weight->name, weight->help);
 }
 
 static void report(const reduced_basis *basis, const basis_origin *origin,
@@ -90,7 +129,36 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
-static ehd_status build(const program *self, const bases_settings *settings, ehd_error *error) {
+/* Another weight than that of the first mode. */
+static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
+                        ehd_error *error) {
+    plan given = {0};
+    training_set training = {0};
+    ehd_error cause = {""};
+    ehd_status status = EHD_OK;
+
+    if (options->plan) {
+        status = plan_read(&given, options->plan, self->overrides, self->num_overrides, error);
+        if (!status)
+            status = training_set_init(&training, &given, options->plan, (shard){1, 1}, error);
+        if (!status)
+            status =
+                grid_check(&training.grid, options->plan, &basis->grid, self->arguments[0], error);
+    }
+    if (!status) {
+        status = options->weight->weigh(basis->weight, basis, training.contacts,
+                                        training.num_points, &cause);
+        if (status)
+            ehd_fail(error, status, "%s: %s", options->plan ? options->plan : self->arguments[0],
+                     cause.text);
+    }
+    training_set_free(&training);
+    plan_free(&given);
+    return status;
+}
+
+static ehd_status build(const program *self, const build_options *options, ehd_error *error) {
+    const bases_settings *settings = &options->bases;
     snapshot_set set = {0};
     reduced_basis basis = {0};
     pod_basis pressure = {0}, deformation = {0};
@@ -104,6 +172,7 @@ static ehd_status build(const program *self, const bases_settings *settings, ehd
         status = bases_build(&basis, &pressure, &deformation, &set, settings, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
+    if (!status) status = weigh(&basis, self, options, error);
     if (!status) {
         const basis_origin origin = {
             pressure.singular_values,          pressure.num_singular_values,
@@ -111,9 +180,11 @@ static ehd_status build(const program *self, const bases_settings *settings, ehd
             deformation.num_singular_values,   bases_energy_discarded(&deformation)};
         memcpy(inputs, self->arguments, self->num_arguments * sizeof *inputs);
         snprintf(text, sizeof text,
-                 "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: %g\n",
+                 "deformation: %s\npressure-modes: %zu\ndeformation-modes: %zu\nenergy: "
+                 "%g\nweight: %s\n",
                  deformation_names[settings->kind], settings->pressure.num_modes,
-                 settings->deformation.num_modes, settings->pressure.discarded_energy);
+                 settings->deformation.num_modes, settings->pressure.discarded_energy,
+                 options->weight->name);
         status = basis_write(&basis, &origin, self, text, inputs, error);
         if (!status) report(&basis, &origin, &set);
     }
@@ -126,13 +197,15 @@ static ehd_status build(const program *self, const bases_settings *settings, ehd
 }
 
 int main(int argc, char **argv) {
-    bases_settings settings = {
-        {.discarded_energy = 1e-13}, {.discarded_energy = 1e-13}, DEFORMATION_COUPLED};
+    build_options own = {
+        .bases = {{.discarded_energy = 1e-13}, {.discarded_energy = 1e-13}, DEFORMATION_COUPLED},
+        .weight = test_weights};
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
-                                     .own = &settings,
+                                     .own = &own,
                                      .arguments_doc = "SNAPSHOTS.h5... -o BASIS.h5",
                                      .doc = "Builds trial and test bases of training solutions.",
+                                     .help_tail = print_weights,
                                      .least_arguments = 1,
                                      .most_arguments = SIZE_MAX,
                                      .needs_output = true};
@@ -141,13 +214,20 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
-    if (settings.kind == DEFORMATION_COUPLED && settings.deformation.num_modes > 0)
+    if (own.weight->needs_contacts != (own.plan != NULL))
+        return program_finish(&self,
+                              ehd_fail(&error, EHD_USAGE,
+                                       "--plan: found %s with --weight %s, expected %s",
+                                       own.plan ? own.plan : "none", own.weight->name,
+                                       own.plan ? "none" : "the plan of the training"),
+                              &error);
+    if (own.bases.kind == DEFORMATION_COUPLED && own.bases.deformation.num_modes > 0)
         return program_finish(&self,
                               ehd_fail(&error, EHD_USAGE,
                                        "--deformation-modes: found %zu with a coupled basis, "
                                        "expected --deformation independent",
-                                       settings.deformation.num_modes),
+                                       own.bases.deformation.num_modes),
                               &error);
-    ehd_status status = build(&self, &settings, &error);
+    ehd_status status = build(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -109,13 +109,14 @@ static ehd_status put_attributes(artefact *file, const reduced_model *model,
         double value;
     } reals[] = {{"sigma_min_residual", origin->sigma_min_residual},
                  {"sigma_min_jacobian", origin->sigma_min_jacobian},
-                 {"sigma_min_over_exits", origin->sigma_min_over_exits}};
+                 {"sigma_min_over_exits", origin->sigma_min_over_exits},
+                 {"stability", origin->stability}};
     ehd_status status =
         artefact_put_text(file, "deformation", deformation_names[model->deformation], error);
 
     for (size_t i = 0; i < 3 && !status; i++)
         status = artefact_put_integer(file, places[i].name, (int64_t)places[i].value, error);
-    for (size_t i = 0; i < 3 && !status; i++)
+    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_real(file, reals[i].name, reals[i].value, error);
     if (!status) status = artefact_put_text(file, "method", origin->method, error);
     if (!status) status = artefact_put_text(file, "basis_sha256", origin->basis_identity, error);

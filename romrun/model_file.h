@@ -13,6 +13,7 @@ typedef struct model_origin {
     const char *basis_identity; // SHA-256 of the basis file
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
+    double stability;                // 1/sigma_min at the worst exit, where all rows have 1
     const double *sigma_min_by_exit; // [num_states]
     // what other weights than the stored ones follow from; weights NULL: not known
     const char *weights;       // name of the weighting

@@ -16,6 +16,8 @@ struct reduced_solver {
     reduced_settings settings;
     reduced_observer *observer;
     void *observer_context;
+    reduced_transform *transform;
+    void *transform_context;
     least_squares *least_squares;
     least_squares *kept; // factors of an earlier Jacobian
     double *kept_matrix; // [num_rows + num_deformation + 1, num_unknowns] that Jacobian
@@ -145,6 +147,11 @@ void reduced_solver_set_tolerance(reduced_solver *self, double tolerance) {
 void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, void *context) {
     self->observer = observer;
     self->observer_context = context;
+}
+
+void reduced_solver_transform(reduced_solver *self, reduced_transform *transform, void *context) {
+    self->transform = transform;
+    self->transform_context = context;
 }
 
 // ---- the exit's cut
@@ -650,6 +657,9 @@ static size_t build_system(reduced_info *info, reduced_solver *self, const reduc
     size_t num_rows = fill_right(self, state->coordinates, state->exit, self->system_row,
                                  self->num_system, &contact->closure, weight);
 
+    if (self->transform && !squeeze)
+        self->transform(self->transform_context, self->matrix, self->right, self->system_row,
+                        self->num_system);
     info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
     info->seconds_rows += program_seconds() - start;
     return num_rows;

@@ -81,6 +81,16 @@ void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance); // 
 
 void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer, void *context);
 
+/* Called with every least-squares problem of a stationary solution before it is solved: its Reynolds rows, weighted,
+ * which the function may scale or combine. For research on weights. */
+typedef void reduced_transform(void *context,
+                               double *matrix,     // [num_rows, num_unknowns]
+                               double *right,      // [num_rows]
+                               const size_t *rows, // [num_rows] of the model's
+                               size_t num_rows);
+
+void reduced_solver_transform(reduced_solver *solver, reduced_transform *transform, void *context);
+
 /* Newton from the state given. Not converged is an outcome in info->status, not an error. */
 ehd_status reduced_solve(
     // output:

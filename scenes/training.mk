@@ -27,8 +27,9 @@ $(OUT)/snapshots.h5: plan.yml scene.yml $(filter-out cases.csv,$(wildcard *.csv)
 podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
                      $($1.PRESSURE_MODES:%=--pressure-modes %) \
                      $($1.DEFORMATION_MODES:%=--deformation-modes %) \
-                     $($1.ENERGY:%=--energy %)
-deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) $($1.WEIGHTS:%=--weights %)
+                     $($1.ENERGY:%=--energy %) $($1.WEIGHT:%=--weight %) \
+                     $(if $(filter row-norm,$($1.WEIGHT)),--plan plan.yml $(SET))
+deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) $($1.STABILITY:%=--stability %) $($1.WEIGHTS:%=--weights %)
 
 # $(call model_rules,model-NAME,-NAME)
 define model_rules

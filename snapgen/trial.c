@@ -45,6 +45,9 @@ static ehd_status repeat_training(residual_snapshots *snapshots, const program *
 ehd_status trial_build(reduced_model *model, const program *caller, const training_set *set,
                        const solved_state *states, double discarded_energy, size_t num_workers,
                        ehd_error *error) {
+    // as deimselect has it without options
+    const row_settings settings = {
+        .method = selection_methods, .weights = weightings, .num_control = CONTROL_BY_ITSELF};
     program silent = *caller;
     reduced_basis basis = {0};
     residual_snapshots snapshots = {0};
@@ -53,9 +56,7 @@ ehd_status trial_build(reduced_model *model, const program *caller, const traini
 
     silent.quiet = true;
     if (!status) status = repeat_training(&snapshots, &silent, set, &basis, num_workers, error);
-    if (!status)
-        status = row_choice_make(&choice, &snapshots, &basis, selection_methods, weightings, 0,
-                                 CONTROL_BY_ITSELF, error);
+    if (!status) status = row_choice_make(&choice, &snapshots, &basis, &settings, error);
     if (!status) status = row_choice_model(model, &choice, &basis, error);
     row_choice_free(&choice);
     residual_snapshots_free(&snapshots);

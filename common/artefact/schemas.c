@@ -482,6 +482,9 @@ static const artefact_attribute model_attributes[] = {
               "smallest singular value of the sampled Jacobian basis"),
     ATTRIBUTE("sigma_min_over_exits", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest of both over all exits seen in training"),
+    ATTRIBUTE("stability", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "largest 1/sigma_min of both over these exits, of modes orthonormal over all rows "
+              "before the exit"),
     BASIS_ATTRIBUTE,
     ATTRIBUTE("calibration_scenes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "scenes that each position was measured on, none of them a training solution"),

@@ -56,15 +56,63 @@ with h5py.File('bad.h5', 'r+') as f:
     podbuild --check b.h5 && deimselect --check m.h5 && romrun --check red.h5
 }
 
-@test "with a basis of its own for the deflection, and rows by pivoted QR" {
+@test "with a basis of its own for the deflection, and rows by any method" {
     podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
     snapgen plan.yml --basis bi.h5 -o ri.h5 --quiet
-    for method in joint qr; do
+    for method in joint qr sopt exits; do
         deimselect ri.h5 --basis bi.h5 -o mi.h5 --method $method --rows 25 --force
         romrun scene.yml --model mi.h5 -o red.h5 --force
         close_to "$(number red.h5 central_film_thickness)" \
             "$(number full.h5 central_film_thickness)" 0.01
     done
+}
+
+# stability METHOD ROWS: what deimselect says of so many rows
+stability() {
+    deimselect r.h5 --basis b.h5 -o y.h5 --force --method "$1" --rows "$2" |
+        sed -n 's/^stability: \([^ ]*\).*/\1/p'
+}
+
+@test "as few rows as a wanted stability takes" {
+    for method in joint exits; do
+        deimselect r.h5 --basis b.h5 -o x.h5 --method $method --stability 2 --force >log
+        rows=$(sed -n 's/ rows of 121 by.*//p' log)
+        awk -v of="$(sed -n 's/^stability: \([^ ]*\).*/\1/p' log)" 'BEGIN { exit !(of <= 2) }'
+        awk -v of="$(stability $method "$rows")" 'BEGIN { exit !(of <= 2) }'
+        awk -v of="$(stability $method $((rows - 1)))" 'BEGIN { exit !(of > 2) }'
+        close_to "$(number x.h5 stability)" "$(stability $method "$rows")" 0.005
+        romrun scene.yml --model x.h5 -o red.h5 --force
+        close_to "$(number red.h5 central_film_thickness)" \
+            "$(number full.h5 central_film_thickness)" 0.01
+    done
+    rm x.h5
+    refuse 65 "r.h5: --stability: found [0-9.]+ at best, with [0-9]+ rows by method joint, expected at most 1" \
+        deimselect r.h5 --basis b.h5 --stability 1 -o x.h5
+    refuse 64 "--stability: found --rows 20 too, expected one of the two" \
+        deimselect r.h5 --basis b.h5 --stability 2 --rows 20 -o x.h5
+    refused 64 "--stability" deimselect r.h5 --basis b.h5 --stability 0.5 -o x.h5
+}
+
+@test "with other weights of the test basis" {
+    for weight in identity "row-norm --plan plan.yml"; do
+        podbuild s.h5 -o bw.h5 --weight $weight --force
+        snapgen plan.yml --basis bw.h5 -o rw.h5 --quiet --force
+        deimselect rw.h5 --basis bw.h5 -o mw.h5 --force
+        romrun scene.yml --model mw.h5 -o red.h5 --force
+        close_to "$(number red.h5 central_film_thickness)" \
+            "$(number full.h5 central_film_thickness)" 0.005
+    done
+    refuse 64 "--plan: found none with --weight row-norm, expected the plan of the training" \
+        podbuild s.h5 -o x.h5 --weight row-norm
+    refuse 64 "--plan: found plan.yml with --weight mode, expected none" \
+        podbuild s.h5 -o x.h5 --plan plan.yml
+    refused 64 "--weight: found sqrt, expected one of --help" podbuild s.h5 -o x.h5 --weight sqrt
+    sed 's/8, 11, 15/7, 10/; s/2, 4, 6/3/' plan.yml >other.yml
+    refuse 65 "other.yml: --plan: found none of the stationary training points, expected the plan" \
+        podbuild s.h5 -o x.h5 --weight row-norm --plan other.yml
+    sed 's/step: 0.05/step: 0.1/' base.yml >coarse.yml
+    sed 's/base.yml/coarse.yml/' plan.yml >other.yml
+    refuse 65 "other.yml: " podbuild s.h5 -o x.h5 --weight row-norm --plan other.yml
 }
 
 @test "the same input gives the same bits, whatever --jobs" {

@@ -333,3 +333,23 @@ small_oscillator() {
              $at["scaled_condition"] < 1 { bad = 1 }
              END { exit bad || seen < 12 }' out/conditioning.csv
 }
+
+@test "the study of rows and weights: every variant is in the table, and all rows are measured too" {
+    copy_scene row-study
+    cp -r "$BATS_TEST_DIRNAME/../../scenes/stationary-line" ..
+    sed -i 's/step: [0-9.]*/step: 0.02/' ../stationary-line/scene.yml
+    run_make REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
+    [ "$status" -eq 0 ]
+    # three numbers of rows for each of four variants, all columns filled
+    awk -F, 'NF != 17 || /,,/ { exit 1 } END { exit NR != 13 }' out/study.csv
+    [[ $output == *"over 3 sizes"* ]]
+    [[ $output =~ mode\ +joint\ +quadrature\ +1.000\ +1.000\ +1.000 ]]
+    # the band preconditioner, with all 301 rows, leaves less than D
+    [[ $output == *"all 301 rows, 30 modes"* ]]
+    awk '/^D of the basis/ { plain = $5 } /^band, kernel 10 nodes/ { band = $5 }
+        END { exit !(band > 0 && band < plain) }' out/low-30-level-i.txt
+    [ "$(head -c 4 out/study.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/study.svg
+    run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
+    [[ $status == 0 && ! $output =~ measure.sh ]]
+}

@@ -172,6 +172,89 @@ static void pivoted_qr_takes_the_longest_remaining_row(void **state) {
     free(jacobian_modes);
 }
 
+/* log of S of a basis sampled at the rows (s_opt.c), its determinant by singular values. */
+static double naive_log_s(const double *modes, size_t num_modes, size_t num_nodes,
+                          const size_t *rows, size_t num_rows) {
+    double *sampled = malloc(num_rows * num_modes * sizeof *sampled);
+    double *values = malloc(num_modes * sizeof *values), sum = 0;
+    assert_true(sampled && values);
+    for (size_t j = 0; j < num_modes; j++) {
+        for (size_t n = 0; n < num_rows; n++)
+            sampled[j * num_rows + n] = modes[j * num_nodes + rows[n]];
+        sum -= log(cblas_dnrm2((int)num_rows, sampled + j * num_rows, 1));
+    }
+    assert_int_equal(LAPACKE_dgesdd(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_modes, sampled,
+                                    (int)num_rows, values, NULL, 1, NULL, 1),
+                     0);
+    for (size_t j = 0; j < num_modes; j++)
+        sum += log(values[j]);
+    free(sampled);
+    free(values);
+    return sum / (double)num_modes;
+}
+
+/* The row that makes S of both bases largest, every determinant from scratch. */
+static size_t naive_s_opt_row(const selection_bases *bases, size_t *rows, size_t num_rows) {
+    size_t best = bases->num_nodes;
+    double largest = -INFINITY;
+    for (size_t i = 0; i < bases->num_nodes; i++) {
+        bool selected = false;
+        for (size_t n = 0; n < num_rows; n++)
+            selected = selected || rows[n] == i;
+        if (selected) continue;
+        double sum = 0;
+        rows[num_rows] = i;
+        for (int basis = 0; basis < 2; basis++)
+            sum += naive_log_s(bases->modes[basis], bases->num_modes[basis], bases->num_nodes, rows,
+                               num_rows + 1);
+        if (!(sum > largest)) continue;
+        largest = sum;
+        best = i;
+    }
+    return best;
+}
+
+static void s_opt_takes_the_row_of_the_largest_determinant(void **state) {
+    (void)state;
+    enum { NUM_NODES = 60, NUM_MODES = 7, NUM_ROWS = 25 };
+    for (unsigned long long seed = 21; seed < 27; seed += 2) {
+        double *residual_modes = random_basis(NUM_MODES, NUM_NODES, seed);
+        double *jacobian_modes = random_basis(NUM_MODES + 1, NUM_NODES, seed + 1);
+        const selection_bases bases = {.num_nodes = NUM_NODES,
+                                       .num_modes = {NUM_MODES, NUM_MODES + 1},
+                                       .modes = {residual_modes, jacobian_modes}};
+        size_t rows[NUM_ROWS], expected[NUM_ROWS];
+        assert_int_equal(selection_s_opt(rows, &bases, NUM_ROWS, NULL), EHD_OK);
+        check_distinct(rows, NUM_ROWS, NUM_NODES);
+        // before there are as many rows as modes all determinants are zero
+        for (size_t n = NUM_MODES + 1; n < NUM_ROWS; n++) {
+            memcpy(expected, rows, n * sizeof *rows);
+            assert_int_equal(rows[n], naive_s_opt_row(&bases, expected, n));
+        }
+        free(residual_modes);
+        free(jacobian_modes);
+    }
+}
+
+static void s_opt_starts_with_pivots(void **state) {
+    (void)state;
+    enum { NUM_NODES = 40, NUM_MODES = 9, NUM_START = 5 };
+    double *residual_modes = random_basis(NUM_MODES, NUM_NODES, 31);
+    double *jacobian_modes = random_basis(NUM_MODES, NUM_NODES, 32);
+    const selection_bases bases = {.num_nodes = NUM_NODES,
+                                   .num_modes = {NUM_MODES, NUM_MODES},
+                                   .modes = {residual_modes, jacobian_modes}};
+    const selection_bases half = {.num_nodes = NUM_NODES,
+                                  .num_modes = {NUM_START, NUM_START},
+                                  .modes = {residual_modes, jacobian_modes}};
+    size_t rows[NUM_MODES], pivots[NUM_START];
+    assert_int_equal(selection_s_opt(rows, &bases, NUM_MODES, NULL), EHD_OK);
+    assert_int_equal(selection_pivoted_qr(pivots, &half, NUM_START, NULL), EHD_OK);
+    check_rows(rows, pivots, NUM_START);
+    free(residual_modes);
+    free(jacobian_modes);
+}
+
 static void every_prefix_is_a_selection(void **state) {
     (void)state;
     enum { NUM_NODES = 150, NUM_ROWS = 30 };
@@ -223,10 +306,12 @@ static void survives_singular_systems(void **state) {
     const selection_bases bases = {.num_nodes = NUM_NODES,
                                    .num_modes = {NUM_ROWS, NUM_ROWS},
                                    .modes = {residual_modes, jacobian_modes}};
-    size_t rows[NUM_ROWS];
-    assert_int_equal(selection_joint(rows, &bases, NUM_ROWS, NULL), EHD_OK);
-    // NaN compares as not larger, which would give row 0 again and again
-    check_distinct(rows, NUM_ROWS, NUM_NODES);
+    for (const selection_method *method = selection_methods; method->name; method++) {
+        size_t rows[NUM_ROWS];
+        assert_int_equal(method->select(rows, &bases, NUM_ROWS, NULL), EHD_OK);
+        // NaN compares as not larger, which would give row 0 again and again
+        check_distinct(rows, NUM_ROWS, NUM_NODES);
+    }
     free(small);
 }
 
@@ -276,6 +361,8 @@ static void refuses_more_rows_than_it_can_give(void **state) {
     check_refused(selection_pivoted_qr, &bases, 9, "found 9, expected at most 8");
     const selection_bases one = {.num_nodes = 8, .num_modes = {1, 1}, .modes = {six, five}};
     check_refused(selection_pivoted_qr, &one, 3, "found 3, expected at most 2");
+    check_refused(selection_s_opt, &bases, 9, "found 9, expected at most 8");
+    check_refused(selection_exits, &bases, 9, "found 9, expected at most 8");
     free(six);
     free(five);
 }
@@ -334,6 +421,8 @@ int main(void) {
         cmocka_unit_test(joint_hand_worked_example),
         cmocka_unit_test(joint_equals_solving_from_scratch),
         cmocka_unit_test(pivoted_qr_takes_the_longest_remaining_row),
+        cmocka_unit_test(s_opt_takes_the_row_of_the_largest_determinant),
+        cmocka_unit_test(s_opt_starts_with_pivots),
         cmocka_unit_test(every_prefix_is_a_selection),
         cmocka_unit_test(all_nodes_can_be_selected),
         cmocka_unit_test(survives_singular_systems),

@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Oversampled S-OPT for two bases: Lauzon, Cheung, Shin, Choi, Copeland and Huynh, "S-OPT: a points selection
+ * algorithm for hyper-reduction in reduced order models" (2022), after Shin and Xiu (2016). A basis sampled at the
+ * rows, A [num_rows, n], has
+ *
+ *     S(A) = (sqrt(det A^T A) / prod_j |A_j|)^(1/n),
+ *
+ * one where the sampled columns A_j are orthogonal. Each step takes the row that makes the product of both bases' S
+ * largest. A row r turns the determinant into det (1 + r^T (A^T A)^-1 r) and |A_j|^2 into |A_j|^2 + r_j^2; what the
+ * rows give is kept for all nodes and follows the inverse by rank-1 updates (Sherman and Morrison). */
+#include "common/algebra/lapack.h"
+#include "deimselect/selection.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Added to A^T A, whose modes have unit norm: with fewer rows than modes it has no inverse yet. */
+static const double RIDGE = 1e-10;
+
+enum { BLOCK = 512 }; // nodes
+
+/* A basis at the rows taken so far. */
+typedef struct sampled_basis {
+    size_t num_nodes, num_modes;
+    const double *modes; // [num_modes, num_nodes]
+    double *inverse;     // [num_modes, num_modes] of A^T A
+    double *gain;        // [num_nodes] r^T (A^T A)^-1 r
+    double *squares;     // [num_modes] |A_j|^2
+    double *row;         // [num_modes] the row just taken
+    double *product;     // [num_modes] inverse times it
+    double *along;       // [num_nodes] modes^T product
+    double *growth;      // [num_nodes] what prod_j |A_j|^2 would be multiplied by
+} sampled_basis;
+
+static void sampled_basis_free(sampled_basis *self) {
+    free(self->inverse);
+    free(self->gain);
+    free(self->squares);
+    free(self->row);
+    free(self->product);
+    free(self->along);
+    free(self->growth);
+}
+
+/* r of a node. */
+static void gather_row(double *row, const sampled_basis *self, size_t node) {
+    cblas_dcopy((int)self->num_modes, self->modes + node, (int)self->num_nodes, row, 1);
+}
+
+/* A^T A and its inverse for the rows given. */
+static ehd_status invert_gram(sampled_basis *self, const size_t *rows, size_t num_rows,
+                              ehd_error *error) {
+    const int n = (int)self->num_modes;
+
+    memset(self->inverse, 0, self->num_modes * self->num_modes * sizeof(double));
+    for (size_t k = 0; k < num_rows; k++) {
+        gather_row(self->row, self, rows[k]);
+        cblas_dsyr(CblasColMajor, CblasLower, n, 1, self->row, 1, self->inverse, n);
+    }
+    for (size_t j = 0; j < self->num_modes; j++) {
+        self->inverse[j * self->num_modes + j] += RIDGE;
+        self->squares[j] = self->inverse[j * self->num_modes + j];
+    }
+    ehd_status status =
+        lapack_outcome("dpotrf", LAPACKE_dpotrf(LAPACK_COL_MAJOR, 'L', n, self->inverse, n), error);
+    return status
+               ? status
+               : lapack_outcome("dpotri",
+                                LAPACKE_dpotri(LAPACK_COL_MAJOR, 'L', n, self->inverse, n), error);
+}
+
+/* gain = diag(modes^T inverse modes) */
+static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
+    double *products = malloc(self->num_modes * self->num_nodes * sizeof *products);
+
+    if (!products)
+        return ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu nodes",
+                        self->num_nodes);
+    cblas_dsymm(CblasColMajor, CblasRight, CblasLower, (int)self->num_nodes, (int)self->num_modes,
+                1, self->inverse, (int)self->num_modes, self->modes, (int)self->num_nodes, 0,
+                products, (int)self->num_nodes);
+    memset(self->gain, 0, self->num_nodes * sizeof(double));
+    for (size_t j = 0; j < self->num_modes; j++)
+        for (size_t i = 0; i < self->num_nodes; i++)
+            self->gain[i] +=
+                products[j * self->num_nodes + i] * self->modes[j * self->num_nodes + i];
+    free(products);
+    return EHD_OK;
+}
+
+/* along = modes^T product, and growth of every node. Both in one pass through the modes, a block of nodes after
+ * the other, because the modes do not fit into the cache and the time goes into reading them. */
+static void scan_modes(sampled_basis *self) {
+    for (size_t first = 0; first < self->num_nodes; first += BLOCK) {
+        const size_t left = self->num_nodes - first, count = left < BLOCK ? left : BLOCK;
+        double *restrict along = self->along + first, *restrict growth = self->growth + first;
+        for (size_t i = 0; i < count; i++)
+            along[i] = 0, growth[i] = 1;
+        for (size_t j = 0; j < self->num_modes; j++) {
+            const double *restrict mode = self->modes + j * self->num_nodes + first;
+            const double product = self->product[j], inverse = 1 / self->squares[j];
+            for (size_t i = 0; i < count; i++) {
+                along[i] += mode[i] * product;
+                growth[i] *= 1 + mode[i] * mode[i] * inverse;
+            }
+        }
+    }
+}
+
+static ehd_status sampled_basis_init(sampled_basis *self, const double *modes, size_t num_modes,
+                                     size_t num_nodes, const size_t *rows, size_t num_rows,
+                                     ehd_error *error) {
+    self->num_nodes = num_nodes;
+    self->num_modes = num_modes;
+    self->modes = modes;
+    self->inverse = malloc(num_modes * num_modes * sizeof(double));
+    self->gain = malloc(num_nodes * sizeof(double));
+    self->squares = malloc(num_modes * sizeof(double));
+    self->row = malloc(num_modes * sizeof(double));
+    self->product = calloc(num_modes, sizeof(double));
+    self->along = malloc(num_nodes * sizeof(double));
+    self->growth = malloc(num_nodes * sizeof(double));
+    if (!self->inverse || !self->gain || !self->squares || !self->row || !self->product ||
+        !self->along || !self->growth)
+        return ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu modes",
+                        num_modes);
+    ehd_status status = invert_gram(self, rows, num_rows, error);
+    if (!status) status = start_gain(self, error);
+    if (!status) scan_modes(self);
+    return status;
+}
+
+/* Takes a row: (G + r r^T)^-1 = G^-1 - u u^T / (1 + r^T u), u = G^-1 r. */
+static void take_row(sampled_basis *self, size_t node) {
+    const int n = (int)self->num_modes;
+
+    gather_row(self->row, self, node);
+    cblas_dsymv(CblasColMajor, CblasLower, n, 1, self->inverse, n, self->row, 1, 0, self->product,
+                1);
+    const double divisor = 1 + cblas_ddot(n, self->row, 1, self->product, 1);
+    cblas_dsyr(CblasColMajor, CblasLower, n, -1 / divisor, self->product, 1, self->inverse, n);
+    for (size_t j = 0; j < self->num_modes; j++)
+        self->squares[j] += self->row[j] * self->row[j];
+    scan_modes(self);
+    for (size_t i = 0; i < self->num_nodes; i++)
+        self->gain[i] -= self->along[i] * self->along[i] / divisor;
+}
+
+/* objective += log of what S of the basis would be multiplied by with each node. */
+static void add_objective(double *objective, const sampled_basis *self) {
+    for (size_t i = 0; i < self->num_nodes; i++)
+        objective[i] +=
+            log((1 + fmax(self->gain[i], 0)) / self->growth[i]) / (double)(2 * self->num_modes);
+}
+
+/* argmax over the nodes not selected; the first of equals. */
+static size_t best_row(const double *objective, const bool *selected, size_t num_nodes) {
+    size_t row = num_nodes;
+
+    for (size_t i = 0; i < num_nodes; i++)
+        if (!selected[i] && (row == num_nodes || objective[i] > objective[row])) row = i;
+    return row;
+}
+
+/* The first rows, half as many as the poorer basis has modes: pivots of as many modes of either basis. Until the
+ * columns can be told apart, S says little. */
+static selection_bases start_bases(const selection_bases *bases) {
+    const int poorer = bases->num_modes[1] < bases->num_modes[0];
+    selection_bases start = *bases;
+
+    start.num_modes[0] = start.num_modes[1] = (bases->num_modes[poorer] + 1) / 2;
+    return start;
+}
+
+/* The rows behind the first num_start ones. */
+static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_start, size_t num_rows,
+                             ehd_error *error) {
+    const size_t num_nodes = both[0].num_nodes;
+    double *objective = malloc(num_nodes * sizeof *objective);
+    bool *selected = calloc(num_nodes, sizeof *selected);
+    ehd_status status = EHD_OK;
+
+    if (!objective || !selected)
+        status =
+            ehd_fail(error, EHD_MEMORY, "row selection: found no memory for %zu nodes", num_nodes);
+    for (size_t n = 0; n < num_start && !status; n++)
+        selected[rows[n]] = true;
+    for (size_t n = num_start; n < num_rows && !status; n++) {
+        memset(objective, 0, num_nodes * sizeof *objective);
+        for (int basis = 0; basis < 2; basis++)
+            add_objective(objective, &both[basis]);
+        rows[n] = best_row(objective, selected, num_nodes);
+        selected[rows[n]] = true;
+        for (int basis = 0; basis < 2; basis++)
+            take_row(&both[basis], rows[n]);
+    }
+    free(objective);
+    free(selected);
+    return status;
+}
+
+ehd_status selection_s_opt(size_t *rows, const selection_bases *bases, size_t num_rows,
+                           ehd_error *error) {
+    sampled_basis both[2] = {{0}, {0}};
+    const selection_bases start = start_bases(bases);
+    const size_t num_start = num_rows < start.num_modes[0] ? num_rows : start.num_modes[0];
+
+    if (num_rows > bases->num_nodes)
+        return ehd_fail(error, EHD_DATA, "rows: found %zu, expected at most %zu, the nodes",
+                        num_rows, bases->num_nodes);
+    ehd_status status = selection_pivoted_qr(rows, &start, num_start, error);
+    for (int basis = 0; basis < 2 && !status; basis++)
+        status = sampled_basis_init(&both[basis], bases->modes[basis], bases->num_modes[basis],
+                                    bases->num_nodes, rows, num_start, error);
+    if (!status) status = oversample(rows, both, num_start, num_rows, error);
+    sampled_basis_free(&both[0]);
+    sampled_basis_free(&both[1]);
+    return status;
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "podbuild/test_weight.h"
+
+#include "romrun/reduced_solver.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const test_weight test_weights[] = {
+    {"mode", test_weight_mode, false, "the absolute first pressure mode, as published"},
+    {"identity", test_weight_identity, false, "one for every row"},
+    {"row-norm", test_weight_row_norm, true,
+     "one over the norm of the row of the reduced Jacobian, root mean square over the training; "
+     "needs --plan"},
+    {NULL, NULL, false, NULL},
+};
+
+const test_weight *test_weight_find(const char *name) {
+    const test_weight *entry = test_weights;
+
+    while (entry->name && strcmp(entry->name, name))
+        entry++;
+    return entry->name ? entry : NULL;
+}
+
+/* D is the absolute first pressure mode (paper, below eq. 27), which vanishes beyond the trained exits
+ * and at the inlet; a floor keeps the rows there in the least squares. */
+static const double WEIGHT_FLOOR = 1e-3; // of the largest entry
+
+ehd_status test_weight_mode(double *weight, const reduced_basis *basis, const ehd_contact *contacts,
+                            size_t num_contacts, ehd_error *error) {
+    double largest = 0;
+    (void)contacts, (void)num_contacts, (void)error;
+
+    for (size_t k = 0; k < basis->grid.num_nodes; k++)
+        largest = fmax(largest, fabs(basis->pressure[k * basis->num_pressure]));
+    for (size_t k = 0; k < basis->grid.num_nodes; k++)
+        weight[k] = fmax(fabs(basis->pressure[k * basis->num_pressure]), WEIGHT_FLOOR * largest);
+    return EHD_OK;
+}
+
+ehd_status test_weight_identity(double *weight, const reduced_basis *basis,
+                                const ehd_contact *contacts, size_t num_contacts,
+                                ehd_error *error) {
+    (void)contacts, (void)num_contacts, (void)error;
+    for (size_t k = 0; k < basis->grid.num_nodes; k++)
+        weight[k] = 1;
+    return EHD_OK;
+}
+
+// ---- row norms
+
+/* Squares of the norms, at grid nodes, over the states seen so far. */
+typedef struct row_squares {
+    const reduced_model *model;
+    double *sum;   // [num_nodes]
+    size_t *count; // [num_nodes] of states in which the row was before the exit
+    size_t num_states;
+} row_squares;
+
+static void add_squares(void *context, double *matrix, double *right, const size_t *rows,
+                        size_t num_rows) {
+    row_squares *self = context;
+    const size_t num_unknowns = self->model->num_unknowns;
+    (void)right;
+
+    for (size_t i = 0; i < num_rows; i++) {
+        const size_t node = self->model->row_node[rows[i]];
+        const double *row = matrix + i * num_unknowns;
+        const double norm =
+            cblas_dnrm2((int)num_unknowns, row, 1) / self->model->row_weight[rows[i]];
+        self->sum[node] += norm * norm;
+        self->count[node]++;
+    }
+}
+
+static const ehd_contact *contact_of(const reduced_states *states, size_t s,
+                                     const ehd_contact *contacts, size_t num_contacts) {
+    const double enough = 1e-9; // relative
+
+    for (size_t i = 0; i < num_contacts; i++)
+        if (fabs(contacts[i].moes_M - states->moes_M[s]) <= enough * states->moes_M[s] &&
+            fabs(contacts[i].alpha_p_H - states->alpha_p_H[s]) <=
+                enough * fabs(states->alpha_p_H[s]))
+            return &contacts[i];
+    return NULL;
+}
+
+/* Builds the least-squares problem of all rows at each training solution. */
+static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts,
+                               size_t num_contacts, ehd_error *error) {
+    const reduced_states *states = &squares->model->states;
+    const reduced_settings none = {.max_iterations = 0};
+    reduced_solver *solver = NULL;
+    reduced_state state = {0};
+    ehd_status status = reduced_solver_create(&solver, squares->model, &none, error);
+
+    state.coordinates = malloc(states->num_unknowns * sizeof(double));
+    if (!status && !state.coordinates)
+        status = ehd_fail(error, EHD_MEMORY, "row norms: found no memory");
+    if (!status) reduced_solver_transform(solver, add_squares, squares);
+    for (size_t s = 0; s < states->num_states && !status; s++) {
+        const ehd_contact *contact = contact_of(states, s, contacts, num_contacts);
+        reduced_info ignored;
+        if (!states->stationary[s] || !contact) continue;
+        squares->num_states++;
+        state.exit = states->exit[s];
+        memcpy(state.coordinates, states->coordinates + s * states->num_unknowns,
+               states->num_unknowns * sizeof(double));
+        status = reduced_solve(&ignored, &state, solver, contact, NULL, error);
+    }
+    if (!status && squares->num_states == 0)
+        status = ehd_fail(error, EHD_DATA,
+                          "--plan: found none of the stationary training points, expected the plan "
+                          "that they were solved for");
+    free(state.coordinates);
+    reduced_solver_free(solver);
+    return status;
+}
+
+/* One over the norms. Behind the first exit no row counts more than the last one that all solutions have: rows there
+ * are short, and with weights that grow towards the last exit the exit of many solutions does not settle. */
+static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
+    double last = 1;
+
+    for (size_t k = 0; k < num_nodes; k++) {
+        const double own = squares->count[k] > 0 && squares->sum[k] > 0
+                               ? sqrt((double)squares->count[k] / squares->sum[k])
+                               : last;
+        weight[k] = k > 1 && squares->count[k] < squares->num_states ? fmin(own, last) : own;
+        if (squares->count[k] == squares->num_states) last = own;
+    }
+    weight[0] = weight[1]; // the boundary has no row
+}
+
+ehd_status test_weight_row_norm(double *weight, const reduced_basis *basis,
+                                const ehd_contact *contacts, size_t num_contacts,
+                                ehd_error *error) {
+    const size_t num_nodes = basis->grid.num_nodes;
+    reduced_model model = {0};
+    row_squares squares = {&model, calloc(num_nodes, sizeof(double)),
+                           calloc(num_nodes, sizeof(size_t)), 0};
+    ehd_status status = squares.sum && squares.count
+                            ? reduced_model_build(&model, basis, NULL, 0, error)
+                            : ehd_fail(error, EHD_MEMORY, "row norms: found no memory");
+
+    if (!status) status = visit_states(&squares, contacts, num_contacts, error);
+    if (!status) turn_over(weight, &squares, num_nodes);
+    free(squares.sum);
+    free(squares.count);
+    reduced_model_free(&model);
+    return status;
+}
