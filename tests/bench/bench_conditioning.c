@@ -329,11 +329,6 @@ static ehd_status record(double *step, void *context, const double *matrix, cons
     return status;
 }
 
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Not inlined: callgrind is told to count in here. */
 __attribute__((noinline)) static void time_solvers(recording *self, size_t num_unknowns) {
     double times[REPEATS];
@@ -347,8 +342,7 @@ __attribute__((noinline)) static void time_solvers(recording *self, size_t num_u
                            ? NAN
                            : program_seconds() - start;
         }
-        qsort(times, REPEATS, sizeof *times, compare);
-        self->results[s].microseconds = times[REPEATS / 2] * 1e6;
+        self->results[s].microseconds = spread_of(times, REPEATS).median * 1e6;
     }
 }
 

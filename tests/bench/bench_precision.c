@@ -262,11 +262,6 @@ static void operands_free(operands *self) {
         free(all[i]);
 }
 
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median, microseconds. */
 static double time_kernel(kernel *run, const operands *of) {
     double times[REPEATS];
@@ -276,8 +271,7 @@ static double time_kernel(kernel *run, const operands *of) {
         run(of);
         times[i] = program_seconds() - start;
     }
-    qsort(times, REPEATS, sizeof *times, compare);
-    return times[REPEATS / 2] * 1e6;
+    return spread_of(times, REPEATS).median * 1e6;
 }
 
 /* Median of an iteration, microseconds. */
@@ -297,8 +291,7 @@ static double time_iteration(const reduced_model *model, const ehd_contact *cont
     }
     reduced_solver_free(solver);
     free(state.coordinates);
-    qsort(times, REPEATS, sizeof *times, compare);
-    return times[REPEATS / 2] * 1e6;
+    return spread_of(times, REPEATS).median * 1e6;
 }
 
 static void compare_kernels(const char *path, const ehd_contact *contact) {

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Selects 160 of 3001 rows with two random orthonormal bases of 160 modes, each method, on one core. With the name of
  * a method this one alone, once: for callgrind. */
+#include "common/program/program.h"
 #include "deimselect/selection.h"
+#include "tests/bench/measure.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -9,20 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { NUM_NODES = 3001, NUM_MODES = 160, NUM_ROWS = 160, REPEATS = 9 };
-
-static double seconds(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-static int compare(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static double *random_basis(unsigned long long seed) {
     double *modes = malloc(sizeof(double[NUM_MODES][NUM_NODES]));
@@ -44,20 +34,17 @@ static double inverse_sigma_min(const double *modes, const size_t *rows) {
     return 1.0 / sigma_min;
 }
 
-static double time_method(size_t *rows, const selection_method *method,
+static spread time_method(size_t *rows, const selection_method *method,
                           const selection_bases *bases, size_t repeats) {
     double times[REPEATS];
-    ehd_error error = {0};
+    ehd_error error;
+
     for (size_t i = 0; i < repeats; i++) {
-        const double start = seconds();
-        if (method->select(rows, bases, NUM_ROWS, &error)) {
-            fprintf(stderr, "bench_selection: %s\n", error.text);
-            exit(1);
-        }
-        times[i] = seconds() - start;
+        const double start = program_seconds();
+        must(method->select(rows, bases, NUM_ROWS, &error), &error);
+        times[i] = program_seconds() - start;
     }
-    qsort(times, repeats, sizeof *times, compare);
-    return times[repeats / 2];
+    return spread_of(times, repeats);
 }
 
 /* Seconds that a method is to take: what it was promised to, or no limit. */
@@ -78,14 +65,15 @@ int main(int argc, char **argv) {
     openblas_set_num_threads(1);
     for (const selection_method *method = selection_methods; method->name; method++) {
         if (argc > 1 && strcmp(argv[1], method->name)) continue;
-        const double spent = time_method(rows, method, &bases, argc > 1 ? 1 : REPEATS);
+        const spread spent = time_method(rows, method, &bases, argc > 1 ? 1 : REPEATS);
         const double limit = limit_of(method);
-        printf("selection %-6s %d of %d rows: %.4f s, 1/sigma_min %.3g and %.3g", method->name,
-               NUM_ROWS, NUM_NODES, spent, inverse_sigma_min(residual_modes, rows),
-               inverse_sigma_min(jacobian_modes, rows));
+        char text[SPREAD_TEXT];
+        printf("selection %-6s %d of %d rows: %s s, 1/sigma_min %.3g and %.3g", method->name,
+               NUM_ROWS, NUM_NODES, spread_text(text, &spent, 1, 4),
+               inverse_sigma_min(residual_modes, rows), inverse_sigma_min(jacobian_modes, rows));
         if (isfinite(limit)) printf(", limit %.2f s", limit);
         putchar('\n');
-        failed |= !(spent <= limit) && argc == 1;
+        failed |= !(spent.median <= limit) && argc == 1;
     }
     free(residual_modes);
     free(jacobian_modes);
