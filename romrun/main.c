@@ -342,7 +342,7 @@ static ehd_status attempt_at(attempt *self, const ehdrom_sizes *sizes,
     if (!status && options->accuracy > 0)
         ehdrom_solver_set_tolerance(self->solver,
                                     fmax(FULL_CONVERGENCE, PART_OF_ITERATION * options->accuracy));
-    return status ? status : solve(&self->solution, self->solver, contact, options->repeats, error);
+    return status ? status : ehdrom_solve(&self->solution, self->solver, contact, error);
 }
 
 /* With the sizes chosen, and where these do not do for the scene with the most accurate ones, which the
@@ -389,7 +389,8 @@ static ehd_status run_stationary(const program *self, romrun_options *options,
     if (!status) status = solve_scene(&done, options, self, contact, error);
     if (!status) status = text_with_sizes(&text, scene_lines, options, error);
     if (!status && self->output) status = result_create(&file, self, contact, text, inputs, error);
-    if (!status) status = solve(&done.solution, done.solver, contact, options->repeats, error);
+    if (!status && options->repeats > 1)
+        status = solve(&done.solution, done.solver, contact, options->repeats, error);
     done.solution.seconds += done.first_seconds;
     if (!status && with_fields) {
         pressure = malloc(contact->grid.num_nodes * sizeof *pressure);
