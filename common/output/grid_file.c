@@ -49,8 +49,7 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status) status = artefact_get_real(file, "x_min", &grid->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &grid->step, error);
     if (status) return status;
-    grid->num_inner = artefact_length(file, "x");
-    grid->num_nodes = grid->num_inner + 2;
+    *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), 1, false);
     double x_max = grid->x_min + ((double)grid->num_inner - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,

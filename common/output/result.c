@@ -237,7 +237,7 @@ void result_free(stored_result *stored) {
 
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error) {
-    const ehd_grid own = {stored->x_min, stored->step, stored->num_inner, stored->num_inner + 2};
+    const ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner, 1, false);
 
     return grid_check(&own, path, grid, "the scene", error);
 }

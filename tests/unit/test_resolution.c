@@ -42,9 +42,9 @@ static double central_film(const ehd_contact *contact) {
 }
 
 static void set_inlet(ehd_contact *contact, double x_min) {
-    contact->grid.x_min = x_min;
-    contact->grid.num_inner = (size_t)lround((2 - x_min) / contact->grid.step) + 1;
-    contact->grid.num_nodes = contact->grid.num_inner + 2;
+    const double step = contact->grid.step;
+
+    contact->grid = grid_of(x_min, step, (size_t)lround((2 - x_min) / step) + 1, 1, false);
 }
 
 /* From -4 and -2.5 on, against an inlet from -24 on. */
