@@ -135,6 +135,12 @@ bool full_has_pressure(const full_state *state, size_t node) {
     return node >= 1 && node < state->exit && !state->ruptured[node];
 }
 
+bool full_is_cut(const full_state *state, const ehd_grid *grid) {
+    for (size_t r = grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
+        if (full_has_pressure(state, grid_node_of_row(grid, r))) return true;
+    return false;
+}
+
 void full_film(full_state *state, full_solver *self) {
     deflection_apply(state->film, self->deflection, state->pressure);
     for (size_t k = 0; k < self->grid.num_nodes; k++)

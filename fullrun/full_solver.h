@@ -25,6 +25,9 @@ typedef struct full_state {
 /* Whether a node carries pressure. */
 bool full_has_pressure(const full_state *state, size_t node);
 
+/* Whether the grid ends before the pressurised zone does, downstream. */
+bool full_is_cut(const full_state *state, const ehd_grid *grid);
+
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
     size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
