@@ -18,7 +18,7 @@
 enum { MOST_ITERATIONS = 80 };
 
 struct gmres_workspace {
-    size_t size;      // most unknowns
+    size_t size; // most unknowns
     size_t num_nodes;
     double *krylov;   // [MOST_ITERATIONS + 1, size]
     double *vector;   // [size]

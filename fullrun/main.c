@@ -215,7 +215,8 @@ static ehd_status run_stationary(const program *self, const char *start_path,
     run_result result = make_result(&info, &state, contact, given->output_fields != 0);
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
-    if (!result.status && contact->kind->dimensions == 1) status = tell_resolution(file, self, &state, contact, error);
+    if (!result.status && contact->kind->dimensions == 1)
+        status = tell_resolution(file, self, &state, contact, error);
     if (!status) status = result_write(&file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],

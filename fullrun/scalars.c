@@ -32,7 +32,8 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
         sum += grid_weight(grid, k) * state->pressure[k];
     }
     if (grid->inner_lines > 1)
-        for (exit = line + grid->inner_x + 1; exit > line + 1 && !full_has_pressure(state, exit - 1);)
+        for (exit = line + grid->inner_x + 1;
+             exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
     contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
                                .minimum_film_thickness = least,

@@ -216,8 +216,8 @@ double grid_cell(const ehd_grid *grid) {
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
-    return a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half && fabs(a->x_min - b->x_min) <= slack &&
-           fabs(a->step - b->step) <= slack;
+    return a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half &&
+           fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
 static void grid_init(ehd_grid *grid, const scene *given) {
@@ -242,7 +242,8 @@ static ehd_status contact_from_physical(ehd_contact *contact, const scene *given
                         given->viscosity, eta0);
     double sum_speed = 2 * given->speed;
     double speed_number = given->viscosity * sum_speed / (given->modulus * given->radius);
-    double load_number = given->load / (given->modulus * pow(given->radius, contact->kind->dimensions));
+    double load_number =
+        given->load / (given->modulus * pow(given->radius, contact->kind->dimensions));
     contact->moes_M = contact->kind->physical_M(load_number, speed_number);
     contact->moes_L = contact->lubricant.alpha * given->modulus * pow(speed_number, 0.25);
     contact->load = given->load;

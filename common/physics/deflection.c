@@ -51,10 +51,10 @@ static void make_plans(ehd_deflection *self) {
 
     // an estimated plan, not a measured one: the same bits at every run
     pthread_mutex_lock(&planner_lock);
-    self->forward = fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, forward + line,
-                                  FFTW_ESTIMATE);
-    self->backward = fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, backward + line,
-                                   FFTW_ESTIMATE);
+    self->forward =
+        fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, forward + line, FFTW_ESTIMATE);
+    self->backward =
+        fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, backward + line, FFTW_ESTIMATE);
     pthread_mutex_unlock(&planner_lock);
 }
 

@@ -38,18 +38,18 @@ typedef struct scene {
     double approach_length; // a_ref; NaN: by the closure
     double moes_M;          // 1, given with moes_L, or not at all
     double moes_L;          // 1
-    double load;            // N/m of a line contact, N of a point contact; the five of `physical`, or none
-    double radius;          // m
-    double speed;           // m/s, mean of the two surfaces
-    double modulus;         // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;       // Pa s at zero pressure
-    double hertz_pressure;  // Pa, optional
+    double load;    // N/m of a line contact, N of a point contact; the five of `physical`, or none
+    double radius;  // m
+    double speed;   // m/s, mean of the two surfaces
+    double modulus; // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity;      // Pa s at zero pressure
+    double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
     double x_min; // contact half widths
     double x_max;
     double step;
-    double y_max; // NaN: a line contact
-    int half;     // 1, 0: whether the symmetric half is solved; -1: a line contact
+    double y_max;      // NaN: a line contact
+    int half;          // 1, 0: whether the symmetric half is solved; -1: a line contact
     int output_fields; // 1, 0, or -1: the program's own default
     int fields_every;  // fields at every N-th step; this and all below only when transient
     double end_time;   // T
