@@ -85,10 +85,8 @@ static ehd_status make_kernel_table(double **table, const contact_kind *kind, co
  * farther out in a narrower one. */
 static void widen_grid(film_splines *self, const ehd_grid *grid) {
     self->margin = (size_t)ceil(0.5 * fabs(grid->x_min) / grid->step);
-    self->grid = *grid;
-    self->grid.x_min -= (double)self->margin * grid->step;
-    self->grid.num_inner += self->margin;
-    self->grid.num_nodes += self->margin;
+    self->grid = grid_of(grid->x_min - (double)self->margin * grid->step, grid->step,
+                         grid->inner_x + self->margin, 1, false);
 }
 
 /* Deflections of the pressure modes cut at cut_exit, [num_nodes, num_pressure]. */
