@@ -164,17 +164,14 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
 /* Pressure and its zone from a coarser grid. */
 static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
                    const ehd_grid *coarse) {
+    size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
+
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
-    full_state_fill(state, grid);
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
         state->pressure[k] = interpolated(from->pressure, coarse, grid, k);
-        if (grid->inner_lines > 1) state->ruptured[k] = state->pressure[k] == 0;
     }
-    if (grid->inner_lines == 1 && 2 * from->exit - 1 < state->exit) {
-        state->exit = 2 * from->exit - 1;
-        memset(state->pressure + state->exit, 0, (grid->num_nodes - state->exit) * sizeof(double));
-    }
+    full_state_set_zone(state, grid, exit < last ? exit : last);
     state->rigid_approach = from->rigid_approach;
 }
 

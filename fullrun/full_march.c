@@ -54,14 +54,10 @@ static double dry_start_film(const ehd_contact *reference) {
 ehd_status full_march_create(full_march **created, const ehd_contact *reference,
                              const full_settings *settings, double start_film, ehd_error *error) {
     size_t num_nodes = reference->grid.num_nodes;
+    full_march *self = calloc(1, sizeof *self);
     bool whole;
 
     *created = NULL;
-    if (reference->kind->dimensions > 1)
-        return ehd_fail(error, EHD_DATA,
-                        "regime: found transient with the contact %s, expected stationary",
-                        reference->kind->name);
-    full_march *self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
     self->reference = *reference;
     self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;

@@ -115,6 +115,20 @@ void full_state_fill(full_state *state, const ehd_grid *grid) {
         state->ruptured[grid_node_of_row(grid, r)] = false;
 }
 
+static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
+    state->exit = exit;
+    memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
+}
+
+void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit) {
+    full_state_fill(state, grid);
+    if (grid->inner_lines == 1)
+        set_exit(state, exit, grid);
+    else
+        for (size_t k = 0; k < grid->num_nodes; k++)
+            state->ruptured[k] = !(state->pressure[k] != 0);
+}
+
 void full_state_free(full_state *state) {
     free(state->pressure);
     free(state->film);
@@ -269,11 +283,6 @@ static size_t adapt_exit(const full_solver *self, const full_state *state, doubl
         return target > exit ? target : exit + 1;
     }
     return exit;
-}
-
-static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
-    state->exit = exit;
-    memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
 }
 
 /* Watches the exit's moves: when it keeps stepping to and fro between two neighbours, the discrete

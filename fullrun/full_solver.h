@@ -94,6 +94,9 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
 void full_state_free(full_state *state);
 /* Gives all inner nodes pressure: the zone from which Newton starts where nothing is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
+/* Sets the zone from the pressure: of a line the nodes before `exit`, of a point contact those whose
+ * pressure is not zero. */
+void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
 
 /* Newton from the state given. Not converged is an outcome: the call returns EHD_OK and

@@ -205,6 +205,20 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node) {
            node % grid_width(grid) - 1;
 }
 
+ehd_grid grid_whole(const ehd_grid *grid) {
+    size_t lines = grid->half ? 2 * grid->inner_lines - 1 : grid->inner_lines;
+
+    return grid_of(grid->x_min, grid->step, grid->inner_x, lines, false);
+}
+
+size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {
+    size_t line = row / grid->inner_x, central = grid->inner_lines - 1;
+
+    if (!grid->half) return row;
+    line = line > central ? line - central : central - line;
+    return line * grid->inner_x + row % grid->inner_x;
+}
+
 double grid_weight(const ehd_grid *grid, size_t node) {
     return grid->half && node >= grid_width(grid) ? 2 : 1;
 }
@@ -259,6 +273,10 @@ ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *err
                         "closure: found approach in a stationary scene, expected load; a transient "
                         "scene finds the load of an approach");
     contact->kind = *given->contact ? contact_kind_find(given->contact) : &contact_line;
+    if (contact->kind->dimensions > 1 && strcmp(given->regime, "transient") == 0)
+        return ehd_fail(error, EHD_DATA,
+                        "regime: found transient, expected stationary, of a %s contact",
+                        contact->kind->name);
     contact->entrainment = 1;
     contact->closure = contact_load_closure(contact->kind);
     contact->half_width = contact->radius = contact->load = NAN;

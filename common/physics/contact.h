@@ -66,6 +66,10 @@ size_t grid_first_line(const ehd_grid *grid);
 size_t grid_node_of_row(const ehd_grid *grid, size_t row);
 size_t grid_row_of_node(const ehd_grid *grid, size_t node);
 
+/* The grid without a mirror, and the row of `grid` that stands for a row of that one. */
+ehd_grid grid_whole(const ehd_grid *grid);
+size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
+
 /* Of the cells that a node stands for: 2 off the mirror line of a half grid. */
 double grid_weight(const ehd_grid *grid, size_t node);
 /* Length or area of a cell. */
