@@ -21,7 +21,7 @@ ehd_status reduced_fields(double *pressure, double *film, const reduced_state *s
     memset(pressure + state->exit, 0, (grid->num_nodes - state->exit) * sizeof(double));
     deflection_apply(film, deflection, pressure);
     for (size_t k = 0; k < grid->num_nodes; k++)
-        film[k] += z[model->num_unknowns - 1] + model->kind->gap(grid_x(grid, k));
+        film[k] += z[model->num_unknowns - 1] + grid_gap(grid, k);
     deflection_free(deflection);
     return EHD_OK;
 }

@@ -50,8 +50,7 @@ static double film_before_band(const reduced_model *model, size_t q, const doubl
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     const double *coordinates = coupled ? z : z + model->num_pressure;
 
-    return z[model->num_unknowns - 1] +
-           model->kind->gap(grid_x(&model->grid, control->needed_node[q])) +
+    return z[model->num_unknowns - 1] + grid_gap(&model->grid, control->needed_node[q]) +
            cblas_ddot((int)width, control->film + q * width, 1, coordinates, 1);
 }
 

@@ -199,7 +199,7 @@ static size_t film_minimum(const reduced_basis *basis, const double *deflection,
 
     for (size_t k = centre; k <= exit && k < basis->grid.num_nodes; k++) {
         double x = grid_x(&basis->grid, k);
-        double film = deflection[k] + basis->kind->gap(x);
+        double film = deflection[k] + contact_gap(x, 0);
         if (film < least) {
             least = film;
             best = k;
@@ -536,9 +536,9 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
     for (size_t i = 0; i < 4; i++)
         model->centre[i] = place_in(model->needed_node, model->num_needed, centre[i]);
     for (size_t q = 0; q < model->num_needed; q++)
-        model->needed_gap[q] = model->kind->gap(grid_x(&model->grid, model->needed_node[q]));
+        model->needed_gap[q] = grid_gap(&model->grid, model->needed_node[q]);
     for (size_t d = 0; d < model->grid.num_nodes; d++)
-        model->kernel[d] = model->kind->kernel((double)d * model->grid.step, model->grid.step);
+        model->kernel[d] = model->kind->kernel((double)d * model->grid.step, 0, model->grid.step);
     if (coupled) fill_left_coupled(model);
     fill_checkpoints(model);
     return EHD_OK;

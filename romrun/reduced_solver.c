@@ -271,7 +271,7 @@ static double load_of(const reduced_solver *self) {
 static double band_film(const reduced_solver *self, const double *z, size_t exit, size_t node) {
     const reduced_model *model = self->model;
     size_t place = node - model->band_begin, num_pressure = model->num_pressure;
-    double film = z[model->num_unknowns - 1] + model->kind->gap(grid_x(&model->grid, node));
+    double film = z[model->num_unknowns - 1] + grid_gap(&model->grid, node);
 
     if (model->deformation == DEFORMATION_INDEPENDENT) {
         const double *basis = model->band_film + place * model->num_deformation;
@@ -309,18 +309,18 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
                              const ehd_contact *contact, const reduced_squeeze *squeeze,
                              double *flux) {
     const reduced_model *model = self->model;
-    double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[4][NUM_STENCIL];
-    reynolds_stencil stencil = {{0, 1, 2, 3}};
+    double pressure[NUM_LINE_STENCIL], film[NUM_LINE_STENCIL], memory[4][NUM_LINE_STENCIL];
+    reynolds_stencil stencil = {{0, 1, 2, 3, NO_NODE, NO_NODE}};
     reynolds_fluid fluid = {memory[0], memory[1], contact->lubricant.density ? memory[2] : NULL,
                             contact->lubricant.density ? memory[3] : NULL};
     reynolds_row row;
 
-    for (size_t a = 0; a < NUM_STENCIL; a++) {
+    for (size_t a = 0; a < NUM_LINE_STENCIL; a++) {
         size_t place = node - 2 + a;
         pressure[a] = place < exit ? self->band_pressure[place - model->band_begin] : 0;
         film[a] = band_film(self, z, exit, place);
     }
-    reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_STENCIL);
+    reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_LINE_STENCIL);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
     const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, &earlier};
     reynolds_rows(&row, model->grid.step, contact->entrainment, squeeze ? &here : NULL, &stencil, 1,
@@ -425,11 +425,11 @@ static void add_row(double *target, double factor, const double *source, size_t 
 }
 
 /* target += sum of factors[a] * sources[a], in one pass. */
-static void add_rows(double *restrict target, const double factors[NUM_STENCIL],
-                     const double *const sources[NUM_STENCIL], size_t count) {
+static void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
+                     const double *const sources[NUM_LINE_STENCIL], size_t count) {
     for (size_t j = 0; j < count; j++) {
         double sum = target[j];
-        for (int a = 0; a < NUM_STENCIL; a++)
+        for (int a = 0; a < NUM_LINE_STENCIL; a++)
             sum += factors[a] * sources[a][j];
         target[j] = sum;
     }
@@ -446,10 +446,10 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     size_t offset = coupled ? 0 : model->num_pressure;
     const double *film = coupled ? self->cut : model->needed_film;
 
-    double by_pressure[NUM_STENCIL] = {0}, by_film[NUM_STENCIL] = {0};
-    const double *pressures[NUM_STENCIL], *films[NUM_STENCIL];
+    double by_pressure[NUM_LINE_STENCIL] = {0}, by_film[NUM_LINE_STENCIL] = {0};
+    const double *pressures[NUM_LINE_STENCIL], *films[NUM_LINE_STENCIL];
 
-    for (int a = 0; a < NUM_STENCIL; a++) {
+    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
         bool there = stencil->node[a] != NO_NODE;
         size_t q = there ? stencil->node[a] : 0;
         pressures[a] = model->needed_pressure + q * model->num_pressure;

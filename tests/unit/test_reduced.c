@@ -101,7 +101,7 @@ static void full_fields(double *pressure, double *film, const problem *self,
                 film[k] += basis->deformation_modes[k * basis->num_deformation + j] *
                            z[basis->num_pressure + j];
         }
-        film[k] += z[n - 1] + basis->kind->gap(grid_x(grid, k));
+        film[k] += z[n - 1] + grid_gap(grid, k);
     }
     deflection_free(deflection);
 }
@@ -337,7 +337,7 @@ static double dense_deflection(const reduced_basis *basis, size_t exit, size_t n
 
     for (size_t i = 1; i < exit; i++) {
         double distance = (node > i ? (double)(node - i) : (double)(i - node)) * basis->grid.step;
-        sum += basis->kind->kernel(distance, basis->grid.step) *
+        sum += basis->kind->kernel(distance, 0, basis->grid.step) *
                basis->pressure[i * basis->num_pressure + mode];
     }
     return sum;
