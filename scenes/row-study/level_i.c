@@ -99,7 +99,7 @@ static void expand(band *self, const reduced_state *state) {
     deflection_apply(self->film, self->deflection, self->pressure);
     for (size_t k = 0; k < grid->num_nodes; k++)
         self->film[k] +=
-            state->coordinates[self->model->num_unknowns - 1] + basis->kind->gap(grid_x(grid, k));
+            state->coordinates[self->model->num_unknowns - 1] + grid_gap(grid, k);
 }
 
 /* Reynolds rows at the state: pressure's own coefficients and, by the film, the near field of the kernel. */
