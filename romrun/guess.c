@@ -73,17 +73,21 @@ static void combine_states(reduced_state *state, const reduced_model *model,
                            const neighbour *nearest, const double *weights, size_t count) {
     const reduced_states *states = &model->states;
     size_t n = model->num_unknowns;
-    double exit = 0;
-
     memset(state->coordinates, 0, n * sizeof(double));
     for (size_t i = 0; i < count; i++) {
         const double *source = states->coordinates + nearest[i].state * n;
-        exit += weights[i] * (double)states->exit[nearest[i].state];
         for (size_t j = 0; j < n; j++)
             state->coordinates[j] += weights[i] * source[j];
     }
-    exit = fmin(fmax(exit, (double)model->least_exit), (double)model->most_exit);
-    state->exit = (size_t)lround(exit);
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        double exit = 0;
+        for (size_t i = 0; i < count; i++)
+            exit += weights[i] * (double)states->exit[nearest[i].state * states->num_lines + l];
+        exit = fmin(fmax(exit, (double)line->least), (double)line->most);
+        if (l == reduced_central_line(&model->grid)) state->exit = (size_t)lround(exit);
+        if (state->exits) state->exits[l] = (size_t)lround(exit);
+    }
 }
 
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,

@@ -61,7 +61,6 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
-    if (!status && set->grid.half) status = artefact_put_integer(*file, "half", 1, error);
     if (!status) status = snapshots_declare(*file, set->num_trajectories > 0, false, error);
     if (!status) status = put_contacts(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);

@@ -34,6 +34,11 @@
     ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, "kind of contact: " kinds),              \
         ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, "first node of x"),                    \
         ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x")
+#define HALF_ATTRIBUTE                                                                             \
+    ATTRIBUTE(                                                                                     \
+        "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,                                              \
+        "1: y starts at 0, on the mirror line of a point contact that is symmetric across; 0 "     \
+        "where missing")
 #define DEFORMATION_ATTRIBUTE                                                                      \
     ATTRIBUTE("deformation", ARTEFACT_TEXT, "1", NEED_ALWAYS,                                      \
               "deformation basis: independent (of its own) or coupled (deflections of the "        \
@@ -53,7 +58,7 @@
         INTEGER(                                                                                   \
             "state_exit_node", NEED_ALWAYS,                                                        \
             "index into x of the first node without pressure, length of x where there is none",    \
-            "state"),                                                                              \
+            "state", "y"),                                                                         \
         REAL("state_moes_M", "1", NEED_ALWAYS, "Moes load number M of the training solutions",     \
              "state"),                                                                             \
         REAL("state_alpha_p_H", "1", NEED_ALWAYS,                                                  \
@@ -238,9 +243,7 @@ static const artefact_field snapshots_fields[] = {
 
 static const artefact_attribute snapshots_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
-    ATTRIBUTE("half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
-              "1: y starts at 0, on the mirror line of a point contact that is symmetric across; 0 "
-              "where missing"),
+    HALF_ATTRIBUTE,
     ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "number of steps of all trajectories"),
     ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
@@ -258,6 +261,7 @@ const artefact_schema schema_snapshots = {"ehdrom-snapshots",
 // ---- basis
 
 static const artefact_axis basis_axes[] = {
+    Y_AXIS,
     X_AXIS,
     FILM_X_AXIS,
     PRESSURE_MODE_AXIS,
@@ -269,19 +273,21 @@ static const artefact_axis basis_axes[] = {
     {0}};
 
 static const artefact_field basis_fields[] = {
-    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
     REAL("deformation_basis", "1", NEED_OPTIONAL,
          "deformation modes, only for deformation = independent", "deformation_mode", "film_x"),
     REAL("pressure_singular_values", "1", NEED_OWN,
          "singular values of the pressure snapshots, descending", "pressure_singular_value"),
     REAL("deformation_singular_values", "1", NEED_OPTIONAL,
          "singular values of the deformation snapshots, descending", "deformation_singular_value"),
-    REAL("weight", "1", NEED_ALWAYS, "diagonal D that weights the residual in the test basis", "x"),
+    REAL("weight", "1", NEED_ALWAYS, "diagonal D that weights the residual in the test basis", "y",
+         "x"),
     STATE_FIELDS,
     {0}};
 
 static const artefact_attribute basis_attributes[] = {
-    GRID_ATTRIBUTES("line"),
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     ATTRIBUTE("pressure_energy_discarded", ARTEFACT_REAL, "1", NEED_OWN,
               "part of the squared singular values of the pressure left out"),
@@ -304,22 +310,23 @@ static const artefact_axis residuals_axes[] = {
         "iteration", "1",
         "index of the Newton iteration, over all stationary states, then of the compressed ones of "
         "trajectories"),
+    Y_AXIS,
     X_AXIS,
     STATE_AXIS,
     {0}};
 
 static const artefact_field residuals_fields[] = {
     REAL("weighted_residual", "1", NEED_ALWAYS, "weighted residual D f of the Reynolds rows",
-         "iteration", "x"),
+         "iteration", "y", "x"),
     REAL("weighted_jacobian_step", "1", NEED_ALWAYS,
-         "weighted product D J dz of Jacobian and Newton step", "iteration", "x"),
+         "weighted product D J dz of Jacobian and Newton step", "iteration", "y", "x"),
     INTEGER("iteration_state", NEED_OWN,
             "index of the state that the iteration belongs to, -1 for a compressed one of "
             "trajectories, which serves in place of many",
             "iteration"),
     INTEGER("state_exit_node", NEED_ALWAYS,
             "index into x of the first node without pressure at the end of the state's iteration",
-            "state"),
+            "state", "y"),
     REAL("state_moes_M", "1", NEED_OWN, "Moes load number M of the states", "state"),
     REAL("state_alpha_p_H", "1", NEED_OWN,
          "pressure-viscosity coefficient times Hertz pressure of the states", "state"),
@@ -330,7 +337,8 @@ static const artefact_field residuals_fields[] = {
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
-    GRID_ATTRIBUTES("line"),
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     BASIS_ATTRIBUTE,
     ATTRIBUTE("compressed_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
@@ -351,6 +359,7 @@ const artefact_schema schema_residuals = {
 // ---- model
 
 static const artefact_axis model_axes[] = {
+    Y_AXIS,
     X_AXIS,
     FILM_X_AXIS,
     AXIS("row", "1", "index of the selected row, in order of selection"),
@@ -382,7 +391,11 @@ static const artefact_axis model_axes[] = {
          "position")
 
 static const artefact_field model_fields[] = {
-    INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
+    INTEGER("selected_row", NEED_ALWAYS,
+            "index of the selected Reynolds rows: into x or, of a point contact, into all nodes of "
+            "y and x, "
+            "the lines of y one after the other",
+            "row"),
     REAL("row_weight", "1", NEED_ALWAYS,
          "weight of the selected rows: D times their factor in the least squares", "row"),
     REAL("row_factor", "1", NEED_OPTIONAL,
@@ -393,7 +406,8 @@ static const artefact_field model_fields[] = {
          "row", "jacobian_mode"),
     INTEGER("needed_node_index", NEED_ALWAYS,
             "film nodes that are needed, ascending; film node k + 1 is index k of x, 0 and the "
-            "last are the boundary nodes",
+            "last are the boundary nodes; of a point contact the film nodes of the lines of y, "
+            "each with its two boundary nodes, follow one another, and there are boundary lines",
             "needed_node"),
     REAL("needed_pressure_basis", "1", NEED_ALWAYS, "pressure modes at the needed nodes",
          "needed_node", "pressure_mode"),
@@ -416,8 +430,16 @@ static const artefact_field model_fields[] = {
     REAL("band_projected_kernel", "1", NEED_OPTIONAL,
          "deflection of unit pressure at the band nodes, projected on the deformation modes",
          "band_node", "deformation_mode"),
+    INTEGER("band_line_begin", NEED_OPTIONAL,
+            "first column of the exit band on each line, counted with the boundary node; this and "
+            "the next three only of a point contact, whose band nodes go line after line",
+            "y"),
+    INTEGER("band_line_end", NEED_OPTIONAL, "column behind the last one of the exit band", "y"),
+    INTEGER("band_line_least_exit", NEED_OPTIONAL, "first column at which the exit may lie", "y"),
+    INTEGER("band_line_most_exit", NEED_OPTIONAL, "last column at which the exit may lie", "y"),
     INTEGER("control_row", NEED_OPTIONAL,
-            "index into x of Reynolds rows that take no part in the solution; what they are left "
+            "index, as in selected_row, of Reynolds rows that take no part in the solution; what "
+            "they are left "
             "with indicates its deviation",
             "control"),
     REAL("control_weight", "1", NEED_OPTIONAL, "weight D of the control rows", "control"),
@@ -439,7 +461,7 @@ static const artefact_field model_fields[] = {
          "deformation_mode", "pressure_mode"),
     REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
          "pressure_mode"),
-    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
     REAL("deformation_basis", "1", NEED_OPTIONAL,
          "deformation modes, only for deformation = independent; for transient scenes",
          "deformation_mode", "film_x"),
@@ -485,13 +507,20 @@ static const artefact_field model_fields[] = {
     {0}};
 
 static const artefact_attribute model_attributes[] = {
-    GRID_ATTRIBUTES("line"),
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
-    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS, "first film node of the exit band"),
+    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+              "first film node of the exit band, of a line contact; so are the next two"),
     ATTRIBUTE("least_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "first film node at which the exit may lie"),
     ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "last film node at which the exit may lie"),
+    ATTRIBUTE(
+        "first_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "first line of the grid, boundary lines counted, on which the film minimum is sought; "
+        "this and the next one only of a point contact"),
+    ATTRIBUTE("last_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, "last of these lines"),
     ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
     ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL, "method of the rows' factors"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,

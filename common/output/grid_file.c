@@ -93,7 +93,10 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error) {
     ehd_status status = grid_write_axes(file, grid, error);
-    return status ? status : grid_write_attributes(file, kind, grid, error);
+
+    if (!status) status = grid_write_attributes(file, kind, grid, error);
+    if (!status && grid->half) status = artefact_put_integer(file, "half", 1, error);
+    return status;
 }
 
 ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
@@ -111,18 +114,22 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     char *contact = NULL;
     ehd_status status = artefact_get_text(file, "contact", &contact, error);
 
-    if (!status && strcmp(contact, contact_line.name))
-        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s",
-                          artefact_path(file), contact, contact_line.name);
+    *kind = status ? &contact_line : contact_kind_find(contact);
+    if (!*kind)
+        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s|%s",
+                          artefact_path(file), contact, contact_line.name, contact_point.name);
     free(contact);
-    *kind = &contact_line;
     if (!status) status = artefact_get_real(file, "x_min", &grid->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &grid->step, error);
     size_t num_lines = 1;
+    int64_t half = 0;
     if (!status) status = grid_count_lines(&num_lines, file, *kind, error);
+    if (!status && artefact_has(file, "half"))
+        status = artefact_get_integer(file, "half", &half, error);
     if (status) return status;
-    *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines, false);
-    double x_max = grid->x_min + ((double)grid->num_inner - 1) * grid->step;
+    *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines,
+                    num_lines > 1 && half != 0);
+    double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,
                         "%s: x: found %g to %g in steps of %g, expected the dry contact inside and "

@@ -15,7 +15,7 @@ ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *erro
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                                  ehd_error *error);
 
-/* Both of them. */
+/* Both of them, and of a half grid that it is one. */
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error);
 

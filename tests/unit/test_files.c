@@ -167,7 +167,7 @@ static void model_is_refused(const ehdrom_sizes *sizes, const char *words_of_it)
 static reduced_info solve(const reduced_model *model, double *coordinates) {
     const reduced_settings settings = reduced_default_settings();
     ehd_contact contact = training.contacts[4];
-    reduced_state state = {coordinates, 0};
+    reduced_state state = {.coordinates = coordinates};
     reduced_solver *solver;
     reduced_info info;
 
