@@ -54,14 +54,13 @@ static void problem_init(problem *self, const reduced_basis *basis, const size_t
         fail_msg("%s", error.text);
     if (reduced_solver_create(&self->solver, &self->model, settings, &error))
         fail_msg("%s", error.text);
-    self->state.coordinates = calloc(self->model.num_unknowns, sizeof(double));
-    assert_non_null(self->state.coordinates);
+    assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);
 }
 
 static void problem_free(problem *self) {
     reduced_solver_free(self->solver);
     reduced_model_free(&self->model);
-    free(self->state.coordinates);
+    reduced_state_free(&self->state);
 }
 
 static void solve(problem *self, const ehd_contact *contact) {
