@@ -65,14 +65,19 @@ static ehd_status build_pods(pod_basis pods[2], const residual_snapshots *snapsh
     return EHD_OK;
 }
 
+/* Whether a row, counted among the inner nodes, lies before an exit line. */
+static bool is_before_exit(const ehd_grid *grid, size_t row, const size_t *exit) {
+    return row % grid->inner_x + 1 < exit[grid_first_line(grid) + row / grid->inner_x];
+}
+
 /* Smaller sigma_min of both bases, for the rows before an exit. */
 static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
-                                const row_choice *choice, size_t exit, const size_t num_columns[2],
-                                size_t *kept, ehd_error *error) {
+                                const row_choice *choice, const ehd_grid *grid, const size_t *exit,
+                                const size_t num_columns[2], size_t *kept, ehd_error *error) {
     size_t count = 0;
 
     for (size_t r = 0; r < choice->num_rows; r++)
-        if (choice->rows[r] + 1 < exit) kept[count++] = choice->rows[r];
+        if (is_before_exit(grid, choice->rows[r], exit)) kept[count++] = choice->rows[r];
     *sigma_min = INFINITY;
     for (int i = 0; i < 2; i++) {
         double sigma;
@@ -86,8 +91,10 @@ static ehd_status sigma_at_exit(double *sigma_min, const pod_basis pods[2],
 
 /* sigma_min_by_exit, each exit looked at once. */
 static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
-                                const reduced_states *states, const size_t num_columns[2],
+                                const reduced_basis *basis, const size_t num_columns[2],
                                 ehd_error *error) {
+    const reduced_states *states = &basis->states;
+    const size_t bytes = states->num_lines * sizeof *states->exit;
     size_t *kept = malloc(choice->num_rows * sizeof *kept);
     ehd_status status = EHD_OK;
 
@@ -96,13 +103,14 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
         status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
+        const size_t *exit = states->exit + s * states->num_lines;
         size_t same = 0; // an earlier state with this exit
-        while (same < s && states->exit[same] != states->exit[s])
+        while (same < s && memcmp(states->exit + same * states->num_lines, exit, bytes))
             same++;
         if (same < s)
             choice->sigma_min_by_exit[s] = choice->sigma_min_by_exit[same];
         else
-            status = sigma_at_exit(&choice->sigma_min_by_exit[s], pods, choice, states->exit[s],
+            status = sigma_at_exit(&choice->sigma_min_by_exit[s], pods, choice, &basis->grid, exit,
                                    num_columns, kept, error);
         choice->sigma_min_over_exits =
             fmin(choice->sigma_min_over_exits, choice->sigma_min_by_exit[s]);
@@ -122,7 +130,7 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const red
     for (int i = 0; i < 2 && !status; i++)
         status = selection_sigma_min(sigmas[i], pods[i].modes, leading.num_modes[i],
                                      pods[i].num_nodes, choice->rows, choice->num_rows, error);
-    if (!status) status = measure_exits(choice, pods, &basis->states, leading.num_modes, error);
+    if (!status) status = measure_exits(choice, pods, basis, leading.num_modes, error);
     if (!status)
         status = row_stability_of(&choice->stability, bases, choice->rows, choice->num_rows, error);
     return status;
@@ -160,12 +168,13 @@ static int compare_sizes(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* The exits of training, each once and counted as the rows of the snapshots are. NULL: no memory. */
+/* The exits of training, each once and counted as the rows of the snapshots are; none of a point contact, whose exit
+ * lines do not take rows away in one order. NULL: no memory. */
 static size_t *list_exits(size_t *num_exits, const reduced_states *states) {
     size_t *exits = malloc((states->num_states + 1) * sizeof *exits);
 
     *num_exits = 0;
-    if (!exits) return NULL;
+    if (!exits || states->num_lines > 1) return exits;
     for (size_t s = 0; s < states->num_states; s++)
         exits[s] = states->exit[s] - 1;
     qsort(exits, states->num_states, sizeof *exits, compare_sizes);
@@ -312,11 +321,10 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
             choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);
     if (!status) status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
     if (!status) status = measure(choice, pods, basis, &bases, error);
-    // row 0 of the snapshots belongs to node 1
     for (size_t r = 0; r < choice->num_rows && !status; r++)
-        choice->rows[r]++;
+        choice->rows[r] = grid_node_of_row(&basis->grid, choice->rows[r]);
     for (size_t r = 0; r < choice->num_control && !status; r++)
-        choice->control[r]++;
+        choice->control[r] = grid_node_of_row(&basis->grid, choice->control[r]);
     free(exits);
     pod_free(&pods[0]);
     pod_free(&pods[1]);

@@ -14,21 +14,27 @@ static const double START_FILM = 2;
 static const double LEAST_STRIDE = 1. / 256;
 static const double LEAST_WARM_STRIDE = 1. / 2; // a cold start costs less than failed strides
 
+/* No pressure at a node behind the dry contact: on a line, nor behind it. */
+static void end_zone(full_state *state, const ehd_grid *grid, size_t node) {
+    if (grid->inner_lines > 1)
+        state->ruptured[node] = true;
+    else if (node < state->exit)
+        state->exit = node;
+}
+
 void full_start_dry(full_state *state, full_solver *solver, const ehd_contact *contact,
                     double central_film) {
     const ehd_grid *grid = &contact->grid;
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
-    memset(state->ruptured, 0, grid->num_nodes * sizeof *state->ruptured);
-    state->exit = grid->num_nodes - 1;
-    for (size_t k = 1; k <= grid->num_inner; k++) {
-        double x = grid_x(grid, k);
-        if (fabs(x) < 1)
-            state->pressure[k] = sqrt(1 - x * x);
-        else if (x >= 1) {
-            state->exit = k;
-            break;
-        }
+    full_state_fill(state, grid);
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
+        double gap = 2 * grid_gap(grid, k); // the square of the distance from the centre
+        if (gap < 1)
+            state->pressure[k] = sqrt(1 - gap);
+        else if (grid_x(grid, k) > 0)
+            end_zone(state, grid, k);
     }
     state->rigid_approach = 0;
     full_film(state, solver);
@@ -135,12 +141,38 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
 }
 
 ehd_grid full_coarser_grid(const ehd_grid *grid) {
-    ehd_grid coarse = *grid;
+    size_t sides = grid->inner_lines / 2; // of a whole grid, as many lines on either side of y = 0
 
-    coarse.step *= 2;
-    coarse.num_inner = (grid->num_inner + 1) / 2;
-    coarse.num_nodes = coarse.num_inner + 2;
-    return coarse;
+    return grid_of(grid->x_min, 2 * grid->step, (grid->inner_x + 1) / 2,
+                   grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1, grid->half);
+}
+
+/* Bilinear, at an inner node of the finer grid. */
+static double interpolated(const double *values, const ehd_grid *coarse, const ehd_grid *grid,
+                           size_t node) {
+    size_t width = grid_width(coarse), low = (node % grid_width(grid) + 1) / 2;
+    size_t high = (node % grid_width(grid) + 2) / 2; // coarse column c is fine column 2c - 1
+    double line = (grid_y(grid, node) - grid_y(coarse, 0)) / coarse->step;
+    size_t left = coarse->inner_lines > 1 ? (size_t)floor(line + 0.25) : 0;
+    size_t right = coarse->inner_lines > 1 ? (size_t)floor(line + 0.75) : 0;
+
+    return (values[left * width + low] + values[left * width + high] + values[right * width + low] +
+            values[right * width + high]) /
+           4;
+}
+
+/* Pressure and its zone from a coarser grid. */
+static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
+                   const ehd_grid *coarse) {
+    size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
+
+    memset(state->pressure, 0, grid->num_nodes * sizeof(double));
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
+        state->pressure[k] = interpolated(from->pressure, coarse, grid, k);
+    }
+    full_state_set_zone(state, grid, exit < last ? exit : last);
+    state->rigid_approach = from->rigid_approach;
 }
 
 /* Solves on a grid of twice the step and interpolates its pressure and exit to this one, so that the
@@ -162,12 +194,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
     if (!status) status = full_state_init(&from, &coarse.grid, error);
     if (!status) status = full_solve_cold(&info, &from, coarse_solver, &coarse, error);
     if (!status && info.status == EHD_OK) {
-        size_t exit = 2 * from.exit - 1; // coarse node c is fine node 2c - 1
-        memset(state->pressure, 0, contact->grid.num_nodes * sizeof(double));
-        state->exit = exit < contact->grid.num_nodes ? exit : contact->grid.num_nodes - 1;
-        for (size_t k = 1; k < state->exit; k++)
-            state->pressure[k] = (from.pressure[(k + 1) / 2] + from.pressure[(k + 2) / 2]) / 2;
-        state->rigid_approach = from.rigid_approach;
+        refine(state, &contact->grid, &from, &coarse.grid);
         *started = true;
     }
     full_state_free(&from);
@@ -177,15 +204,15 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error) {
-    const size_t coarsest =
-        500; // inner nodes, below which a coarser grid would not resolve the film
+    // inner nodes along, below which a coarser grid would not resolve the film
+    const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;
     double before = program_seconds();
     ehd_status status = EHD_OK;
     bool started = false;
 
     memset(info, 0, sizeof *info);
     info->status = EHD_NOT_CONVERGED;
-    if (contact->grid.num_inner > coarsest)
+    if (contact->grid.inner_x > coarsest)
         status = start_coarse(&started, state, solver, contact, error);
     if (!status && started) status = full_solve(info, state, solver, contact, NULL, error);
     if (!status && info->status != EHD_OK) {

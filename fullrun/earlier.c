@@ -31,7 +31,7 @@ void earlier_prepare(earlier_state *self, double *work, const ehd_contact *refer
 
     // the gap is known everywhere, and what is left of the film bends little at the grid's ends
     for (size_t k = 0; k < num_nodes; k++)
-        work[k] = self->state.film[k] - reference->kind->gap(nodes[k]);
+        work[k] = self->state.film[k] - contact_gap(nodes[k], 0);
     gsl_spline_init(self->deflection, nodes, work, num_nodes);
     if (self->pressure) gsl_spline_init(self->pressure, nodes, self->state.pressure, num_nodes);
 }
@@ -43,7 +43,7 @@ static double deflection_beyond(const earlier_state *self, const ehd_contact *re
 
     for (size_t k = 1; k < self->state.exit; k++)
         sum += self->state.pressure[k] *
-               reference->kind->kernel(fabs(x - grid_x(grid, k)), grid->step);
+               reference->kind->kernel(fabs(x - grid_x(grid, k)), 0, grid->step);
     return sum;
 }
 
@@ -66,6 +66,6 @@ void earlier_mass(double *mass, const earlier_state *self, const contact_frame *
         } else {
             film = deflection_beyond(self, reference, x);
         }
-        mass[r] = density * (film + reference->kind->gap(x)) * ratio;
+        mass[r] = density * (film + contact_gap(x, 0)) * ratio;
     }
 }

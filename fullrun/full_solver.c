@@ -64,7 +64,8 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->grid = *grid;
     self->kind = kind;
     self->settings = *settings;
-    if (self->settings.near_field > num_inner - 1) self->settings.near_field = num_inner - 1;
+    const size_t widest = kind->dimensions > 1 ? 1 : num_inner - 1;
+    if (self->settings.near_field > widest) self->settings.near_field = widest;
     self->deflection = deflection_create(kind, grid);
     self->workspace = gmres_workspace_create(grid, self->settings.near_field);
     self->stencils = malloc(num_inner * sizeof *self->stencils);
@@ -83,7 +84,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
         return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
     }
     for (size_t r = 0; r < num_inner; r++)
-        self->stencils[r] = reynolds_stencil_at(grid, r + 1);
+        self->stencils[r] = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
     *solver = self;
     return EHD_OK;
 }
@@ -97,12 +98,35 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
     state->pressure = calloc(grid->num_nodes, sizeof(double));
     state->film = calloc(grid->num_nodes, sizeof(double));
     state->ruptured = calloc(grid->num_nodes, sizeof *state->ruptured);
-    state->exit = grid->num_nodes - 1;
     if (!state->pressure || !state->film || !state->ruptured) {
         full_state_free(state);
         return ehd_fail(error, EHD_MEMORY, "state: found no memory for %zu nodes", grid->num_nodes);
     }
+    full_state_fill(state, grid);
     return EHD_OK;
+}
+
+void full_state_fill(full_state *state, const ehd_grid *grid) {
+    state->exit = grid->num_nodes - 1;
+    memset(state->ruptured, 0, grid->num_nodes * sizeof *state->ruptured);
+    if (grid->inner_lines == 1) return;
+    memset(state->ruptured, true, grid->num_nodes * sizeof *state->ruptured);
+    for (size_t r = 0; r < grid->num_inner; r++)
+        state->ruptured[grid_node_of_row(grid, r)] = false;
+}
+
+static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
+    state->exit = exit;
+    memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
+}
+
+void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit) {
+    full_state_fill(state, grid);
+    if (grid->inner_lines == 1)
+        set_exit(state, exit, grid);
+    else
+        for (size_t k = 0; k < grid->num_nodes; k++)
+            state->ruptured[k] = !(state->pressure[k] != 0);
 }
 
 void full_state_free(full_state *state) {
@@ -125,23 +149,30 @@ bool full_has_pressure(const full_state *state, size_t node) {
     return node >= 1 && node < state->exit && !state->ruptured[node];
 }
 
+bool full_is_cut(const full_state *state, const ehd_grid *grid) {
+    for (size_t r = grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
+        if (full_has_pressure(state, grid_node_of_row(grid, r))) return true;
+    return false;
+}
+
 void full_film(full_state *state, full_solver *self) {
     deflection_apply(state->film, self->deflection, state->pressure);
     for (size_t k = 0; k < self->grid.num_nodes; k++)
-        state->film[k] += state->rigid_approach + self->kind->gap(grid_x(&self->grid, k));
+        state->film[k] += state->rigid_approach + grid_gap(&self->grid, k);
 }
 
 // ---- rows
 
-/* Residual of the closure, scaled so that the load row has ones. */
+/* Residual of the closure, scaled so that the load row has ones and, off a mirror line, twos. */
 static double closure_residual(const full_solver *self, const full_state *state,
                                const contact_closure *closure) {
-    double sum = 0, step = self->grid.step;
+    const ehd_grid *grid = &self->grid;
+    double sum = 0;
 
     for (size_t k = 1; k < state->exit; k++)
-        sum += state->pressure[k];
+        sum += grid_weight(grid, k) * state->pressure[k];
     return closure->by_load * sum +
-           (closure->by_approach * state->rigid_approach - closure->value) / step;
+           (closure->by_approach * state->rigid_approach - closure->value) / grid_cell(grid);
 }
 
 /* Film, fluid and all Reynolds rows at the state. */
@@ -181,7 +212,7 @@ static double scale_rows(full_solver *self, const full_state *state,
 
     for (size_t r = 0; r < self->grid.num_inner; r++) {
         self->row_scale[r] = 1 / row_magnitude(self, r);
-        if (full_has_pressure(state, r + 1))
+        if (full_has_pressure(state, grid_node_of_row(&self->grid, r)))
             largest = fmax(largest, fabs(self->rows[r].residual * self->row_scale[r]));
     }
     return largest;
@@ -229,7 +260,9 @@ static size_t longest_stride(const full_solver *self) {
 
 /* Whether the multiplier Lambda = -f is negative at a node without pressure. */
 static bool wants_pressure(const full_solver *self, size_t node, double threshold) {
-    return self->rows[node - 1].residual * self->row_scale[node - 1] > threshold;
+    size_t r = grid_row_of_node(&self->grid, node);
+
+    return self->rows[r].residual * self->row_scale[r] > threshold;
 }
 
 /* Moves the exit: back on negative pressure, on where the multiplier Lambda = -f is negative. The flux
@@ -250,11 +283,6 @@ static size_t adapt_exit(const full_solver *self, const full_state *state, doubl
         return target > exit ? target : exit + 1;
     }
     return exit;
-}
-
-static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
-    state->exit = exit;
-    memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
 }
 
 /* Watches the exit's moves: when it keeps stepping to and fro between two neighbours, the discrete
@@ -311,7 +339,7 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
                           .stencils = self->stencils,
                           .rows = self->rows,
                           .row_scale = self->row_scale,
-                          .closure_approach = closure->by_approach / self->grid.step,
+                          .closure_approach = closure->by_approach / grid_cell(&self->grid),
                           .closure_load = closure->by_load,
                           .closure_residual = closure_residual(self, state, closure),
                           .near_field = self->settings.near_field,
@@ -338,30 +366,36 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
 static double complementarity(const full_solver *self, const full_state *state) {
     double worst = 0;
 
-    for (size_t k = 1; k <= self->grid.num_inner; k++)
+    for (size_t r = 0; r < self->grid.num_inner; r++) {
+        size_t k = grid_node_of_row(&self->grid, r);
         if (full_has_pressure(state, k))
             worst = fmax(worst, -state->pressure[k]);
         else
-            worst = fmax(worst, self->rows[k - 1].residual * self->row_scale[k - 1]);
+            worst = fmax(worst, self->rows[r].residual * self->row_scale[r]);
+    }
     return worst;
 }
 
 static const unsigned char MOST_FLIPS = 4;
-static const double IN_TIME_NOISE = 1e-7; // of the Hertz pressure, scaled multipliers being alike
+// of the Hertz pressure, scaled multipliers being alike
+static const double IN_TIME_NOISE = 1e-7, POINT_NOISE = 1e-9;
 
-/* With a film that varies in time the flux is not one number, and the pressurised zone may have holes: each
- * node goes by the sign of its pressure or multiplier (primal-dual active set). One that keeps changing
- * is undecided by less than the grid can tell, and stays without pressure. */
-static bool adapt_nodes(full_solver *self, full_state *state) {
+/* Where the flux is not one number, with a film that varies in time or flows around the contact, the
+ * pressurised zone may have any shape: each node goes by the sign of its pressure or multiplier (primal-dual
+ * active set). One that keeps changing is undecided by less than the grid can tell, and stays without
+ * pressure. */
+static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
+    const ehd_grid *grid = &self->grid;
     size_t last = 0;
     bool changed = false;
 
-    for (size_t k = 1; k <= self->grid.num_inner; k++) {
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
         bool open = full_has_pressure(state, k), wanted = open;
         if (open)
-            wanted = state->pressure[k] >= -IN_TIME_NOISE;
+            wanted = state->pressure[k] >= -noise;
         else if (self->flips[k] < MOST_FLIPS)
-            wanted = wants_pressure(self, k, IN_TIME_NOISE);
+            wanted = wants_pressure(self, k, noise);
         if (wanted != open) {
             self->flips[k]++;
             changed = true;
@@ -370,8 +404,9 @@ static bool adapt_nodes(full_solver *self, full_state *state) {
         if (wanted) last = k;
     }
     if (!changed) return false;
-    state->exit = last + 1;
-    for (size_t k = 1; k <= self->grid.num_inner; k++) {
+    state->exit = grid->inner_lines > 1 ? grid->num_nodes - 1 : last + 1;
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
         state->ruptured[k] = k < state->exit && !self->place[k];
         if (!self->place[k]) state->pressure[k] = 0;
     }
@@ -381,7 +416,8 @@ static bool adapt_nodes(full_solver *self, full_state *state) {
 /* Moves the boundaries of the pressurised zone; true where they moved. */
 static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
                        const ehd_contact *contact, const reynolds_squeeze *squeeze) {
-    if (squeeze) return adapt_nodes(self, state);
+    if (squeeze) return adapt_nodes(self, state, IN_TIME_NOISE);
+    if (self->kind->dimensions > 1) return adapt_nodes(self, state, POINT_NOISE);
     if (*settled) return false;
     size_t exit = adapt_exit(self, state, contact->entrainment);
     *settled = exit_cycles(watch, exit);

@@ -17,13 +17,16 @@ typedef struct full_state {
     double *film;     // [num_nodes]
     double rigid_approach;
     size_t exit; // node where the film ruptures: behind it none has pressure, at most num_nodes - 1
-    bool *
-        ruptured; // [num_nodes] nodes before the exit without pressure: there are some only in time,
-                  // where the contact shrinks faster than it entrains
+    // [num_nodes] nodes before the exit without pressure: on a line there are some only in time, where the
+    // contact shrinks faster than it entrains; a point contact has all of its own here, with boundary nodes
+    bool *ruptured;
 } full_state;
 
 /* Whether a node carries pressure. */
 bool full_has_pressure(const full_state *state, size_t node);
+
+/* Whether the grid ends before the pressurised zone does, downstream. */
+bool full_is_cut(const full_state *state, const ehd_grid *grid);
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
@@ -47,7 +50,8 @@ typedef ehd_status full_linear_solver(full_system *system, double tolerance, siz
 typedef struct full_settings {
     double tolerance;                 // on the scaled residual; 1e-10
     size_t max_iterations;            // Newton, of one solve; 60
-    size_t near_field;                // m, nodes kept of the kernel in the preconditioner; 8
+    size_t near_field;                // m, nodes kept of the kernel in the preconditioner; 8, of a
+                                      // point contact at most 1
     double linear_tolerance;          // GMRES, relative; 1e-8
     full_linear_solver *solve_linear; // full_solve_gmres
 } full_settings;
@@ -61,10 +65,10 @@ struct full_system {
     size_t num_unknowns;   // nodes with pressure
     const size_t *unknown; // [num_unknowns] they themselves, ascending
     const size_t *place;   // [num_nodes] their places in `unknown`, NO_NODE for all others
-    const reynolds_stencil *stencils; // [num_inner], row r belongs to node r + 1
+    const reynolds_stencil *stencils; // [num_inner], of grid_node_of_row
     const reynolds_row *rows;         // [num_inner], those of the unknowns' nodes count
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
-    // the closure, scaled like the rows: closure_approach H0 + closure_load sum P + residual = 0
+    // the closure, scaled like the rows: closure_approach H0 + closure_load sum weight P + residual = 0
     double closure_approach, closure_load, closure_residual;
     size_t near_field;
     double *step; // [num_nodes], out: change of P at 0 … num_nodes-1 (zero where not unknown)
@@ -88,6 +92,11 @@ const full_settings *full_solver_settings(const full_solver *solver);
 
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
+/* Gives all inner nodes pressure: the zone from which Newton starts where nothing is known. */
+void full_state_fill(full_state *state, const ehd_grid *grid);
+/* Sets the zone from the pressure: of a line the nodes before `exit`, of a point contact those whose
+ * pressure is not zero. */
+void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
 
 /* Newton from the state given. Not converged is an outcome: the call returns EHD_OK and
@@ -99,7 +108,7 @@ ehd_status full_solve(
     full_state *state,
     // input:
     full_solver *solver, const ehd_contact *contact,
-    const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of nodes 1 … num_inner
+    const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of the inner nodes
     ehd_error *error);
 
 /* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film; where

@@ -18,11 +18,12 @@
 enum { MOST_ITERATIONS = 80 };
 
 struct gmres_workspace {
-    size_t size;      // most unknowns
+    size_t size; // most unknowns
+    size_t num_nodes;
     double *krylov;   // [MOST_ITERATIONS + 1, size]
     double *vector;   // [size]
-    double *spread;   // [size + 1] a vector on all grid nodes
-    double *response; // [size + 1] its deflection
+    double *spread;   // [num_nodes] a vector on all grid nodes
+    double *response; // [num_nodes] its deflection
     double *approach; // [size] c, the column of H0
     double *border;   // [size] w = B^-1 c
     double border_pivot;
@@ -30,7 +31,7 @@ struct gmres_workspace {
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
-    double *window; // [2 near_field + NUM_STENCIL] a row's values by node
+    double *window; // [2 near_field + 3, 2 near_field + 4] a row's values by node around it
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -60,17 +61,18 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     if (!self) return NULL;
     size_t size = self->size = grid->num_inner + 1;
     // a row holds its stencil widened by the near field
-    self->capacity = size * (2 * near_field + NUM_STENCIL);
+    size_t window = (2 * near_field + 4) * (grid->inner_lines > 1 ? 2 * near_field + 3 : 1);
+    self->capacity = size * window;
     self->krylov = malloc((MOST_ITERATIONS + 1) * size * sizeof(double));
     self->vector = malloc(size * sizeof(double));
-    self->spread = calloc(size + 1, sizeof(double));
-    self->response = malloc((size + 1) * sizeof(double));
+    self->spread = calloc(grid->num_nodes, sizeof(double));
+    self->response = malloc(grid->num_nodes * sizeof(double));
     self->approach = malloc(size * sizeof(double));
     self->border = malloc(size * sizeof(double));
     self->row_start = malloc((size + 1) * sizeof(int));
     self->column = malloc(self->capacity * sizeof(int));
     self->value = malloc(self->capacity * sizeof(double));
-    self->window = malloc((2 * near_field + NUM_STENCIL) * sizeof(double));
+    self->window = malloc(window * sizeof(double));
     self->solve_work = malloc(5 * size * sizeof(double));
     self->solve_index = malloc(size * sizeof(int));
     if (!self->krylov || !self->vector || !self->spread || !self->response || !self->approach ||
@@ -91,8 +93,9 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
         work->spread[system->unknown[i]] = x[i];
     deflection_apply(work->response, system->deflection, work->spread);
     for (size_t i = 0; i < num_passive; i++) {
-        const reynolds_row *row = &system->rows[system->unknown[i] - 1];
-        const reynolds_stencil *stencil = &system->stencils[system->unknown[i] - 1];
+        size_t r = grid_row_of_node(system->grid, system->unknown[i]);
+        const reynolds_row *row = &system->rows[r];
+        const reynolds_stencil *stencil = &system->stencils[r];
         double product = 0;
         for (int a = 0; a < NUM_STENCIL; a++) {
             size_t node = stencil->node[a];
@@ -100,46 +103,87 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
             product += row->by_pressure[a] * work->spread[node] +
                        row->by_film[a] * (work->response[node] + x[num_passive]);
         }
-        y[i] = product * system->row_scale[system->unknown[i] - 1];
-        sum += x[i];
+        y[i] = product * system->row_scale[r];
+        sum += grid_weight(system->grid, system->unknown[i]) * x[i];
     }
     y[num_passive] = system->closure_approach * x[num_passive] + system->closure_load * sum;
+}
+
+/* Columns and lines around a row's node that its stencil, widened by the near field, reaches. */
+typedef struct reach {
+    ptrdiff_t first_column, last_column, first_line, last_line;
+} reach;
+
+static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field) {
+    const ptrdiff_t width = (ptrdiff_t)grid_width(grid), beyond = grid->inner_lines > 1;
+    const ptrdiff_t column = (ptrdiff_t)node % width, line = (ptrdiff_t)node / width;
+    const ptrdiff_t first_line = (ptrdiff_t)grid_first_line(grid);
+    const ptrdiff_t last_line = first_line + (ptrdiff_t)grid->inner_lines - 1;
+    const ptrdiff_t across = beyond ? near_field + beyond : 0;
+    const reach wanted = {column - 2 - near_field, column + 1 + near_field, line - across,
+                          line + across};
+
+    return (reach){wanted.first_column < 1 ? 1 : wanted.first_column,
+                   wanted.last_column > width - 2 ? width - 2 : wanted.last_column,
+                   wanted.first_line < first_line ? first_line : wanted.first_line,
+                   wanted.last_line > last_line ? last_line : wanted.last_line};
+}
+
+/* Adds by_film times the shifted near field of the cells of a line, seen from a node `apart` lines away. */
+static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
+                          ptrdiff_t apart, const full_system *system) {
+    const ptrdiff_t m = (ptrdiff_t)system->near_field;
+    const double *kernel = deflection_kernel(system->deflection);
+    const double far = kernel[m + 1];
+    const double *of_line = kernel + labs(apart) * (ptrdiff_t)grid_width(system->grid);
+    ptrdiff_t low = column - m < at->first_column ? at->first_column : column - m;
+    ptrdiff_t high = column + m > at->last_column ? at->last_column : column + m;
+
+    if (labs(apart) > m) return;
+    for (ptrdiff_t c = low; c <= high; c++)
+        window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
 /* The band's row of a node, stencil and near field, and of the column of H0. Returns the band's entries. */
 static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
                          size_t row_node) {
-    const reynolds_row *row = &system->rows[row_node - 1];
-    const reynolds_stencil *stencil = &system->stencils[row_node - 1];
-    const double *kernel = deflection_kernel(system->deflection);
-    const ptrdiff_t m = (ptrdiff_t)system->near_field;
-    const ptrdiff_t num_inner = (ptrdiff_t)system->grid->num_inner;
-    const double far = kernel[system->near_field + 1];
-    ptrdiff_t here = (ptrdiff_t)row_node;
-    ptrdiff_t first = here - 2 - m < 1 ? 1 : here - 2 - m;
-    ptrdiff_t last = here + 1 + m > num_inner ? num_inner : here + 1 + m;
-    double *window = ((gmres_workspace *)system->workspace)->window; // by node
+    const ehd_grid *grid = system->grid;
+    const size_t r = grid_row_of_node(grid, row_node);
+    const reynolds_row *row = &system->rows[r];
+    const reynolds_stencil *stencil = &system->stencils[r];
+    const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
+    const reach at = reach_of(grid, row_node, (ptrdiff_t)system->near_field);
+    const ptrdiff_t columns = at.last_column - at.first_column + 1;
+    const ptrdiff_t lines = at.last_line - at.first_line + 1;
+    double *window = ((gmres_workspace *)system->workspace)->window; // by line and column
+    double scale = system->row_scale[r];
     int count = 0;
-    double scale = system->row_scale[row_node - 1];
 
     *approach = 0;
-    memset(window, 0, (size_t)(last - first + 1) * sizeof *window);
+    memset(window, 0, (size_t)(columns * lines) * sizeof *window);
     for (int a = 0; a < NUM_STENCIL; a++) {
-        ptrdiff_t node = (ptrdiff_t)stencil->node[a];
         if (stencil->node[a] == NO_NODE) continue;
-        ptrdiff_t low = node - m < first ? first : node - m;
-        ptrdiff_t high = node + m > last ? last : node + m;
+        ptrdiff_t here = (ptrdiff_t)stencil->node[a] % width;
+        ptrdiff_t line = (ptrdiff_t)stencil->node[a] / width;
         double by_film = row->by_film[a] * scale;
-        for (ptrdiff_t j = low; j <= high; j++)
-            window[j - first] += by_film * (kernel[labs(j - node)] - far);
-        if (node >= 1 && node <= num_inner) window[node - first] += row->by_pressure[a] * scale;
+        for (ptrdiff_t l = at.first_line; l <= at.last_line; l++) {
+            double *of_line = window + (l - at.first_line) * columns;
+            add_near_line(of_line, &at, by_film, here, l - line, system);
+            if (grid->half && l > 0) add_near_line(of_line, &at, by_film, here, l + line, system);
+        }
+        if (here >= at.first_column && here <= at.last_column && line >= at.first_line &&
+            line <= at.last_line)
+            window[(line - at.first_line) * columns + here - at.first_column] +=
+                row->by_pressure[a] * scale;
         *approach += by_film;
     }
-    for (ptrdiff_t node = first; node <= last; node++) {
-        if (system->place[node] == NO_NODE) continue;
-        column[count] = (int)system->place[node];
-        value[count++] = window[node - first];
-    }
+    for (ptrdiff_t l = at.first_line; l <= at.last_line; l++)
+        for (ptrdiff_t c = at.first_column; c <= at.last_column; c++) {
+            size_t place = system->place[l * width + c];
+            if (place == NO_NODE) continue;
+            column[count] = (int)place;
+            value[count++] = window[(l - at.first_line) * columns + c - at.first_column];
+        }
     return count;
 }
 
@@ -163,10 +207,10 @@ static void *factorise(const full_system *system, double *control) {
     void *symbolic = NULL, *numeric = NULL;
 
     umfpack_di_defaults(control);
-    // the natural order of a band has the least fill, and a preconditioner can do with weak pivoting,
-    // which keeps it
+    // the natural order of a line's band has the least fill, and a preconditioner can do with weak
+    // pivoting, which keeps it
     control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
-    control[UMFPACK_ORDERING] = UMFPACK_ORDERING_NONE;
+    if (system->grid->inner_lines == 1) control[UMFPACK_ORDERING] = UMFPACK_ORDERING_NONE;
     control[UMFPACK_PIVOT_TOLERANCE] = 1e-3;
     control[UMFPACK_IRSTEP] = 0;
     if (umfpack_di_symbolic(size, size, work->row_start, work->column, work->value, &symbolic,
@@ -187,14 +231,21 @@ static bool solve_band(double *y, const double *x, gmres_workspace *work, void *
                              control, NULL, work->solve_index, work->solve_work) == UMFPACK_OK;
 }
 
+/* What the load balance makes of a vector of pressures. */
+static double weighted_sum(const double *vector, const full_system *system) {
+    double sum = 0;
+
+    for (size_t i = 0; i < system->num_unknowns; i++)
+        sum += grid_weight(system->grid, system->unknown[i]) * vector[i];
+    return sum;
+}
+
 /* w = B^-1 c and what the closure makes of it; false when singular. */
 static bool solve_border(const full_system *system, void *numeric, const double *control) {
     gmres_workspace *work = system->workspace;
 
     if (!solve_band(work->border, work->approach, work, numeric, control)) return false;
-    double sum = 0;
-    for (size_t i = 0; i < system->num_unknowns; i++)
-        sum += work->border[i];
+    double sum = weighted_sum(work->border, system);
     work->border_pivot = system->closure_load * sum - system->closure_approach;
     return isfinite(work->border_pivot) && work->border_pivot != 0;
 }
@@ -204,11 +255,9 @@ static void precondition(double *y, const double *x, const full_system *system, 
                          const double *control) {
     gmres_workspace *work = system->workspace;
     size_t num_passive = system->num_unknowns;
-    double sum = 0;
 
     solve_band(y, x, work, numeric, control);
-    for (size_t r = 0; r < num_passive; r++)
-        sum += y[r];
+    double sum = weighted_sum(y, system);
     double approach = (system->closure_load * sum - x[num_passive]) / work->border_pivot;
     for (size_t r = 0; r < num_passive; r++)
         y[r] -= approach * work->border[r];
@@ -267,9 +316,10 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
 
     // right preconditioning, so that the monitored residual is the true one
     double *first = work->krylov;
-    for (size_t i = 0; i < num_passive; i++)
-        first[i] = -system->rows[system->unknown[i] - 1].residual *
-                   system->row_scale[system->unknown[i] - 1];
+    for (size_t i = 0; i < num_passive; i++) {
+        size_t r = grid_row_of_node(system->grid, system->unknown[i]);
+        first[i] = -system->rows[r].residual * system->row_scale[r];
+    }
     first[num_passive] = -system->closure_residual;
     double start = cblas_dnrm2((int)size, first, 1);
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
@@ -289,10 +339,10 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
             h.right[i] -= h.column[j][i] * h.right[j];
         h.right[i] = h.column[i][i] != 0 ? h.right[i] / h.column[i][i] : 0;
     }
-    memset(work->response, 0, size * sizeof(double));
+    memset(work->spread, 0, size * sizeof(double));
     for (size_t i = 0; i < k; i++)
-        cblas_daxpy((int)size, h.right[i], work->krylov + i * work->size, 1, work->response, 1);
-    precondition(work->vector, work->response, system, numeric, control);
+        cblas_daxpy((int)size, h.right[i], work->krylov + i * work->size, 1, work->spread, 1);
+    precondition(work->vector, work->spread, system, numeric, control);
     umfpack_di_free_numeric(&numeric);
 
     memset(system->step, 0, system->grid->num_nodes * sizeof(double));

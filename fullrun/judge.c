@@ -28,7 +28,7 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
         length =
             snprintf(reason, JUDGE_REASON, "found %s after %zu Newton iterations, residual %.1e",
                      info->reason, info->newton_iterations, info->residual);
-    else if (state->exit >= grid->num_nodes - 1)
+    else if (full_is_cut(state, grid))
         length = snprintf(reason, JUDGE_REASON,
                           "found the exit boundary outside the domain, expected it before X = %g "
                           "(grid.x_max)",

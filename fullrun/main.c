@@ -90,7 +90,7 @@ static void print_settings(void) {
 static ehd_status take_start(full_state *state, ehd_contact *start, const stored_result *stored,
                              const char *path, ehd_error *error) {
     const ehd_grid *grid = &start->grid;
-    size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1;
+    size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1, exit = grid->num_nodes - 1;
 
     if (!stored->pressure)
         return ehd_fail(error, EHD_DATA,
@@ -105,12 +105,11 @@ static ehd_status take_start(full_state *state, ehd_contact *start, const stored
                         "that did",
                         path);
 
-    memcpy(state->pressure + 1, stored->pressure, grid->num_inner * sizeof(double));
+    grid_put_inner(state->pressure, stored->pressure, grid, true);
     state->rigid_approach = stored->rigid_approach;
-    state->exit = grid->num_nodes - 1;
-    while (state->exit > centre && !(state->pressure[state->exit - 1] > 0))
-        state->exit--;
-    memset(state->pressure + state->exit, 0, (grid->num_nodes - state->exit) * sizeof(double));
+    while (exit > centre && !(state->pressure[exit - 1] > 0))
+        exit--;
+    full_state_set_zone(state, grid, exit);
 
     double moes_L = isnan(stored->moes_L) ? start->moes_L : stored->moes_L;
     contact_set_moes(start, stored->moes_M, moes_L);
@@ -287,6 +286,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     full_info info;
     artefact *file = NULL;
     double start_film = NAN;
+    double *exits = NULL;
     ehd_status status = full_state_init(&state, &contact->grid, error);
 
     if (!status && options->start)
@@ -296,10 +296,19 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
         status = solve(&info, &state, contact, options->start ? &start : NULL, options, error);
     if (status) goto done;
 
+    if (contact->kind->dimensions > 1) {
+        exits = malloc(grid_whole(&contact->grid).inner_lines * sizeof *exits);
+        if (!exits) {
+            status = ehd_fail(error, EHD_MEMORY, "exit: found no memory for its lines");
+            goto done;
+        }
+        grid_exit_positions(exits, state.pressure, &contact->grid, true);
+    }
     run_result result = make_result(&info, &state, contact, given->output_fields != 0);
+    result.exits = exits;
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
-    if (!result.status && given->output_resolution != 0)
+    if (!result.status && given->output_resolution != 0 && contact->kind->dimensions == 1)
         status = tell_resolution(file, self, &state, contact, error);
     if (!status) status = result_write(&file, &result, contact, error);
     if (!status && result.status)
@@ -313,6 +322,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
 done:
     artefact_close(&file);
     full_state_free(&state);
+    free(exits);
     return status;
 }
 

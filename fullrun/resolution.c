@@ -35,8 +35,7 @@ static double missing_pressure(const full_state *state, const ehd_contact *conta
 
     for (int i = 0; i < num_intervals; i++) {
         double s = (i + 0.5) / num_intervals, x = start / s;
-        double film =
-            state->film[0] + contact->kind->gap(x) - contact->kind->gap(start) + 0.5 * log(s);
+        double film = state->film[0] + contact_gap(x, 0) - contact_gap(start, 0) + 0.5 * log(s);
         sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
     }
     return sum / num_intervals;

@@ -3,7 +3,12 @@
 
 #include <math.h>
 
-/* Value at X = 0: nodal where a node lies there, else by the cubic through the four nodes around. */
+/* First node of the line Y = 0. */
+static size_t central_line(const ehd_grid *grid) {
+    return (grid_first_line(grid) + (grid->half ? 0 : grid->inner_lines / 2)) * grid_width(grid);
+}
+
+/* Value at X = 0 of a line: nodal where a node lies there, else by the cubic through the four nodes around. */
 static double central_value(const double *values, const ehd_grid *grid) {
     double place = -grid->x_min / grid->step + 1; // in nodes
     double nearest = round(place);
@@ -18,17 +23,23 @@ static double central_value(const double *values, const ehd_grid *grid) {
 
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
+    size_t line = central_line(grid), exit = state->exit;
     double least = INFINITY, sum = 0;
 
-    for (size_t k = 1; k <= grid->num_inner; k++) {
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
         least = fmin(least, state->film[k]);
-        sum += state->pressure[k];
+        sum += grid_weight(grid, k) * state->pressure[k];
     }
-    contact_scalars scalars = {.central_film_thickness = central_value(state->film, grid),
+    if (grid->inner_lines > 1)
+        for (exit = line + grid->inner_x + 1;
+             exit > line + 1 && !full_has_pressure(state, exit - 1);)
+            exit--;
+    contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
                                .minimum_film_thickness = least,
-                               .central_pressure = central_value(state->pressure, grid),
+                               .central_pressure = central_value(state->pressure + line, grid),
                                .rigid_approach = state->rigid_approach,
-                               .exit_position = grid_x(grid, state->exit),
-                               .load = sum * grid->step / contact->kind->load};
+                               .exit_position = grid_x(grid, exit),
+                               .load = sum * grid_cell(grid) / contact->kind->load};
     return scalars;
 }

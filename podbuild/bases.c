@@ -60,16 +60,16 @@ static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
                               const pod_basis *pressure_pod, const pod_basis *deformation_pod,
                               const double *deflections, ehd_error *error) {
     reduced_states *states = &basis->states;
-    size_t num_states = set->num_states;
+    size_t num_states = set->num_states, num_lines = grid_lines(&set->grid);
     size_t num_unknowns = reduced_num_unknowns(basis->num_pressure, basis->num_deformation);
-    ehd_status status = reduced_states_init(states, num_states, num_unknowns, error);
+    ehd_status status = reduced_states_init(states, num_states, num_lines, num_unknowns, error);
 
     if (status) return status;
     project(states, 0, pressure_pod, set->pressure);
     if (deflections) project(states, basis->num_pressure, deformation_pod, deflections);
     for (size_t s = 0; s < num_states; s++)
         states->coordinates[s * num_unknowns + num_unknowns - 1] = set->rigid_approach[s];
-    memcpy(states->exit, set->exit, num_states * sizeof *states->exit);
+    memcpy(states->exit, set->exit, num_states * num_lines * sizeof *states->exit);
     memcpy(states->moes_M, set->moes_M, num_states * sizeof(double));
     memcpy(states->alpha_p_H, set->alpha_p_H, num_states * sizeof(double));
     memcpy(states->central_film_thickness, set->central_film_thickness,
@@ -85,10 +85,15 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
     double *deflections = NULL, *snapshots = NULL;
 
     memset(basis, 0, sizeof *basis);
+    memset(pressure_pod, 0, sizeof *pressure_pod);
     memset(deformation_pod, 0, sizeof *deformation_pod);
     basis->kind = set->kind;
     basis->grid = set->grid;
     basis->deformation = settings->kind;
+    if (set->kind->dimensions > 1 && settings->kind == DEFORMATION_INDEPENDENT)
+        return ehd_fail(error, EHD_DATA,
+                        "deformation: found independent, expected coupled, of a %s contact",
+                        set->kind->name);
     ehd_status status = pod_build(pressure_pod, set->snapshots, set->num_snapshots, num_nodes,
                                   &settings->pressure, error);
     if (!status && settings->kind == DEFORMATION_INDEPENDENT) {

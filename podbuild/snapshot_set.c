@@ -39,7 +39,9 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
         status = grow((void **)columns[i], count * sizeof(double), error);
-    if (!status) status = grow((void **)&set->exit, count * sizeof *set->exit, error);
+    if (!status)
+        status =
+            grow((void **)&set->exit, count * grid_lines(&set->grid) * sizeof *set->exit, error);
     if (!status) status = grow((void **)&set->stationary, count * sizeof *set->stationary, error);
     return status;
 }
@@ -100,9 +102,9 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     return status ? status : artefact_get(file, "trajectory_rate", states->rate, error);
 }
 
-/* Node behind the last positive pressure. */
-static size_t exit_of(const double *pressure, const ehd_grid *grid) {
-    size_t exit = grid->num_nodes - 1;
+/* Column behind the last positive pressure of a line. */
+static size_t exit_of(const double *pressure, size_t width) {
+    size_t exit = width - 1;
 
     while (exit > 1 && !(pressure[exit - 1] > 0))
         exit--;
@@ -111,15 +113,30 @@ static size_t exit_of(const double *pressure, const ehd_grid *grid) {
 
 /* The next state; `pressure` is its place in the set and filled. */
 static void add_solved(snapshot_set *set, const solved_state *state, const double *pressure) {
-    size_t s = set->num_states++;
+    size_t s = set->num_states++, width = grid_width(&set->grid);
+    size_t num_lines = grid_lines(&set->grid);
 
     set->rigid_approach[s] = state->rigid_approach;
     set->moes_M[s] = state->moes_M;
     set->alpha_p_H[s] = state->alpha_p_H;
     set->central_film_thickness[s] = state->central_film_thickness;
-    set->exit[s] = exit_of(pressure, &set->grid);
+    for (size_t l = 0; l < num_lines; l++)
+        set->exit[s * num_lines + l] = exit_of(pressure + l * width, width);
     set->stationary[s] = true;
     set->rate[s] = 0;
+}
+
+/* One entry of a field of pressures, boundary nodes included. */
+static ehd_status get_pressure(double *pressure, const snapshot_set *set, artefact *file,
+                               const char *field, size_t entry, ehd_error *error) {
+    double *inner = malloc(set->grid.num_inner * sizeof *inner);
+    if (!inner) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+
+    ehd_status status = artefact_get_part(file, field, entry, 1, inner, error);
+    memset(pressure, 0, set->grid.num_nodes * sizeof(double));
+    if (!status) grid_put_inner(pressure, inner, &set->grid, false);
+    free(inner);
+    return status;
 }
 
 static ehd_status add_state(snapshot_set *set, artefact *file, const file_states *states, size_t i,
@@ -130,8 +147,7 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     bool in_time = states->trajectory[i] >= 0;
     double rate = in_time ? states->rate[i] : 0, sum = rate;
 
-    memset(pressure, 0, num_nodes * sizeof(double));
-    ehd_status status = artefact_get_part(file, "pressure", i, 1, pressure + 1, error);
+    ehd_status status = get_pressure(pressure, set, file, "pressure", i, error);
     if (status) return status;
     for (size_t k = 0; k < num_nodes; k++)
         sum += pressure[k];
@@ -174,8 +190,8 @@ static ehd_status collect_snapshots(snapshot_set *set, artefact *file, const fil
         s++;
     }
     for (size_t i = 0; i < num_compressed && !status; i++)
-        status = artefact_get_part(file, "compressed_pressure", i, 1,
-                                   set->snapshots + set->num_snapshots++ * num_nodes + 1, error);
+        status = get_pressure(set->snapshots + set->num_snapshots++ * num_nodes, set, file,
+                              "compressed_pressure", i, error);
     return status;
 }
 

@@ -15,7 +15,7 @@ typedef struct snapshot_set {
     size_t num_left_out;            // states of the files that had not converged
     double *pressure;               // [num_states, num_nodes], boundary nodes included
     double *rigid_approach;         // [num_states]
-    size_t *exit;                   // [num_states] grid node
+    size_t *exit;                   // [num_states, lines of the grid] first column without pressure
     double *moes_M, *alpha_p_H;     // [num_states]
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false on a trajectory, unless at its start

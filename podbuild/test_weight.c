@@ -97,16 +97,14 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     reduced_state state = {0};
     ehd_status status = reduced_solver_create(&solver, squares->model, &none, error);
 
-    state.coordinates = malloc(states->num_unknowns * sizeof(double));
-    if (!status && !state.coordinates)
-        status = ehd_fail(error, EHD_MEMORY, "row norms: found no memory");
+    if (!status) status = reduced_state_init(&state, squares->model, error);
     if (!status) reduced_solver_transform(solver, add_squares, squares);
     for (size_t s = 0; s < states->num_states && !status; s++) {
         const ehd_contact *contact = contact_of(states, s, contacts, num_contacts);
         reduced_info ignored;
         if (!states->stationary[s] || !contact) continue;
         squares->num_states++;
-        state.exit = states->exit[s];
+        reduced_state_set_exits(&state, squares->model, states->exit + s * states->num_lines);
         memcpy(state.coordinates, states->coordinates + s * states->num_unknowns,
                states->num_unknowns * sizeof(double));
         status = reduced_solve(&ignored, &state, solver, contact, NULL, error);
@@ -115,7 +113,7 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
         status = ehd_fail(error, EHD_DATA,
                           "--plan: found none of the stationary training points, expected the plan "
                           "that they were solved for");
-    free(state.coordinates);
+    reduced_state_free(&state);
     reduced_solver_free(solver);
     return status;
 }

@@ -41,14 +41,18 @@ ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *e
 
 // ---- modes
 
-ehd_status modes_write(artefact *file, const char *field, const double *modes, size_t num_nodes,
-                       size_t num_modes, size_t boundary, ehd_error *error) {
-    size_t length = num_nodes - 2 * boundary;
+static size_t node_of(const ehd_grid *grid, size_t k, bool inner) {
+    return inner ? grid_node_of_row(grid, k) : k;
+}
+
+ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
+                       size_t num_modes, bool inner, ehd_error *error) {
+    size_t length = inner ? grid->num_inner : grid->num_nodes;
     double *turned = malloc(length * num_modes * sizeof *turned);
     if (!turned) return no_memory(file, error);
     for (size_t j = 0; j < num_modes; j++)
         for (size_t k = 0; k < length; k++)
-            turned[j * length + k] = modes[(k + boundary) * num_modes + j];
+            turned[j * length + k] = modes[node_of(grid, k, inner) * num_modes + j];
     ehd_status status = artefact_put(file, field, turned, error);
     free(turned);
     return status;
@@ -65,17 +69,17 @@ static ehd_status get_finite(double *values, artefact *file, const char *field, 
     return status;
 }
 
-ehd_status modes_read(double **modes, artefact *file, const char *field, size_t num_nodes,
-                      size_t num_modes, size_t boundary, ehd_error *error) {
-    size_t length = num_nodes - 2 * boundary;
+ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,
+                      size_t num_modes, bool inner, ehd_error *error) {
+    size_t length = inner ? grid->num_inner : grid->num_nodes;
     double *turned = malloc(length * num_modes * sizeof *turned);
-    *modes = calloc(num_nodes * num_modes, sizeof(double));
+    *modes = calloc(grid->num_nodes * num_modes, sizeof(double));
     ehd_status status = turned && *modes ? EHD_OK : no_memory(file, error);
 
     if (!status) status = get_finite(turned, file, field, length * num_modes, error);
     for (size_t j = 0; j < num_modes && !status; j++)
         for (size_t k = 0; k < length; k++)
-            (*modes)[(k + boundary) * num_modes + j] = turned[j * length + k];
+            (*modes)[node_of(grid, k, inner) * num_modes + j] = turned[j * length + k];
     free(turned);
     return status;
 }
@@ -121,8 +125,14 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return status;
 }
 
+/* Place among a state's exits, which boundary lines have too, of the file's i-th one, which has none. */
+static size_t place_of_exit(const ehd_grid *grid, const reduced_states *states, size_t i) {
+    return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
+           i % grid->inner_lines;
+}
+
 ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
-                        size_t num_deformation, ehd_error *error) {
+                        size_t num_deformation, const ehd_grid *grid, ehd_error *error) {
     const struct {
         const char *field;
         size_t first, width;
@@ -130,7 +140,8 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
     double *part = malloc(states->num_states * (states->num_unknowns + 1) * sizeof *part);
-    int64_t *exits = malloc((states->num_states + 1) * sizeof *exits);
+    size_t num_exits = states->num_states * grid->inner_lines;
+    int64_t *exits = malloc((num_exits + 1) * sizeof *exits);
     ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
 
     for (size_t i = 0; i < 3 && !status; i++)
@@ -138,8 +149,8 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
             copy_coordinates(part, states, parts[i].first, parts[i].width, 1);
             status = artefact_put(file, parts[i].field, part, error);
         }
-    for (size_t s = 0; s < states->num_states && !status; s++)
-        exits[s] = (int64_t)states->exit[s] - 1; // x starts at node 1
+    for (size_t i = 0; i < num_exits && !status; i++)
+        exits[i] = (int64_t)states->exit[place_of_exit(grid, states, i)] - 1; // x starts at node 1
     if (!status) status = artefact_put_integers(file, "state_exit_node", exits, error);
     if (!status) status = artefact_put(file, "state_moes_M", states->moes_M, error);
     if (!status) status = artefact_put(file, "state_alpha_p_H", states->alpha_p_H, error);
@@ -160,28 +171,33 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     } parts[] = {{"state_pressure", 0, num_pressure},
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
-    // the pressure ends behind the centre, with room for a row's stencil in between
-    int64_t least_exit = (int64_t)(-grid->x_min / grid->step) + 3;
+    // on a line contact the pressure ends behind the centre, with room for a row's stencil in between
+    bool on_line = grid->inner_lines == 1;
+    int64_t least_exit = on_line ? (int64_t)(-grid->x_min / grid->step) + 3 : 0;
     size_t num_states = artefact_length(file, "state");
     size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
     double *part = malloc(num_states * num_unknowns * sizeof *part);
-    int64_t *exits = malloc(num_states * sizeof *exits);
+    size_t num_exits = num_states * grid->inner_lines;
+    int64_t *exits = malloc(num_exits * sizeof *exits);
     ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = reduced_states_init(states, num_states, num_unknowns, error);
+    if (!status)
+        status = reduced_states_init(states, num_states, grid_lines(grid), num_unknowns, error);
     for (size_t i = 0; i < 3 && !status; i++)
         if (parts[i].width > 0) {
             status = get_finite(part, file, parts[i].field, num_states * parts[i].width, error);
             if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
         }
     if (!status) status = artefact_get_integers(file, "state_exit_node", exits, error);
-    for (size_t s = 0; s < num_states && !status; s++) {
-        if (exits[s] < least_exit || (size_t)exits[s] > grid->num_inner)
+    for (size_t i = 0; i < num_states * grid_lines(grid) && !status; i++)
+        states->exit[i] = 1; // none of the boundary lines has pressure
+    for (size_t i = 0; i < num_exits && !status; i++) {
+        if (exits[i] < least_exit || exits[i] > (int64_t)grid->inner_x)
             status = ehd_fail(
                 error, EHD_DATA, "%s: state_exit_node: found %lld, expected %lld to %zu",
-                artefact_path(file), (long long)exits[s], (long long)least_exit, grid->num_inner);
+                artefact_path(file), (long long)exits[i], (long long)least_exit, grid->inner_x);
         else
-            states->exit[s] = (size_t)exits[s] + 1;
+            states->exit[place_of_exit(grid, states, i)] = (size_t)exits[i] + 1;
     }
     if (!status) status = get_finite(states->moes_M, file, "state_moes_M", num_states, error);
     if (!status) status = get_finite(states->alpha_p_H, file, "state_alpha_p_H", num_states, error);
@@ -236,21 +252,21 @@ ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
         status =
             artefact_put_text(file, "deformation", deformation_names[basis->deformation], error);
     if (!status)
-        status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
-                             basis->num_pressure, 1, error);
+        status = modes_write(file, "pressure_basis", basis->pressure, &basis->grid,
+                             basis->num_pressure, true, error);
     if (!status && basis->num_deformation > 0) {
         status = film_axis_write(file, &basis->grid, error);
         if (!status)
             status =
                 artefact_put_axis(file, "deformation_mode", basis->num_deformation, NULL, error);
         if (!status)
-            status = modes_write(file, "deformation_basis", basis->deformation_modes,
-                                 basis->grid.num_nodes, basis->num_deformation, 0, error);
+            status = modes_write(file, "deformation_basis", basis->deformation_modes, &basis->grid,
+                                 basis->num_deformation, false, error);
     }
-    if (!status) status = artefact_put(file, "weight", basis->weight + 1, error);
+    if (!status) status = modes_write(file, "weight", basis->weight, &basis->grid, 1, true, error);
     if (!status)
-        status =
-            states_write(file, &basis->states, basis->num_pressure, basis->num_deformation, error);
+        status = states_write(file, &basis->states, basis->num_pressure, basis->num_deformation,
+                              &basis->grid, error);
     if (!status) status = put_origin(file, origin, error);
     if (!status) status = artefact_finish(&file, error);
     artefact_close(&file);
@@ -270,14 +286,13 @@ static ehd_status read_open_basis(reduced_basis *basis, artefact *file, ehd_erro
                             "independent basis",
                             artefact_path(file));
         basis->num_deformation = artefact_length(file, "deformation_mode");
-        status = modes_read(&basis->deformation_modes, file, "deformation_basis",
-                            basis->grid.num_nodes, basis->num_deformation, 0, error);
+        status = modes_read(&basis->deformation_modes, file, "deformation_basis", &basis->grid,
+                            basis->num_deformation, false, error);
     }
     if (!status)
-        status = modes_read(&basis->pressure, file, "pressure_basis", basis->grid.num_nodes,
-                            basis->num_pressure, 1, error);
-    if (!status)
-        status = modes_read(&basis->weight, file, "weight", basis->grid.num_nodes, 1, 1, error);
+        status = modes_read(&basis->pressure, file, "pressure_basis", &basis->grid,
+                            basis->num_pressure, true, error);
+    if (!status) status = modes_read(&basis->weight, file, "weight", &basis->grid, 1, true, error);
     if (!status)
         status = states_read(&basis->states, file, basis->num_pressure, basis->num_deformation,
                              &basis->grid, error);

@@ -37,15 +37,15 @@ ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *e
 
 /* Training solutions in the coordinates of the basis, as basis and model hold them. */
 ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
-                        size_t num_deformation, ehd_error *error);
+                        size_t num_deformation, const ehd_grid *grid, ehd_error *error);
 ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
                        size_t num_deformation, const ehd_grid *grid, ehd_error *error);
 
-/* Node-major [num_nodes, num_modes] to and from the file's [mode, node]; `first` nodes at the front
- * and one at the back are boundary nodes that the file does not hold (0: it does). */
-ehd_status modes_write(artefact *file, const char *field, const double *modes, size_t num_nodes,
-                       size_t num_modes, size_t boundary, ehd_error *error);
-ehd_status modes_read(double **modes, artefact *file, const char *field, size_t num_nodes,
-                      size_t num_modes, size_t boundary, ehd_error *error);
+/* Node-major [num_nodes, num_modes] to and from the file's [mode, node], of the inner nodes alone or of the
+ * boundary nodes too. */
+ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
+                       size_t num_modes, bool inner, ehd_error *error);
+ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,
+                      size_t num_modes, bool inner, ehd_error *error);
 
 #endif

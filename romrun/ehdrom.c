@@ -89,6 +89,8 @@ ehdrom_model *ehdrom_close(ehdrom_model *self) {
 ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
     const reduced_model *model = &self->reduced;
     ehdrom_properties properties = {.num_inner = model->grid.num_inner,
+                                    .num_nodes = model->grid.num_nodes,
+                                    .num_lines = grid_whole(&model->grid).inner_lines,
                                     .x_min = model->grid.x_min,
                                     .step = model->grid.step,
                                     .deformation = deformation_names[model->deformation],
@@ -110,9 +112,9 @@ ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *mode
     *solver = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
-    self->state.coordinates = calloc(model->reduced.num_unknowns, sizeof(double));
+    status = reduced_state_init(&self->state, &model->reduced, error);
     self->indicator = indicator_create(&model->reduced);
-    if (!self->state.coordinates || !self->indicator)
+    if (!status && !self->indicator)
         status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
     if (status)
@@ -126,7 +128,7 @@ ehdrom_solver *ehdrom_solver_free(ehdrom_solver *self) {
     if (self) {
         reduced_solver_free(self->reduced);
         indicator_free(self->indicator);
-        free(self->state.coordinates);
+        reduced_state_free(&self->state);
         free(self->pressure_basis);
         free(self);
     }
@@ -204,6 +206,17 @@ ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, 
         if (status) return status;
     }
     return reduced_fields(pressure, film, &solver->state, model, solver->pressure_basis, error);
+}
+
+void ehdrom_exits(double *positions, const ehdrom_solver *solver) {
+    const ehd_grid *grid = &solver->model->reduced.grid;
+    const ehd_grid whole = grid_whole(grid);
+    const size_t *exit = reduced_state_exits(&solver->state) + grid_first_line(grid);
+
+    for (size_t l = 0; l < whole.inner_lines; l++) {
+        size_t own = grid_row_of_whole(grid, l * grid->inner_x) / grid->inner_x;
+        positions[l] = grid_x(grid, exit[own]);
+    }
 }
 
 // ---- in time

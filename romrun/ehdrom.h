@@ -38,6 +38,8 @@ typedef struct ehdrom_sizes {
 /* What a model is, for information. */
 typedef struct ehdrom_properties {
     size_t num_inner;                         // n, nodes of the full grid
+    size_t num_nodes;                         // with the boundary nodes
+    size_t num_lines;                         // across, both sides of a mirror; 1 of a line contact
     double x_min, step;                       // of the grid, in half widths
     const char *deformation;                  // "independent" or "coupled"
     size_t pressure_modes, deformation_modes; // in use
@@ -84,9 +86,13 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
                         ehd_error *error);
 
 /* Pressure and film on the whole grid, of the last solution: the only call whose cost grows with the
- * grid. Arrays of num_inner + 2 nodes, boundary nodes included. Reads the model file at the first
+ * grid. Arrays of num_nodes, boundary nodes included, of a half grid
+ * the half. Reads the model file at the first
  * call, hence one thread at a time. */
 ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error);
+
+/* X at which the pressure of the last solution ends, on each of num_lines lines. */
+void ehdrom_exits(double *positions, const ehdrom_solver *solver);
 
 // ---- in time: a contact whose load, speed, radius or modulus vary
 

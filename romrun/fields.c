@@ -18,10 +18,13 @@ ehd_status reduced_fields(double *pressure, double *film, const reduced_state *s
                         grid->num_nodes);
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)grid->num_nodes, (int)model->num_pressure, 1,
                 pressure_basis, (int)model->num_pressure, z, 1, 0, pressure, 1);
-    memset(pressure + state->exit, 0, (grid->num_nodes - state->exit) * sizeof(double));
+    const size_t *exit = reduced_state_exits(state);
+    for (size_t l = 0; l < model->num_lines; l++)
+        memset(pressure + l * grid_width(grid) + exit[l], 0,
+               (grid_width(grid) - exit[l]) * sizeof(double));
     deflection_apply(film, deflection, pressure);
     for (size_t k = 0; k < grid->num_nodes; k++)
-        film[k] += z[model->num_unknowns - 1] + model->kind->gap(grid_x(grid, k));
+        film[k] += z[model->num_unknowns - 1] + grid_gap(grid, k);
     deflection_free(deflection);
     return EHD_OK;
 }

@@ -71,7 +71,7 @@ static ehd_status make_kernel_table(double **table, const contact_kind *kind, co
     if (!values || !*table) status = ehd_fail(error, EHD_MEMORY, "splines: found no memory");
     for (size_t k = 0; k < num && !status; k++)
         values[k] =
-            kind->kernel(fabs((double)k - (double)(num_nodes - 1)) * grid->step, grid->step);
+            kind->kernel(fabs((double)k - (double)(num_nodes - 1)) * grid->step, 0, grid->step);
     if (!status) status = make_table(&whole, values, num, 1, error);
     if (!status) memcpy(*table, whole + 2 * (num_nodes - 1), num_nodes * 2 * sizeof **table);
     free(values);
@@ -85,10 +85,8 @@ static ehd_status make_kernel_table(double **table, const contact_kind *kind, co
  * farther out in a narrower one. */
 static void widen_grid(film_splines *self, const ehd_grid *grid) {
     self->margin = (size_t)ceil(0.5 * fabs(grid->x_min) / grid->step);
-    self->grid = *grid;
-    self->grid.x_min -= (double)self->margin * grid->step;
-    self->grid.num_inner += self->margin;
-    self->grid.num_nodes += self->margin;
+    self->grid = grid_of(grid->x_min - (double)self->margin * grid->step, grid->step,
+                         grid->inner_x + self->margin, 1, false);
 }
 
 /* Deflections of the pressure modes cut at cut_exit, [num_nodes, num_pressure]. */
@@ -361,7 +359,7 @@ void earlier_film_masses(double *mass, const earlier_film *const *films, size_t 
     }
     for (size_t i = 0; i < num_films; i++) {
         const earlier_film *self = films[i];
-        mass[i] += self->coordinates[model->num_unknowns - 1] + model->kind->gap(x[i]);
+        mass[i] += self->coordinates[model->num_unknowns - 1] + contact_gap(x[i], 0);
         if (is_coupled(model)) mass[i] += cut_deflection(self, &at[i], model, splines);
         mass[i] *= frame_film_ratio(now, &self->frame);
         if (law) {

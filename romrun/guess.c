@@ -46,9 +46,11 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states, c
 }
 
 /* Weights of the neighbours in an affine fit through them, taken at the wanted place (moving least
- * squares). Returns 0 where they do not span a plane or the fit would extrapolate. */
+ * squares). Returns 0 where they do not span a plane, which rounding may hide from the factorisation but not from
+ * the sum of the weights, or where the fit would extrapolate. */
 static int affine_weights(double *weights, const neighbour *nearest, size_t count) {
-    double normal[9] = {0}, unit[3] = {1, 0, 0}, largest = 0;
+    const double slack = 1e-6;
+    double normal[9] = {0}, unit[3] = {1, 0, 0}, largest = 0, sum = 0;
 
     if (count < 3) return 0;
     for (size_t i = 0; i < count; i++) {
@@ -64,8 +66,9 @@ static int affine_weights(double *weights, const neighbour *nearest, size_t coun
         weights[i] =
             strength * (unit[0] + unit[1] * nearest[i].away[0] + unit[2] * nearest[i].away[1]);
         largest = fmax(largest, fabs(weights[i]));
+        sum += weights[i];
     }
-    return largest < 1.5;
+    return largest < 1.5 && fabs(sum - 1) < slack;
 }
 
 /* state = sum of weights[i] times the states given. */
@@ -73,17 +76,21 @@ static void combine_states(reduced_state *state, const reduced_model *model,
                            const neighbour *nearest, const double *weights, size_t count) {
     const reduced_states *states = &model->states;
     size_t n = model->num_unknowns;
-    double exit = 0;
-
     memset(state->coordinates, 0, n * sizeof(double));
     for (size_t i = 0; i < count; i++) {
         const double *source = states->coordinates + nearest[i].state * n;
-        exit += weights[i] * (double)states->exit[nearest[i].state];
         for (size_t j = 0; j < n; j++)
             state->coordinates[j] += weights[i] * source[j];
     }
-    exit = fmin(fmax(exit, (double)model->least_exit), (double)model->most_exit);
-    state->exit = (size_t)lround(exit);
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        double exit = 0;
+        for (size_t i = 0; i < count; i++)
+            exit += weights[i] * (double)states->exit[nearest[i].state * states->num_lines + l];
+        exit = fmin(fmax(exit, (double)line->least), (double)line->most);
+        if (l == reduced_central_line(&model->grid)) state->exit = (size_t)lround(exit);
+        if (state->exits) state->exits[l] = (size_t)lround(exit);
+    }
 }
 
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,

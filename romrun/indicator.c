@@ -3,6 +3,7 @@
 
 #include <cblas.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 
 struct indicator {
@@ -50,20 +51,26 @@ static double film_before_band(const reduced_model *model, size_t q, const doubl
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     const double *coordinates = coupled ? z : z + model->num_pressure;
 
-    return z[model->num_unknowns - 1] +
-           model->kind->gap(grid_x(&model->grid, control->needed_node[q])) +
+    return z[model->num_unknowns - 1] + grid_gap(&model->grid, control->needed_node[q]) +
            cblas_ddot((int)width, control->film + q * width, 1, coordinates, 1);
 }
 
 /* What the pressure between the band's begin and the exit deflects at a node. */
-static double band_deflection(const indicator *self, size_t node, size_t exit) {
+static double band_deflection(const indicator *self, size_t node, const size_t *exit) {
     const reduced_model *model = self->model;
     double deflection = 0;
 
-    for (size_t k = model->band_begin; k < exit; k++)
-        deflection += model->kernel[node > k ? node - k : k - node] *
-                      self->band_pressure[k - model->band_begin];
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        deflection =
+            reduced_model_deflect(deflection, model, node, l, line->begin, exit[l] - line->begin,
+                                  self->band_pressure + line->offset);
+    }
     return deflection;
+}
+
+static bool is_before(const reduced_model *model, size_t node, const size_t *exit) {
+    return reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
 }
 
 /* P and H at the needed nodes. */
@@ -71,16 +78,23 @@ static void expand(indicator *self, const reduced_state *state) {
     const reduced_model *model = self->model;
     const control_rows *control = &model->control;
     const double *z = state->coordinates;
+    const size_t *exit = reduced_state_exits(state);
     size_t num_pressure = model->num_pressure;
 
-    reduced_band_pressure(self->band_pressure, model, z, model->band_begin, state->exit);
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)(exit[l] - line->begin), (int)num_pressure, 1,
+                    model->band_pressure + line->offset * num_pressure, (int)num_pressure, z, 1, 0,
+                    self->band_pressure + line->offset, 1);
+    }
     for (size_t q = 0; q < control->num_needed; q++) {
         size_t node = control->needed_node[q];
         const double *modes = control->pressure + q * num_pressure;
-        self->pressure[q] = node < state->exit ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
+        self->pressure[q] =
+            is_before(model, node, exit) ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
         self->film[q] = film_before_band(model, q, z);
         if (model->deformation == DEFORMATION_COUPLED)
-            self->film[q] += band_deflection(self, node, state->exit);
+            self->film[q] += band_deflection(self, node, exit);
     }
 }
 
@@ -102,7 +116,8 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
                   control->num_rows, &fluid, self->pressure, self->film);
     for (size_t r = 0; r < control->num_rows; r++) {
         double residual = control->weight[r] * self->rows[r].residual;
-        if (control->node[r] < state->exit) sum += residual * residual;
+        if (is_before(model, control->node[r], reduced_state_exits(state)))
+            sum += residual * residual;
     }
     return sqrt(sum);
 }

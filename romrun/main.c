@@ -377,10 +377,12 @@ static ehd_status run_stationary(const program *self, romrun_options *options,
     stored_result full = {0};
     artefact *file = NULL;
     double *pressure = NULL, *film = NULL;
+    double *exits = malloc(grid_whole(&contact->grid).inner_lines * sizeof *exits);
     char *text = NULL;
-    ehd_status status = EHD_OK;
+    ehd_status status =
+        exits ? EHD_OK : ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
 
-    if (options->against) {
+    if (!status && options->against) {
         status = result_read(&full, options->against, contact->kind, with_fields, error);
         if (!status)
             status = check_same_scene(full.moes_M, full.alpha_p_H, full.hertz_pressure,
@@ -400,6 +402,8 @@ static ehd_status run_stationary(const program *self, romrun_options *options,
     }
     if (!status) {
         run_result result = make_result(&done.solution, pressure, film);
+        ehdrom_exits(exits, done.solver);
+        result.exits = exits;
         hold_to(&result, options->accuracy);
         if (file) status = result_write(&file, &result, contact, error);
         if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
@@ -414,6 +418,7 @@ static ehd_status run_stationary(const program *self, romrun_options *options,
     attempt_free(&done);
     free(pressure);
     free(film);
+    free(exits);
     free(text);
     return status;
 }

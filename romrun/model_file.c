@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,16 +32,49 @@ static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error
     return status;
 }
 
-/* Node numbers as a file's indices: `shift` is 1 for x, which starts at node 1, and 0 for film_x. */
+/* Node numbers as a file's indices: `inner` ones count the inner nodes alone. */
 static ehd_status put_nodes(artefact *file, const char *field, const size_t *nodes, size_t count,
-                            size_t shift, ehd_error *error) {
+                            const ehd_grid *grid, bool inner, ehd_error *error) {
     int64_t *indices = malloc((count + 1) * sizeof *indices);
     if (!indices) return no_memory(file, error);
     for (size_t i = 0; i < count; i++)
-        indices[i] = (int64_t)(nodes[i] - shift);
+        indices[i] = (int64_t)(inner ? grid_row_of_node(grid, nodes[i]) : nodes[i]);
     ehd_status status = artefact_put_integers(file, field, indices, error);
     free(indices);
     return status;
+}
+
+/* What a file has of the band on each line of a point contact. */
+static const struct {
+    const char *field;
+    size_t place; // in a band_line
+} band_fields[] = {{"band_line_begin", offsetof(band_line, begin)},
+                   {"band_line_end", offsetof(band_line, end)},
+                   {"band_line_least_exit", offsetof(band_line, least)},
+                   {"band_line_most_exit", offsetof(band_line, most)}};
+enum { NUM_BAND_FIELDS = sizeof band_fields / sizeof *band_fields };
+
+static size_t *band_value(band_line *line, int field) {
+    return (size_t *)((char *)line + band_fields[field].place);
+}
+
+static ehd_status put_lines(artefact *file, const reduced_model *model, ehd_error *error) {
+    size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
+    int64_t *values = malloc(num_inner * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (int f = 0; f < NUM_BAND_FIELDS && !status; f++) {
+        for (size_t l = 0; l < num_inner; l++)
+            values[l] = (int64_t)*band_value(&model->lines[first + l], f);
+        status = artefact_put_integers(file, band_fields[f].field, values, error);
+    }
+    free(values);
+    if (!status)
+        status =
+            artefact_put_integer(file, "first_minimum_line", (int64_t)model->first_minimum, error);
+    return status ? status
+                  : artefact_put_integer(file, "last_minimum_line", (int64_t)model->last_minimum,
+                                         error);
 }
 
 static ehd_status put_independent(artefact *file, const reduced_model *model, ehd_error *error) {
@@ -59,12 +93,14 @@ static ehd_status put_independent(artefact *file, const reduced_model *model, eh
 
 static ehd_status put_tables(artefact *file, const reduced_model *model, ehd_error *error) {
     const double *load = model->cut_base + (model->num_cut - 1) * model->num_pressure;
-    ehd_status status = put_nodes(file, "selected_row", model->row_node, model->num_rows, 1, error);
+    const ehd_grid *grid = &model->grid;
+    ehd_status status =
+        put_nodes(file, "selected_row", model->row_node, model->num_rows, grid, true, error);
 
     if (!status) status = artefact_put(file, "row_weight", model->row_weight, error);
     if (!status)
-        status =
-            put_nodes(file, "needed_node_index", model->needed_node, model->num_needed, 0, error);
+        status = put_nodes(file, "needed_node_index", model->needed_node, model->num_needed, grid,
+                           false, error);
     if (!status)
         status = artefact_put(file, "needed_pressure_basis", model->needed_pressure, error);
     if (!status) status = artefact_put(file, "band_pressure_basis", model->band_pressure, error);
@@ -84,11 +120,12 @@ static ehd_status put_control(artefact *file, const reduced_model *model, ehd_er
 
     if (!status) status = artefact_put_axis(file, "control_node", control->num_needed, NULL, error);
     if (!status)
-        status = put_nodes(file, "control_row", control->node, control->num_rows, 1, error);
+        status = put_nodes(file, "control_row", control->node, control->num_rows, &model->grid,
+                           true, error);
     if (!status) status = artefact_put(file, "control_weight", control->weight, error);
     if (!status)
-        status = put_nodes(file, "control_node_index", control->needed_node, control->num_needed, 0,
-                           error);
+        status = put_nodes(file, "control_node_index", control->needed_node, control->num_needed,
+                           &model->grid, false, error);
     if (!status) status = artefact_put(file, "control_pressure_basis", control->pressure, error);
     if (!status)
         status = artefact_put(file, coupled ? "control_coupled_basis" : "control_deformation_basis",
@@ -142,18 +179,19 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
 
     if (!status) status = put_axes(file, model, error);
     if (!status) status = put_attributes(file, model, origin, error);
+    if (!status && model->num_lines > 1) status = put_lines(file, model, error);
     if (!status) status = put_tables(file, model, error);
     if (!status) status = put_control(file, model, error);
     if (!status) status = put_weighting(file, origin, error);
     if (!status)
-        status = modes_write(file, "pressure_basis", basis->pressure, basis->grid.num_nodes,
-                             basis->num_pressure, 1, error);
+        status = modes_write(file, "pressure_basis", basis->pressure, &basis->grid,
+                             basis->num_pressure, true, error);
     if (!status && basis->deformation_modes)
-        status = modes_write(file, "deformation_basis", basis->deformation_modes,
-                             basis->grid.num_nodes, basis->num_deformation, 0, error);
+        status = modes_write(file, "deformation_basis", basis->deformation_modes, &basis->grid,
+                             basis->num_deformation, false, error);
     if (!status)
-        status =
-            states_write(file, &model->states, model->num_pressure, model->num_deformation, error);
+        status = states_write(file, &model->states, model->num_pressure, model->num_deformation,
+                              &model->grid, error);
     if (!status && origin->sigma_min_by_exit)
         status = artefact_put(file, "sigma_min_by_exit", origin->sigma_min_by_exit, error);
     if (!status) status = artefact_finish(&file, error);
@@ -202,19 +240,19 @@ static ehd_status read_part(double **part, artefact *file, const char *field, si
 }
 
 static ehd_status read_nodes(size_t **nodes, artefact *file, const char *field, size_t count,
-                             size_t shift, const ehd_grid *grid, ehd_error *error) {
+                             bool inner, const ehd_grid *grid, ehd_error *error) {
     int64_t *indices = malloc((count + 1) * sizeof *indices);
 
     *nodes = malloc((count + 1) * sizeof **nodes);
     ehd_status status = indices && *nodes ? EHD_OK : no_memory(file, error);
     if (!status) status = artefact_get_integers(file, field, indices, error);
     for (size_t i = 0; i < count && !status; i++) {
-        int64_t last = (int64_t)(grid->num_nodes - 1 - 2 * shift);
+        int64_t last = (int64_t)(inner ? grid->num_inner : grid->num_nodes) - 1;
         if (indices[i] < 0 || indices[i] > last)
             status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 0 to %lld",
                               artefact_path(file), field, (long long)indices[i], (long long)last);
         else
-            (*nodes)[i] = (size_t)indices[i] + shift;
+            (*nodes)[i] = inner ? grid_node_of_row(grid, (size_t)indices[i]) : (size_t)indices[i];
     }
     free(indices);
     return status;
@@ -225,7 +263,7 @@ static ehd_status match_nodes(size_t **places, const size_t *nodes, size_t count
                               const ehd_grid *grid, artefact *file, const char *field,
                               size_t num_stored, ehd_error *error) {
     size_t *stored = NULL, at = 0;
-    ehd_status status = read_nodes(&stored, file, field, num_stored, 0, grid, error);
+    ehd_status status = read_nodes(&stored, file, field, num_stored, false, grid, error);
 
     *places = malloc((count + 1) * sizeof **places);
     if (!status && !*places) status = no_memory(file, error);
@@ -296,7 +334,7 @@ static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_
 static ehd_status read_rows(reduced_model *model, artefact *file, const stored_sizes *stored,
                             ehd_error *error) {
     ehd_status status =
-        read_nodes(&model->row_node, file, "selected_row", stored->rows, 1, &model->grid, error);
+        read_nodes(&model->row_node, file, "selected_row", stored->rows, true, &model->grid, error);
 
     if (!status)
         status = read_part(&model->row_weight, file, "row_weight", stored->rows, 1, NULL,
@@ -306,6 +344,67 @@ static ehd_status read_rows(reduced_model *model, artefact *file, const stored_s
     return status;
 }
 
+static ehd_status read_line(size_t *value, artefact *file, const char *name,
+                            const reduced_model *model, ehd_error *error) {
+    int64_t line = 0;
+    ehd_status status = artefact_get_integer(file, name, &line, error);
+
+    if (!status && (line < (int64_t)grid_first_line(&model->grid) ||
+                    line >= (int64_t)(grid_first_line(&model->grid) + model->grid.inner_lines)))
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected a line of y",
+                          artefact_path(file), name, (long long)line);
+    *value = (size_t)line;
+    return status;
+}
+
+/* Each line's exits inside of its band with room for the rows there, and the lines together all band nodes. */
+static ehd_status check_lines(const reduced_model *model, const artefact *file, ehd_error *error) {
+    size_t width = grid_width(&model->grid), count = 0;
+
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        if (line->end == line->begin) continue;
+        count += line->end - line->begin;
+        if (!(line->begin >= 1 && line->begin + 2 <= line->least && line->least <= line->most &&
+              line->most + 2 <= line->end && line->end <= width))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: band_line_begin: found columns %zu to %zu with exits from %zu to "
+                            "%zu, expected these inside",
+                            artefact_path(file), line->begin, line->end, line->least, line->most);
+    }
+    if (count == model->num_band) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: band_node: found %zu, expected %zu, as many as the lines",
+                    artefact_path(file), model->num_band, count);
+}
+
+static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *error) {
+    size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
+    int64_t *values = malloc(num_inner * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t l = 0; l < model->num_lines; l++)
+        model->lines[l] = (band_line){1, 1, 0, 1, 1};
+    for (int f = 0; f < NUM_BAND_FIELDS && !status; f++) {
+        if (!artefact_has(file, band_fields[f].field))
+            status = ehd_fail(error, EHD_DATA,
+                              "%s: found no dataset %s, expected it for a point contact",
+                              artefact_path(file), band_fields[f].field);
+        if (!status) status = artefact_get_integers(file, band_fields[f].field, values, error);
+        for (size_t l = 0; l < num_inner && !status; l++)
+            *band_value(&model->lines[first + l], f) = (size_t)values[l];
+    }
+    free(values);
+    for (size_t l = 1; l < model->num_lines && !status; l++)
+        model->lines[l].offset =
+            model->lines[l - 1].offset + model->lines[l - 1].end - model->lines[l - 1].begin;
+    if (!status) status = check_lines(model, file, error);
+    if (!status)
+        status = read_line(&model->first_minimum, file, "first_minimum_line", model, error);
+    return status ? status
+                  : read_line(&model->last_minimum, file, "last_minimum_line", model, error);
+}
+
+/* The band of a line contact. */
 static ehd_status read_places(reduced_model *model, artefact *file, ehd_error *error) {
     struct {
         const char *name;
@@ -330,7 +429,15 @@ static ehd_status read_places(reduced_model *model, artefact *file, ehd_error *e
         status = ehd_fail(error, EHD_DATA,
                           "%s: found exits from %zu to %zu, expected them inside the band",
                           artefact_path(file), model->least_exit, model->most_exit);
+    model->lines[0] = (band_line){model->band_begin, model->band_begin + model->num_band, 0,
+                                  model->least_exit, model->most_exit};
     return status;
+}
+
+static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *error) {
+    model->lines = calloc(model->num_lines, sizeof *model->lines);
+    if (!model->lines) return no_memory(file, error);
+    return model->num_lines > 1 ? read_lines(model, file, error) : read_places(model, file, error);
 }
 
 /* The cut table at band_begin and the left sides, from what the file holds of them. */
@@ -359,7 +466,7 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
                num_pressure * sizeof(double));
         for (size_t i = 0; i < model->num_band && !coupled; i++) {
             memcpy(model->left + i * model->num_cut, kernel + i * width, width * sizeof(double));
-            model->left[i * model->num_cut + width] = model->grid.step;
+            model->left[i * model->num_cut + width] = grid_cell(&model->grid);
         }
     }
     free(kernel);
@@ -425,8 +532,8 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
 
     control->num_rows = artefact_length(file, "control");
     if (control->num_rows == 0) return EHD_OK;
-    status =
-        read_nodes(&control->node, file, "control_row", control->num_rows, 1, &model->grid, error);
+    status = read_nodes(&control->node, file, "control_row", control->num_rows, true, &model->grid,
+                        error);
     if (!status)
         status = read_part(&control->weight, file, "control_weight", control->num_rows, 1, NULL,
                            control->num_rows, 1, error);
@@ -443,7 +550,11 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
     ehd_status status =
         states_read(&whole, file, stored->pressure, stored->deformation, &model->grid, error);
 
-    if (!status) status = reduced_states_init(kept, whole.num_states, model->num_unknowns, error);
+    if (!status)
+        status = reduced_states_init(kept, whole.num_states, whole.num_lines, model->num_unknowns,
+                                     error);
+    if (!status)
+        memcpy(kept->exit, whole.exit, whole.num_states * whole.num_lines * sizeof *kept->exit);
     for (size_t s = 0; s < whole.num_states && !status; s++) {
         const double *source = whole.coordinates + s * whole.num_unknowns;
         double *target = kept->coordinates + s * kept->num_unknowns;
@@ -451,7 +562,6 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         memcpy(target + model->num_pressure, source + stored->pressure,
                model->num_deformation * sizeof(double));
         target[kept->num_unknowns - 1] = source[whole.num_unknowns - 1];
-        kept->exit[s] = whole.exit[s];
         kept->moes_M[s] = whole.moes_M[s];
         kept->alpha_p_H[s] = whole.alpha_p_H[s];
         kept->central_film_thickness[s] = whole.central_film_thickness[s];
@@ -497,9 +607,10 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
 
     memset(model, 0, sizeof *model);
     if (!status) status = grid_read(&model->grid, &model->kind, file, error);
+    model->num_lines = grid_lines(&model->grid);
     if (!status) status = deformation_read(&model->deformation, file, error);
     if (!status) status = choose_sizes(model, &stored, file, sizes ? sizes : &whole, error);
-    if (!status) status = read_places(model, file, error);
+    if (!status) status = read_band(model, file, error);
     if (!status) status = read_rows(model, file, &stored, error);
     if (!status) status = read_tables(model, file, &stored, error);
     if (!status) status = read_control(model, file, &stored, error);
@@ -512,11 +623,11 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
 
 /* The first `wanted` of the stored modes. */
 static ehd_status read_modes(double **modes, artefact *file, const char *field,
-                             const char *mode_axis, size_t wanted, size_t num_nodes,
-                             size_t boundary, ehd_error *error) {
-    size_t stored = artefact_length(file, mode_axis);
+                             const char *mode_axis, size_t wanted, const ehd_grid *grid, bool inner,
+                             ehd_error *error) {
+    size_t stored = artefact_length(file, mode_axis), num_nodes = grid->num_nodes;
     double *whole = NULL;
-    ehd_status status = modes_read(&whole, file, field, num_nodes, stored, boundary, error);
+    ehd_status status = modes_read(&whole, file, field, grid, stored, inner, error);
 
     *modes = status ? NULL : malloc(num_nodes * wanted * sizeof(double));
     if (!status && !*modes) status = no_memory(file, error);
@@ -530,7 +641,6 @@ ehd_status model_read_modes(double **pressure_basis, double **deformation_basis,
                             const reduced_model *model, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};
     bool wanted = deformation_basis && model->num_deformation > 0;
-    size_t num_nodes = model->grid.num_nodes;
     artefact *file = NULL;
     ehd_status status = artefact_open(&file, path, kinds, error);
 
@@ -538,7 +648,7 @@ ehd_status model_read_modes(double **pressure_basis, double **deformation_basis,
     if (deformation_basis) *deformation_basis = NULL;
     if (!status)
         status = read_modes(pressure_basis, file, "pressure_basis", "pressure_mode",
-                            model->num_pressure, num_nodes, 1, error);
+                            model->num_pressure, &model->grid, true, error);
     if (!status && wanted && !artefact_has(file, "deformation_basis"))
         status = ehd_fail(error, EHD_DATA,
                           "%s: found no dataset deformation_basis, expected it for a transient "
@@ -546,7 +656,7 @@ ehd_status model_read_modes(double **pressure_basis, double **deformation_basis,
                           path);
     if (!status && wanted)
         status = read_modes(deformation_basis, file, "deformation_basis", "deformation_mode",
-                            model->num_deformation, num_nodes, 0, error);
+                            model->num_deformation, &model->grid, false, error);
     artefact_close(&file);
     return status;
 }

@@ -155,7 +155,7 @@ static void judge(march_step *outcome, reduced_march *self, size_t exit,
 static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze, ehd_error *error) {
     earlier_film *next = state_before(self, 0);
-    reduced_state state = {next->coordinates, next->exit};
+    reduced_state state = {.coordinates = next->coordinates, .exit = next->exit};
     ehd_status status = reduced_solve(info, &state, self->solver, contact, squeeze, error);
 
     next->exit = state.exit;
@@ -190,7 +190,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                         ehd_error *error) {
     reduced_march *self = solver;
     earlier_film *first = state_before(self, 0);
-    reduced_state state = {first->coordinates, 0};
+    reduced_state state = {.coordinates = first->coordinates};
     reduced_info info = {.status = EHD_OK, .reason = ""};
     ehd_contact contact;
     ehd_status status = EHD_OK;
@@ -203,8 +203,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (frame->speed > 0)
         status = solve(&info, self, &contact, NULL, error);
     else
-        info.scalars =
-            reduced_scalars(self->solver, &(reduced_state){first->coordinates, state.exit});
+        info.scalars = reduced_scalars(
+            self->solver, &(reduced_state){.coordinates = first->coordinates, .exit = state.exit});
     if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
         status = find_load(&info, self, &first->frame, error);
     if (status) return status;
@@ -359,7 +359,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 
 /* Makes the factors at what self->factors says. */
 static void keep_factors(reduced_march *self) {
-    const reduced_state state = {self->factors.coordinates, self->factors.exit};
+    const reduced_state state = {.coordinates = self->factors.coordinates,
+                                 .exit = self->factors.exit};
     ehd_contact contact;
 
     frame_contact(&contact, &self->factors.frame, &self->reference);
@@ -416,7 +417,7 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
     const earlier_film *last = &self->states[self->ring.place[1]];
 
     if (frame) *frame = last->frame;
-    return (reduced_state){last->coordinates, last->exit};
+    return (reduced_state){.coordinates = last->coordinates, .exit = last->exit};
 }
 
 reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
@@ -496,7 +497,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
                                saved + 1 + i * saved_state_size(self), error);
         if (status) break;
         self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
-        reduced_values_of(&earlier->values, self->model, earlier->coordinates, earlier->exit);
+        reduced_values_of(&earlier->values, self->model, earlier->coordinates, &earlier->exit);
         earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
     }
     memcpy(&self->last_loaded, loaded, sizeof self->last_loaded);

@@ -6,25 +6,28 @@
 #include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 const char *const deformation_names[] = {"independent", "coupled", NULL};
 
-static const double EXIT_MARGIN = 0.1;          // beyond the trained exits, half widths
-static const double MINIMUM_MARGIN = 0.05;      // before the trained film minima, half widths
-static const double CHECKPOINT_DISTANCE = 0.02; // half widths
+static const double EXIT_MARGIN = 0.1;              // beyond the trained exits, half widths
+static const double MINIMUM_MARGIN = 0.05;          // before the trained film minima, half widths
+static const double CHECKPOINT_DISTANCE = 0.02;     // half widths
+static const size_t CHECKPOINT_MEMORY = 400u << 20; // bytes, of a point contact
 
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation) {
     return num_pressure + num_deformation + 1;
 }
 
-ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_unknowns,
-                               ehd_error *error) {
+ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
+                               size_t num_unknowns, ehd_error *error) {
     states->num_states = num_states;
+    states->num_lines = num_lines;
     states->num_unknowns = num_unknowns;
     states->coordinates = calloc(num_states * num_unknowns, sizeof(double));
-    states->exit = calloc(num_states, sizeof *states->exit);
+    states->exit = calloc(num_states * num_lines, sizeof *states->exit);
     states->moes_M = calloc(num_states, sizeof(double));
     states->alpha_p_H = calloc(num_states, sizeof(double));
     states->central_film_thickness = calloc(num_states, sizeof(double));
@@ -89,11 +92,13 @@ void reduced_model_free(reduced_model *model) {
     free(model->needed_gap);
     free(model->needed_pressure);
     free(model->needed_film);
+    free(model->lines);
     free(model->band_pressure);
     free(model->band_film);
     free(model->kernel);
     free(model->left);
     free(model->cut_base);
+    free(model->checkpoint_exit);
     free(model->checkpoint_cut);
     free(model->checkpoint_band);
     control_rows_free(&model->control);
@@ -101,16 +106,50 @@ void reduced_model_free(reduced_model *model) {
     memset(model, 0, sizeof *model);
 }
 
+// ---- lines and columns
+
+size_t reduced_central_line(const ehd_grid *grid) {
+    return grid->half ? 0 : (grid_lines(grid) - 1) / 2;
+}
+
+size_t reduced_model_line(const reduced_model *model, size_t node) {
+    return model->num_lines > 1 ? node / grid_width(&model->grid) : 0;
+}
+
+size_t reduced_model_column(const reduced_model *model, size_t node) {
+    return model->num_lines > 1 ? node % grid_width(&model->grid) : node;
+}
+
+static size_t distance(size_t a, size_t b) {
+    return a > b ? a - b : b - a;
+}
+
+double reduced_model_deflect(double sum, const reduced_model *model, size_t node, size_t line,
+                             size_t first, size_t count, const double *pressure) {
+    size_t width = grid_width(&model->grid), own = reduced_model_line(model, node);
+    size_t column = reduced_model_column(model, node);
+    const double *kernel = model->kernel + distance(own, line) * width;
+    const double *mirrored = model->kernel + (own + line) * width;
+
+    for (size_t i = 0; i < count; i++)
+        sum += kernel[distance(column, first + i)] * pressure[i];
+    if (model->grid.half && line > 0)
+        for (size_t i = 0; i < count; i++)
+            sum += mirrored[distance(column, first + i)] * pressure[i];
+    return sum;
+}
+
 // ---- which nodes
 
-/* Nodes around X = 0 and their weights: one node where it lies there, else cubic interpolation. */
+/* Nodes around X = 0 (Y = 0) and their weights: one node where it lies there, else cubic interpolation. */
 static void centre_nodes(size_t nodes[4], double weights[4], const ehd_grid *grid) {
     double place = -grid->x_min / grid->step + 1;
     size_t k = (size_t)floor(place + 1e-6);
     double t = place - (double)k;
+    size_t before = reduced_central_line(grid) * grid_width(grid);
 
     for (size_t i = 0; i < 4; i++)
-        nodes[i] = k - 1 + i;
+        nodes[i] = before + k - 1 + i;
     weights[0] = -t * (t - 1) * (t - 2) / 6;
     weights[1] = (t + 1) * (t - 1) * (t - 2) / 2;
     weights[2] = -(t + 1) * t * (t - 2) / 2;
@@ -190,66 +229,152 @@ static void fill_stencils(reynolds_stencil *stencils, const ehd_grid *grid, cons
 
 // ---- building from the bases
 
-/* Film minimum of a training state, as a node: the deflection of its pressure, from the bases. */
-static size_t film_minimum(const reduced_basis *basis, const double *deflection, size_t state) {
-    const reduced_states *states = &basis->states;
-    size_t exit = states->exit[state], best = exit;
-    double least = INFINITY;
-    size_t centre = (size_t)(-basis->grid.x_min / basis->grid.step) + 1;
+/* Whether a line of the grid has inner nodes; the others are boundary. */
+static bool is_inner_line(const ehd_grid *grid, size_t line) {
+    return line >= grid_first_line(grid) && line < grid_first_line(grid) + grid->inner_lines;
+}
 
-    for (size_t k = centre; k <= exit && k < basis->grid.num_nodes; k++) {
-        double x = grid_x(&basis->grid, k);
-        double film = deflection[k] + basis->kind->gap(x);
-        if (film < least) {
-            least = film;
-            best = k;
+/* Film minimum of a training state, as a node: the deflection of its pressure, from the bases. */
+static size_t film_minimum(const reduced_basis *basis, const double *deflection,
+                           const size_t *exit) {
+    const ehd_grid *grid = &basis->grid;
+    size_t width = grid_width(grid), num_lines = grid_lines(grid), best = exit[0];
+    size_t centre = (size_t)(-grid->x_min / grid->step) + 1;
+    double least = INFINITY;
+
+    for (size_t l = 0; l < num_lines; l++)
+        for (size_t c = centre; c <= exit[l] && c < width; c++) {
+            size_t k = l * width + c;
+            double film = deflection[k] + grid_gap(grid, k);
+            if (film < least) {
+                least = film;
+                best = k;
+            }
+        }
+    return best;
+}
+
+/* Deflection of a training state's pressure. */
+static void deflect_state(double *deflections, const reduced_basis *basis, size_t state,
+                          ehd_deflection *deflection) {
+    const reduced_states *states = &basis->states;
+    const size_t *exit = states->exit + state * states->num_lines;
+    size_t width = grid_width(&basis->grid);
+
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)basis->grid.num_nodes, (int)basis->num_pressure,
+                1, basis->pressure, (int)basis->num_pressure,
+                states->coordinates + state * states->num_unknowns, 1, 0, deflections, 1);
+    for (size_t l = 0; l < states->num_lines; l++)
+        memset(deflections + l * width + exit[l], 0, (width - exit[l]) * sizeof(double));
+    deflection_apply(deflections, deflection, deflections);
+}
+
+/* The extremes of training on each line, in place of where the exit may lie, and in `begin` the first film minimum
+ * on it or near it. */
+static void find_extremes(reduced_model *model, const reduced_basis *basis,
+                          ehd_deflection *deflection, double *work) {
+    const reduced_states *states = &basis->states;
+    size_t width = grid_width(&basis->grid), near = (size_t)ceil(MINIMUM_MARGIN / basis->grid.step);
+
+    model->first_minimum = model->num_lines - 1;
+    model->last_minimum = 0;
+    for (size_t l = 0; l < model->num_lines; l++)
+        model->lines[l] = (band_line){.begin = width - 1, .least = width - 1, .most = 1};
+    for (size_t s = 0; s < states->num_states; s++) {
+        const size_t *exit = states->exit + s * states->num_lines;
+        deflect_state(work, basis, s, deflection);
+        size_t minimum = film_minimum(basis, work, exit);
+        size_t own = reduced_model_line(model, minimum);
+        size_t column = reduced_model_column(model, minimum);
+        for (size_t l = 0; l < model->num_lines; l++) {
+            band_line *line = &model->lines[l];
+            line->least = exit[l] < line->least ? exit[l] : line->least;
+            line->most = exit[l] > line->most ? exit[l] : line->most;
+            if (distance(l, own) > near || !is_inner_line(&basis->grid, l)) continue;
+            line->begin = column < line->begin ? column : line->begin;
+            model->first_minimum = l < model->first_minimum ? l : model->first_minimum;
+            model->last_minimum = l > model->last_minimum ? l : model->last_minimum;
         }
     }
-    return best;
+}
+
+/* Where the exit may lie on each line. A row at the exit needs the two nodes before it. */
+static void widen_exits(reduced_model *model) {
+    const ehd_grid *grid = &model->grid;
+    size_t margin = (size_t)ceil(EXIT_MARGIN / grid->step), width = grid_width(grid);
+    // on a line contact it lies behind the centre
+    size_t foremost = model->num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
+
+    for (size_t l = 0; l < model->num_lines; l++) {
+        band_line *line = &model->lines[l];
+        if (!is_inner_line(grid, l)) {
+            *line = (band_line){1, 1, 0, 1, 1};
+            continue;
+        }
+        line->least = line->least > foremost + margin + 2 ? line->least - margin : foremost + 2;
+        line->most = line->most + margin < width - 2 ? line->most + margin : width - 2;
+    }
+}
+
+/* Columns of each line: from before the first film minimum, and what rows at the exits of the lines beside it need,
+ * to behind the last exit of these. */
+static void place_band(reduced_model *model) {
+    const ehd_grid *grid = &model->grid;
+    size_t before = (size_t)ceil(MINIMUM_MARGIN / grid->step) + 2;
+    size_t foremost = model->num_lines > 1 ? 1 : (size_t)(-grid->x_min / grid->step) + 2;
+
+    model->num_band = 0;
+    for (size_t l = 0; l < model->num_lines; l++) {
+        band_line *line = &model->lines[l];
+        size_t first = line->begin, last = line->most;
+        line->offset = model->num_band;
+        if (!is_inner_line(grid, l)) continue;
+        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->num_lines;
+             beside++) {
+            if (!is_inner_line(grid, beside)) continue;
+            const band_line *other = &model->lines[beside];
+            first = other->least < first ? other->least : first;
+            last = other->most > last ? other->most : last;
+        }
+        line->begin = first > foremost + before ? first - before : foremost;
+        line->end = last + 2;
+        model->num_band += line->end - line->begin;
+    }
+    model->band_begin = model->lines[0].begin;
+    model->least_exit = model->lines[0].least;
+    model->most_exit = model->lines[0].most;
 }
 
 /* The band: from before the first trained film minimum to behind the last trained exit. */
 static ehd_status find_band(reduced_model *model, const reduced_basis *basis,
                             ehd_deflection *deflection, ehd_error *error) {
-    const ehd_grid *grid = &basis->grid;
-    const reduced_states *states = &basis->states;
-    size_t first = grid->num_nodes - 1, least = first, most = 1;
-    size_t margin = (size_t)ceil(EXIT_MARGIN / grid->step);
-    size_t before = (size_t)ceil(MINIMUM_MARGIN / grid->step) + 2;
-    double *pressure = malloc(grid->num_nodes * sizeof(double));
+    double *work = malloc(basis->grid.num_nodes * sizeof(double));
 
-    if (!pressure) return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
-    for (size_t s = 0; s < states->num_states; s++) {
-        size_t exit = states->exit[s];
-        least = exit < least ? exit : least;
-        most = exit > most ? exit : most;
-        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)grid->num_nodes, (int)basis->num_pressure, 1,
-                    basis->pressure, (int)basis->num_pressure,
-                    states->coordinates + s * states->num_unknowns, 1, 0, pressure, 1);
-        memset(pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
-        deflection_apply(pressure, deflection, pressure);
-        size_t minimum = film_minimum(basis, pressure, s);
-        first = minimum < first ? minimum : first;
+    model->lines = calloc(model->num_lines, sizeof *model->lines);
+    if (!work || !model->lines) {
+        free(work);
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
     }
-    free(pressure);
-    size_t centre = (size_t)(-grid->x_min / grid->step) + 2;
-    // a row at the exit needs the two nodes before it in the band
-    model->least_exit = least > centre + margin + 2 ? least - margin : centre + 2;
-    model->most_exit = most + margin < grid->num_nodes - 2 ? most + margin : grid->num_nodes - 2;
-    first = first < model->least_exit ? first : model->least_exit;
-    model->band_begin = first > centre + before ? first - before : centre;
-    model->num_band = model->most_exit + 2 - model->band_begin;
+    find_extremes(model, basis, deflection, work);
+    widen_exits(model);
+    place_band(model);
+    free(work);
     return EHD_OK;
 }
 
-/* Deflections of the pressure modes cut at band_begin, [num_nodes, num_pressure]. */
+/* Whether a node lies before the band, where there is always pressure. */
+static bool is_before_band(const reduced_model *model, size_t node) {
+    return reduced_model_column(model, node) < model->lines[reduced_model_line(model, node)].begin;
+}
+
+/* Deflections of the pressure modes cut where the band begins, [num_nodes, num_pressure]. */
 static void deflect_modes(double *coupled, const reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
 
     for (size_t j = 0; j < num_pressure; j++) {
         for (size_t k = 0; k < num_nodes; k++)
-            work[k] = k < model->band_begin ? basis->pressure[k * num_pressure + j] : 0;
+            work[k] = is_before_band(model, k) ? basis->pressure[k * num_pressure + j] : 0;
         deflection_apply(work, deflection, work);
         for (size_t k = 0; k < num_nodes; k++)
             coupled[k * num_pressure + j] = work[k];
@@ -257,17 +382,33 @@ static void deflect_modes(double *coupled, const reduced_model *model, const red
 }
 
 /* Copies rows of a node-major matrix: target[i, :] = source[nodes[i], :]. */
-static double *gather_rows(const double *source, const size_t *nodes, size_t first, size_t count,
-                           size_t width) {
+static double *gather_rows(const double *source, const size_t *nodes, size_t count, size_t width) {
     double *target = malloc(count * width * sizeof(double));
 
     for (size_t i = 0; target && i < count; i++)
-        memcpy(target + i * width, source + (nodes ? nodes[i] : first + i) * width,
-               width * sizeof(double));
+        memcpy(target + i * width, source + nodes[i] * width, width * sizeof(double));
     return target;
 }
 
-/* The cut table for an exit at band_begin. Coupled: deflections at the needed nodes. Independent:
+/* The same for the band's nodes, line after line. */
+static double *gather_band(const double *source, const reduced_model *model, size_t width) {
+    double *target = malloc(model->num_band * width * sizeof(double));
+
+    for (size_t l = 0; target && l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        size_t first = l * grid_width(&model->grid) + line->begin;
+        memcpy(target + line->offset * width, source + first * width,
+               (line->end - line->begin) * width * sizeof(double));
+    }
+    return target;
+}
+
+/* What a node's pressure adds to the load. */
+static double load_weight(const ehd_grid *grid, size_t node) {
+    return grid_cell(grid) * grid_weight(grid, node);
+}
+
+/* The cut table for an exit where the band begins. Coupled: deflections at the needed nodes. Independent:
  * V_delta^T K V_p. Last row: the load balance. */
 static void fill_cut_base(reduced_model *model, const reduced_basis *basis, const double *coupled) {
     size_t num_pressure = model->num_pressure, last = model->num_cut - 1;
@@ -281,8 +422,9 @@ static void fill_cut_base(reduced_model *model, const reduced_basis *basis, cons
                     (int)num_pressure, 0, model->cut_base, (int)num_pressure);
     for (size_t j = 0; j < num_pressure; j++) {
         load[j] = 0;
-        for (size_t k = 1; k < model->band_begin; k++)
-            load[j] += model->grid.step * basis->pressure[k * num_pressure + j];
+        for (size_t k = 1; k < basis->grid.num_nodes; k++)
+            if (is_before_band(model, k))
+                load[j] += load_weight(&model->grid, k) * basis->pressure[k * num_pressure + j];
     }
 }
 
@@ -299,18 +441,18 @@ static void fill_left_independent(reduced_model *model, const reduced_basis *bas
             model->left[i * width + j] = work[model->band_begin + i];
     }
     for (size_t i = 0; i < model->num_band; i++)
-        model->left[i * width + num_deformation] = model->grid.step;
+        model->left[i * width + num_deformation] = load_weight(&model->grid, 0);
 }
 
 static ehd_status copy_states(reduced_states *target, const reduced_states *source,
                               ehd_error *error) {
-    ehd_status status =
-        reduced_states_init(target, source->num_states, source->num_unknowns, error);
+    ehd_status status = reduced_states_init(target, source->num_states, source->num_lines,
+                                            source->num_unknowns, error);
     size_t count = source->num_states;
 
     if (status) return status;
     memcpy(target->coordinates, source->coordinates, count * source->num_unknowns * sizeof(double));
-    memcpy(target->exit, source->exit, count * sizeof *target->exit);
+    memcpy(target->exit, source->exit, count * source->num_lines * sizeof *target->exit);
     memcpy(target->moes_M, source->moes_M, count * sizeof(double));
     memcpy(target->alpha_p_H, source->alpha_p_H, count * sizeof(double));
     memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
@@ -330,8 +472,10 @@ static ehd_status list_rows(reduced_model *model, const reduced_basis *basis, co
     if (!model->row_node || !model->row_weight)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
     for (size_t r = 0; r < model->num_rows; r++) {
-        size_t node = rows ? rows[r] : r + 1;
-        if (node < 1 || node > basis->grid.num_inner)
+        size_t node = rows ? rows[r] : grid_node_of_row(&basis->grid, r);
+        size_t column = reduced_model_column(model, node);
+        if (column < 1 || column > basis->grid.inner_x || node >= basis->grid.num_nodes ||
+            !is_inner_line(&basis->grid, reduced_model_line(model, node)))
             return ehd_fail(error, EHD_DATA, "rows: found node %zu, expected 1 to %zu", node,
                             basis->grid.num_inner);
         model->row_node[r] = node;
@@ -355,11 +499,10 @@ static ehd_status fill_tables(reduced_model *model, const reduced_basis *basis,
         deflect_modes(coupled, model, basis, deflection, work);
         model->num_cut = (coupled_basis ? model->num_needed : model->num_deformation) + 1;
         model->needed_pressure =
-            gather_rows(basis->pressure, model->needed_node, 0, model->num_needed, num_pressure);
-        model->needed_film = gather_rows(film, model->needed_node, 0, model->num_needed, width);
-        model->band_pressure =
-            gather_rows(basis->pressure, NULL, model->band_begin, model->num_band, num_pressure);
-        model->band_film = gather_rows(film, NULL, model->band_begin, model->num_band, width);
+            gather_rows(basis->pressure, model->needed_node, model->num_needed, num_pressure);
+        model->needed_film = gather_rows(film, model->needed_node, model->num_needed, width);
+        model->band_pressure = gather_band(basis->pressure, model, num_pressure);
+        model->band_film = gather_band(film, model, width);
         model->cut_base = malloc(model->num_cut * num_pressure * sizeof(double));
         model->left = malloc(model->num_band * model->num_cut * sizeof(double));
         if (model->needed_pressure && model->needed_film && model->band_pressure &&
@@ -381,6 +524,7 @@ ehd_status reduced_model_build(reduced_model *model, const reduced_basis *basis,
     memset(model, 0, sizeof *model);
     model->kind = basis->kind;
     model->grid = basis->grid;
+    model->num_lines = grid_lines(&basis->grid);
     model->deformation = basis->deformation;
     model->num_pressure = basis->num_pressure;
     model->num_deformation = basis->num_deformation;
@@ -409,10 +553,10 @@ static ehd_status fill_control(reduced_model *model, const reduced_basis *basis,
 
     if (coupled && work) {
         if (coupled_basis) deflect_modes(coupled, model, basis, deflection, work);
-        control->pressure = gather_rows(basis->pressure, control->needed_node, 0,
-                                        control->num_needed, num_pressure);
+        control->pressure =
+            gather_rows(basis->pressure, control->needed_node, control->num_needed, num_pressure);
         control->film =
-            gather_rows(coupled_basis ? coupled : basis->deformation_modes, control->needed_node, 0,
+            gather_rows(coupled_basis ? coupled : basis->deformation_modes, control->needed_node,
                         control->num_needed, coupled_basis ? num_pressure : basis->num_deformation);
     }
     free(work);
@@ -448,79 +592,193 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
 
 /* Left sides of the coupled basis: row i is (K at the needed nodes from band node i, step). */
 static void fill_left_coupled(reduced_model *model) {
-    size_t width = model->num_cut;
+    const double unit = 1;
 
-    for (size_t i = 0; i < model->num_band; i++) {
-        size_t node = model->band_begin + i;
-        for (size_t q = 0; q < model->num_needed; q++) {
-            size_t other = model->needed_node[q];
-            model->left[i * width + q] = model->kernel[other > node ? other - node : node - other];
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        for (size_t c = line->begin; c < line->end; c++) {
+            double *left = model->left + (line->offset + c - line->begin) * model->num_cut;
+            for (size_t q = 0; q < model->num_needed; q++)
+                left[q] = reduced_model_deflect(0, model, model->needed_node[q], l, c, 1, &unit);
+            left[model->num_needed] = load_weight(&model->grid, l * grid_width(&model->grid) + c);
         }
-        model->left[i * width + model->num_needed] = model->grid.step;
     }
 }
 
-/* Adds the band's nodes from `from` up to before `to` to a cut table. */
-static void extend_cut(double *cut, const reduced_model *model, size_t from, size_t to) {
-    size_t first = from - model->band_begin;
+size_t reduced_model_runs(cut_run *runs, const reduced_model *model, const size_t *from,
+                          const size_t *to) {
+    size_t count = 0;
 
-    if (to > from)
-        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
-                    (int)model->num_pressure, (int)(to - from), 1,
-                    model->left + first * model->num_cut, (int)model->num_cut,
-                    model->band_pressure + first * model->num_pressure, (int)model->num_pressure, 1,
-                    cut, (int)model->num_pressure);
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        size_t first = from[l] < to[l] ? from[l] : to[l];
+        if (from[l] != to[l])
+            runs[count++] = (cut_run){line->offset + first - line->begin, distance(from[l], to[l]),
+                                      l, first, to[l] > from[l] ? 1 : -1};
+    }
+    return count;
+}
+
+/* cut += left^T right over `rank` nodes of the band. */
+static void add_to_cut(double *cut, const reduced_model *model, const double *left,
+                       const double *right, size_t rank) {
+    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
+                (int)model->num_pressure, (int)rank, 1, left, (int)model->num_cut, right,
+                (int)model->num_pressure, 1, cut, (int)model->num_pressure);
+}
+
+void reduced_model_change_cut(double *cut, const reduced_model *model, const cut_run *runs,
+                              size_t num_runs, double *work) {
+    size_t num_cut = model->num_cut, num_pressure = model->num_pressure, rank = 0;
+    double *left = work, *right = work + CUT_BLOCK * num_cut;
+
+    if (num_runs == 1 && runs->sign > 0) {
+        add_to_cut(cut, model, model->left + runs->first * num_cut,
+                   model->band_pressure + runs->first * num_pressure, runs->count);
+        return;
+    }
+    for (size_t r = 0; r < num_runs; r++)
+        for (size_t i = runs[r].first; i < runs[r].first + runs[r].count; i++) {
+            memcpy(left + rank * num_cut, model->left + i * num_cut, num_cut * sizeof(double));
+            for (size_t j = 0; j < num_pressure; j++)
+                right[rank * num_pressure + j] =
+                    runs[r].sign * model->band_pressure[i * num_pressure + j];
+            if (++rank < CUT_BLOCK) continue;
+            add_to_cut(cut, model, left, right, rank);
+            rank = 0;
+        }
+    if (rank > 0) add_to_cut(cut, model, left, right, rank);
 }
 
 /* The same for the deflections at the band's nodes (coupled). */
-static void extend_band(double *band, const reduced_model *model, size_t from, size_t to) {
-    size_t num_pressure = model->num_pressure;
+static void change_band(double *band, const reduced_model *model, const cut_run *runs,
+                        size_t num_runs) {
+    size_t num_pressure = model->num_pressure, width = grid_width(&model->grid);
 
-    for (size_t source = from; source < to; source++)
-        for (size_t i = 0; i < model->num_band; i++) {
-            size_t node = model->band_begin + i;
-            double influence = model->kernel[node > source ? node - source : source - node];
-            cblas_daxpy((int)num_pressure, influence,
-                        model->band_pressure + (source - model->band_begin) * num_pressure, 1,
-                        band + i * num_pressure, 1);
-        }
+    for (size_t r = 0; r < num_runs; r++)
+        for (size_t i = 0; i < runs[r].count; i++)
+            for (size_t l = 0; l < model->num_lines; l++)
+                for (size_t c = model->lines[l].begin; c < model->lines[l].end; c++) {
+                    size_t place = model->lines[l].offset + c - model->lines[l].begin;
+                    double influence = reduced_model_deflect(0, model, l * width + c, runs[r].line,
+                                                             runs[r].column + i, 1, &runs[r].sign);
+                    cblas_daxpy((int)num_pressure, influence,
+                                model->band_pressure + (runs[r].first + i) * num_pressure, 1,
+                                band + place * num_pressure, 1);
+                }
 }
 
-static void fill_checkpoints(reduced_model *model) {
+static size_t exits_apart(const reduced_model *model, const size_t *a, const size_t *b) {
+    size_t sum = 0;
+
+    for (size_t l = 0; l < model->num_lines; l++)
+        sum += distance(a[l], b[l]);
+    return sum;
+}
+
+/* The nearest of the first `count` checkpoints. */
+static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit, size_t count) {
+    size_t best = 0, least = SIZE_MAX;
+
+    for (size_t c = 0; c < count; c++) {
+        size_t apart = exits_apart(model, exit, model->checkpoint_exit + c * model->num_lines);
+        if (apart >= least) continue;
+        least = apart;
+        best = c;
+    }
+    return best;
+}
+
+/* Each checkpoint from the nearest one before it, the first from where the band begins. */
+static ehd_status fill_checkpoints(reduced_model *model, ehd_error *error) {
     size_t cut_size = model->num_cut * model->num_pressure;
     size_t band_size = model->num_band * model->num_pressure;
-    size_t before = model->band_begin;
-    const double *cut = model->cut_base, *band = model->band_film;
+    cut_run *runs = malloc(model->num_lines * sizeof *runs);
+    size_t *begin = malloc(model->num_lines * sizeof *begin);
+    double *work = malloc(CUT_BLOCK * (model->num_cut + model->num_pressure) * sizeof *work);
+    bool enough = runs && begin && work;
 
-    for (size_t c = 0; c < model->num_checkpoints; c++) {
-        size_t exit = model->least_exit + c * model->checkpoint_stride;
-        double *next = model->checkpoint_cut + c * cut_size;
-        memcpy(next, cut, cut_size * sizeof(double));
-        extend_cut(next, model, before, exit);
-        cut = next;
-        if (model->checkpoint_band) {
-            next = model->checkpoint_band + c * band_size;
-            memcpy(next, band, band_size * sizeof(double));
-            extend_band(next, model, before, exit);
-            band = next;
-        }
-        before = exit;
+    for (size_t l = 0; enough && l < model->num_lines; l++)
+        begin[l] = model->lines[l].begin;
+    for (size_t c = 0; enough && c < model->num_checkpoints; c++) {
+        const size_t *exit = model->checkpoint_exit + c * model->num_lines;
+        size_t near = nearest_checkpoint(model, exit, c);
+        const size_t *from = c > 0 ? model->checkpoint_exit + near * model->num_lines : begin;
+        const double *cut = c > 0 ? model->checkpoint_cut + near * cut_size : model->cut_base;
+        size_t num_runs = reduced_model_runs(runs, model, from, exit);
+        memcpy(model->checkpoint_cut + c * cut_size, cut, cut_size * sizeof(double));
+        reduced_model_change_cut(model->checkpoint_cut + c * cut_size, model, runs, num_runs, work);
+        if (!model->checkpoint_band) continue;
+        const double *band = c > 0 ? model->checkpoint_band + near * band_size : model->band_film;
+        memcpy(model->checkpoint_band + c * band_size, band, band_size * sizeof(double));
+        change_band(model->checkpoint_band + c * band_size, model, runs, num_runs);
     }
+    free(runs);
+    free(begin);
+    free(work);
+    return enough ? EHD_OK
+                  : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
 }
 
-size_t reduced_model_checkpoint(const reduced_model *model, size_t exit) {
-    return (exit - model->least_exit) / model->checkpoint_stride;
+size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit) {
+    if (model->num_lines == 1) return (exit[0] - model->least_exit) / model->checkpoint_stride;
+    return nearest_checkpoint(model, exit, model->num_checkpoints);
+}
+
+// ---- checkpoints
+
+/* Of a line contact every some nodes. */
+static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
+    model->checkpoint_stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
+    model->num_checkpoints = (model->most_exit - model->least_exit) / model->checkpoint_stride + 1;
+    model->checkpoint_exit = malloc(model->num_checkpoints * sizeof *model->checkpoint_exit);
+    if (!model->checkpoint_exit)
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    for (size_t c = 0; c < model->num_checkpoints; c++)
+        model->checkpoint_exit[c] = model->least_exit + c * model->checkpoint_stride;
+    return EHD_OK;
+}
+
+/* Of a point contact the exit lines of training, the one farthest from all before next, as long as there are
+ * different ones and the tables stay within their memory. */
+static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
+    const reduced_states *states = &model->states;
+    size_t table = (model->num_cut + model->num_band) * model->num_pressure * sizeof(double);
+    size_t most = CHECKPOINT_MEMORY / table + 1, num_lines = model->num_lines, next = 0;
+
+    if (most > states->num_states) most = states->num_states;
+    model->checkpoint_exit = malloc(most * num_lines * sizeof *model->checkpoint_exit);
+    if (!model->checkpoint_exit)
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    for (model->num_checkpoints = 0; model->num_checkpoints < most;) {
+        size_t farthest = 0;
+        memcpy(model->checkpoint_exit + model->num_checkpoints++ * num_lines,
+               states->exit + next * num_lines, num_lines * sizeof *states->exit);
+        for (size_t s = 0; s < states->num_states; s++) {
+            const size_t *exit = states->exit + s * num_lines;
+            size_t near = nearest_checkpoint(model, exit, model->num_checkpoints);
+            size_t apart = exits_apart(model, exit, model->checkpoint_exit + near * num_lines);
+            if (apart <= farthest) continue;
+            farthest = apart;
+            next = s;
+        }
+        if (farthest == 0) break;
+    }
+    return EHD_OK;
 }
 
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
     size_t num_pressure = model->num_pressure, centre[4];
     bool coupled = model->deformation == DEFORMATION_COUPLED;
+    const ehd_grid *grid = &model->grid;
+    size_t width = grid_width(grid), kernel_lines = (grid->half ? 2 : 1) * model->num_lines;
+    ehd_status status =
+        model->num_lines > 1 ? spread_checkpoints(model, error) : space_checkpoints(model, error);
 
-    model->checkpoint_stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
-    model->num_checkpoints = (model->most_exit - model->least_exit) / model->checkpoint_stride + 1;
+    if (status) return status;
     model->stencils = malloc(model->num_rows * sizeof *model->stencils);
     model->needed_gap = malloc(model->num_needed * sizeof(double));
-    model->kernel = malloc(model->grid.num_nodes * sizeof(double));
+    model->kernel = malloc(kernel_lines * width * sizeof(double));
     model->checkpoint_cut =
         malloc(model->num_checkpoints * model->num_cut * num_pressure * sizeof(double));
     if (coupled)
@@ -536,12 +794,13 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
     for (size_t i = 0; i < 4; i++)
         model->centre[i] = place_in(model->needed_node, model->num_needed, centre[i]);
     for (size_t q = 0; q < model->num_needed; q++)
-        model->needed_gap[q] = model->kind->gap(grid_x(&model->grid, model->needed_node[q]));
-    for (size_t d = 0; d < model->grid.num_nodes; d++)
-        model->kernel[d] = model->kind->kernel((double)d * model->grid.step, model->grid.step);
+        model->needed_gap[q] = grid_gap(&model->grid, model->needed_node[q]);
+    for (size_t l = 0; l < kernel_lines; l++)
+        for (size_t d = 0; d < width; d++)
+            model->kernel[l * width + d] =
+                model->kind->kernel((double)d * grid->step, (double)l * grid->step, grid->step);
     if (coupled) fill_left_coupled(model);
-    fill_checkpoints(model);
-    return EHD_OK;
+    return fill_checkpoints(model, error);
 }
 
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error) {

@@ -25,16 +25,18 @@ typedef struct reduced_states {
     size_t num_states;
     size_t num_unknowns; // n_p + n_delta + 1
     double *coordinates; // [num_states, num_unknowns]: pressure, deformation, rigid approach
-    size_t *exit;        // [num_states] grid node, counted with the boundary nodes
-    double *moes_M;      // [num_states]
-    double *alpha_p_H;   // [num_states]
+    size_t num_lines;    // of the grid, boundary lines of a point contact included
+    size_t *exit;   // [num_states, num_lines] first column without pressure on each line, counted
+                    // with the boundary nodes; of a line contact that is a grid node
+    double *moes_M; // [num_states]
+    double *alpha_p_H;              // [num_states]
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false on a trajectory, unless at its start
     double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
 } reduced_states;
 
-ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_unknowns,
-                               ehd_error *error);
+ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
+                               size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
 /* Whether this contact is one of the training points. */
@@ -69,6 +71,21 @@ typedef struct control_rows {
     double *film;        // as needed_film below, at these nodes
 } control_rows;
 
+/* The part of a grid line in which the exit and, where it is sought, the film minimum lie. On a point contact all
+ * lines together are the band; boundary lines have no nodes in it. */
+typedef struct band_line {
+    size_t begin, end;  // columns begin … end - 1
+    size_t offset;      // place of column `begin` among the band's nodes
+    size_t least, most; // columns at which the exit may lie
+} band_line;
+
+/* Neighbouring nodes of the band by which two exit lines differ. */
+typedef struct cut_run {
+    size_t first, count; // places in the band
+    size_t line, column; // of the first one
+    double sign;         // 1: they get pressure, -1: they lose it
+} cut_run;
+
 /* What the online solver holds. Everything here is read-only while solving, so that several solvers
  * in several threads may share it. */
 typedef struct reduced_model {
@@ -92,24 +109,31 @@ typedef struct reduced_model {
     double centre_weight[4];    // interpolation to X = 0
 
     // the band in which film minimum and exit lie
-    size_t band_begin, num_band;  // nodes band_begin … band_begin + num_band - 1
-    size_t least_exit, most_exit; // where the exit may lie
-    double *band_pressure;        // [num_band, num_pressure]
-    double *band_film;            // as needed_film, at the band's nodes
-    double *kernel;               // [num_nodes] deflection by distance in nodes
+    size_t num_lines;  // of the grid
+    band_line *lines;  // [num_lines]
+    size_t num_band;   // nodes of all lines
+    size_t band_begin; // of a line contact: nodes band_begin … band_begin + num_band - 1
+    size_t least_exit, most_exit;       // of a line contact: where the exit may lie
+    size_t first_minimum, last_minimum; // lines between which trained film minima lie
+    double *band_pressure;              // [num_band, num_pressure]
+    double *band_film;                  // as needed_film, at the band's nodes
+    double *kernel; // [lines, width] deflection by distance in lines and columns; of a
+                    // half grid [2 num_lines, width], for mirrored nodes too
 
-    // Left sides of the cut updates (eq. 36): cutting at e instead of band_begin adds
-    // sum over the band's nodes i < e of left[i, :]^T V_p[i, :] to the cut table.
+    // Left sides of the cut updates (eq. 36): cutting at an exit instead of where the band begins adds
+    // sum over the band's nodes i before the exit of left[i, :]^T V_p[i, :] to the cut table.
     size_t num_cut;   // rows of the cut table: coupled, num_needed; independent, num_deformation;
                       // and one more for the load balance
     double *left;     // [num_band, num_cut]
     double *cut_base; // [num_cut, num_pressure] the cut table for an exit at band_begin
 
     // cut tables and band deflections for some exits, so that no solve starts far from one
-    size_t checkpoint_stride; // nodes
-    size_t num_checkpoints;   // exit least_exit + k checkpoint_stride
-    double *checkpoint_cut;   // [num_checkpoints, num_cut, num_pressure]
-    double *checkpoint_band;  // coupled: [num_checkpoints, num_band, num_pressure], else NULL
+    size_t checkpoint_stride; // nodes, of a line contact
+    size_t num_checkpoints;
+    size_t *checkpoint_exit; // [num_checkpoints, num_lines]: of a line contact least_exit + k
+                             // checkpoint_stride, of a point contact exit lines of training
+    double *checkpoint_cut;  // [num_checkpoints, num_cut, num_pressure]
+    double *checkpoint_band; // coupled: [num_checkpoints, num_band, num_pressure], else NULL
 
     control_rows control;
     reduced_states states;
@@ -143,7 +167,34 @@ ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error
 
 void reduced_model_free(reduced_model *model);
 
-/* Table of an exit's checkpoint, the largest one not behind `exit`. */
-size_t reduced_model_checkpoint(const reduced_model *model, size_t exit);
+/* Checkpoint of an exit line: of a line contact the largest one not behind the exit, else the nearest. */
+size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);
+
+/* By which nodes `to` differs from exit line `from`; at most one run a line. Returns their number. */
+size_t reduced_model_runs(
+    // output:
+    cut_run *runs, // [num_lines]
+    // input:
+    const reduced_model *model, const size_t *from, const size_t *to);
+
+/* Brings a cut table to another exit line: eq. (36) in blocks of rank CUT_BLOCK. */
+enum { CUT_BLOCK = 64 };
+void reduced_model_change_cut(
+    // in and out:
+    double *cut, // [num_cut, num_pressure]
+    // input:
+    const reduced_model *model, const cut_run *runs, size_t num_runs,
+    double *work); // [CUT_BLOCK, num_cut + num_pressure]; not touched on a line contact
+
+/* The line of a grid on which Y = 0. */
+size_t reduced_central_line(const ehd_grid *grid);
+
+/* Line of a grid node, and its column in it. */
+size_t reduced_model_line(const reduced_model *model, size_t node);
+size_t reduced_model_column(const reduced_model *model, size_t node);
+
+/* `sum` plus what `count` neighbouring nodes of a line from column `first` on deflect at a node. */
+double reduced_model_deflect(double sum, const reduced_model *model, size_t node, size_t line,
+                             size_t first, size_t count, const double *pressure);
 
 #endif

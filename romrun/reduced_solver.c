@@ -11,6 +11,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Keeps the exit of a line from cycling: after it has turned round it moves by single nodes, and stays where it
+ * is after some more turns. Near places that ask for one another, which keeps the pressure from converging,
+ * do so for ever: then it stays at once. */
+typedef struct exit_watch {
+    // it cycles where it turned more often than this, wants to move by so many nodes at most, and the
+    // pressure changes by less than `small`, or less than `stalled` and hardly less than before
+    int most_turns;
+    size_t near;
+    double small, stalled;
+
+    double change; // of the pressure, in the last iteration
+    int direction, turns;
+} exit_watch;
+
 struct reduced_solver {
     const reduced_model *model;
     reduced_settings settings;
@@ -26,12 +40,18 @@ struct reduced_solver {
     size_t *kept_row;           // [num_rows]
     double kept_weight;         // of its closure
 
-    size_t exit;       // what follows is for; 0: none yet
-    size_t num_alive;  // needed nodes before the exit
-    double *cut;       // [num_cut, num_pressure] the cut table for table_exit, which Jacobians take
-    size_t table_exit; // 0: none yet
-    double *cut_value; // [num_cut] the exit's cut table times z, which everything else takes
-    double *step_cut;  // [num_cut] the same for a step
+    size_t *exit;      // [num_lines] what follows is for; 0: none yet
+    bool *alive;       // [num_needed] before the exit
+    size_t checkpoint; // of the exit
+    cut_run *runs;     // [num_lines] by which the exit differs from that one's
+    size_t num_runs;
+    double *cut; // [num_cut, num_pressure] the cut table for table_exit, which Jacobians take
+    size_t *table_exit;     // [num_lines]; 0: none yet
+    double *block;          // for reduced_model_change_cut
+    size_t *wanted, *moved; // [num_lines] exits asked for, and where they go
+    exit_watch *watches;    // [num_lines]
+    double *cut_value;      // [num_cut] the exit's cut table times z, which everything else takes
+    double *step_cut;       // [num_cut] the same for a step
     reduced_values values, step_values;
 
     double *pressure, *film;           // [num_needed]
@@ -47,6 +67,32 @@ struct reduced_solver {
     double *start;                     // [num_unknowns] to go back to; also scratch
     double *observed;                  // [2, num_rows]
 };
+
+ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error) {
+    bool lines = model->num_lines > 1;
+
+    *state = (reduced_state){.coordinates = calloc(model->num_unknowns, sizeof(double))};
+    if (lines) state->exits = calloc(model->num_lines, sizeof *state->exits);
+    if (state->coordinates && (state->exits || !lines)) return EHD_OK;
+    reduced_state_free(state);
+    return ehd_fail(error, EHD_MEMORY, "reduced state: found no memory");
+}
+
+void reduced_state_free(reduced_state *state) {
+    free(state->coordinates);
+    free(state->exits);
+    memset(state, 0, sizeof *state);
+}
+
+const size_t *reduced_state_exits(const reduced_state *state) {
+    return state->exits ? state->exits : &state->exit;
+}
+
+void reduced_state_set_exits(reduced_state *state, const reduced_model *model,
+                             const size_t *exits) {
+    state->exit = exits[reduced_central_line(&model->grid)];
+    if (state->exits) memmove(state->exits, exits, model->num_lines * sizeof *exits);
+}
 
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
                                ehd_error *error) {
@@ -75,6 +121,14 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         least_squares_free(self->kept);
         free(self->kept_matrix);
         free(self->kept_row);
+        free(self->exit);
+        free(self->alive);
+        free(self->runs);
+        free(self->table_exit);
+        free(self->block);
+        free(self->wanted);
+        free(self->moved);
+        free(self->watches);
         free(self->cut);
         free(self->cut_value);
         free(self->step_cut);
@@ -101,6 +155,8 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
 ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *model,
                                  const reduced_settings *settings, ehd_error *error) {
     size_t most_rows = model->num_rows + model->num_deformation + 1;
+    size_t num_lines = model->num_lines;
+    size_t block_size = num_lines > 1 ? CUT_BLOCK * (model->num_cut + model->num_pressure) : 1;
     reduced_solver *self = calloc(1, sizeof *self);
 
     *solver = NULL;
@@ -111,6 +167,14 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->kept = least_squares_create(most_rows, model->num_unknowns);
     self->kept_matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
     self->kept_row = malloc(model->num_rows * sizeof *self->kept_row);
+    self->exit = calloc(num_lines, sizeof *self->exit);
+    self->alive = calloc(model->num_needed, sizeof *self->alive);
+    self->runs = calloc(num_lines, sizeof *self->runs);
+    self->table_exit = calloc(num_lines, sizeof *self->table_exit);
+    self->block = malloc(block_size * sizeof(double));
+    self->wanted = calloc(num_lines, sizeof *self->wanted);
+    self->moved = calloc(num_lines, sizeof *self->moved);
+    self->watches = calloc(num_lines, sizeof *self->watches);
     self->cut = malloc(model->num_cut * model->num_pressure * sizeof(double));
     self->cut_value = malloc(model->num_cut * sizeof(double));
     self->step_cut = malloc(model->num_cut * sizeof(double));
@@ -128,10 +192,12 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->start = malloc(model->num_unknowns * sizeof(double));
     self->observed = malloc(2 * model->num_rows * sizeof(double));
     if (!self->least_squares || !self->kept || !self->kept_matrix || !self->kept_row ||
-        !self->cut || !self->cut_value || !self->step_cut || !self->pressure || !self->film ||
-        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
-        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
-        !self->start || !self->observed || reduced_values_init(&self->values, model, error) ||
+        !self->exit || !self->alive || !self->runs || !self->table_exit || !self->block ||
+        !self->wanted || !self->moved || !self->watches || !self->cut || !self->cut_value ||
+        !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
+        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->rows ||
+        !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
+        !self->observed || reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -156,41 +222,32 @@ void reduced_solver_transform(reduced_solver *self, reduced_transform *transform
 
 // ---- the exit's cut
 
-/* An exit's checkpoint, and the nodes that it lacks: from *base up to before the exit. */
-static const double *checkpoint_of(size_t *base, const reduced_model *model, size_t exit) {
-    size_t checkpoint = reduced_model_checkpoint(model, exit);
-
-    *base = model->least_exit + checkpoint * model->checkpoint_stride;
-    return model->checkpoint_cut + checkpoint * model->num_cut * model->num_pressure;
-}
-
-static void move_exit(reduced_solver *self, size_t exit) {
+static void move_exit(reduced_solver *self, const size_t *exit) {
     const reduced_model *model = self->model;
+    size_t num_lines = model->num_lines, bytes = num_lines * sizeof *exit;
 
-    if (self->exit == exit) return;
-    self->exit = exit;
-    self->num_alive = 0;
-    while (self->num_alive < model->num_needed && model->needed_node[self->num_alive] < exit)
-        self->num_alive++;
+    if (memcmp(self->exit, exit, bytes) == 0) return;
+    memcpy(self->exit, exit, bytes);
+    for (size_t q = 0; q < model->num_needed; q++) {
+        size_t node = model->needed_node[q];
+        self->alive[q] = reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
+    }
+    self->checkpoint = reduced_model_checkpoint(model, exit);
+    self->num_runs = reduced_model_runs(
+        self->runs, model, model->checkpoint_exit + self->checkpoint * num_lines, exit);
 }
 
 /* Brings the cut table to the exit, always from the exit's checkpoint: its bits then depend on the exit
  * alone, and rounding errors do not add up over thousands of steps in time. */
 static void make_cut_table(reduced_solver *self) {
     const reduced_model *model = self->model;
-    size_t base;
-    const double *checkpoint = checkpoint_of(&base, model, self->exit);
-    size_t first = base - model->band_begin;
+    size_t size = model->num_cut * model->num_pressure, bytes = model->num_lines * sizeof(size_t);
 
-    if (self->table_exit == self->exit) return;
-    memcpy(self->cut, checkpoint, model->num_cut * model->num_pressure * sizeof(double));
-    if (self->exit > base) // the rank-k form of eq. (36)
-        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
-                    (int)model->num_pressure, (int)(self->exit - base), 1,
-                    model->left + first * model->num_cut, (int)model->num_cut,
-                    model->band_pressure + first * model->num_pressure, (int)model->num_pressure, 1,
-                    self->cut, (int)model->num_pressure);
-    self->table_exit = self->exit;
+    if (memcmp(self->table_exit, self->exit, bytes) == 0) return;
+    memcpy(self->cut, model->checkpoint_cut + self->checkpoint * size, size * sizeof(double));
+    if (self->num_runs > 0)
+        reduced_model_change_cut(self->cut, model, self->runs, self->num_runs, self->block);
+    memcpy(self->table_exit, self->exit, bytes);
 }
 
 // ---- the state at nodes
@@ -201,21 +258,33 @@ static void product(double *y, const double *matrix, const double *x, size_t row
                     x, 1, 0, y, 1);
 }
 
-/* P at band nodes from `from` up to before `to`. */
-static void expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
-    size_t first = from - self->model->band_begin;
+/* P at `count` band nodes from place `first` on. */
+static void expand_places(reduced_solver *self, const double *z, size_t first, size_t count) {
+    const reduced_model *model = self->model;
 
-    if (to > from) reduced_band_pressure(self->band_pressure + first, self->model, z, from, to);
+    product(self->band_pressure + first, model->band_pressure + first * model->num_pressure, z,
+            count, model->num_pressure);
+}
+
+/* P at band nodes of a line contact from `from` up to before `to`. */
+static void expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
+    if (to > from) expand_places(self, z, from - self->model->band_begin, to - from);
+}
+
+/* P at the band nodes by which the exit differs from its checkpoint's. */
+static void expand_runs(reduced_solver *self, const double *z) {
+    for (size_t r = 0; r < self->num_runs; r++)
+        expand_places(self, z, self->runs[r].first, self->runs[r].count);
 }
 
 void reduced_values_of(reduced_values *values, const reduced_model *model, const double *z,
-                       size_t exit) {
-    size_t base;
-    const double *table = checkpoint_of(&base, model, exit);
+                       const size_t *exit) {
+    size_t size = model->num_cut * model->num_pressure;
 
     values->checkpoint = reduced_model_checkpoint(model, exit);
     product(values->pressure, model->needed_pressure, z, model->num_needed, model->num_pressure);
-    product(values->cut, table, z, model->num_cut, model->num_pressure);
+    product(values->cut, model->checkpoint_cut + values->checkpoint * size, z, model->num_cut,
+            model->num_pressure);
 }
 
 /* values += factor * of; both of the same checkpoint. */
@@ -230,18 +299,16 @@ static void add_values(reduced_values *values, double factor, const reduced_valu
 static void expand(double *pressure, double *film, double *cut_value, reduced_solver *self,
                    const reduced_values *values, const double *z) {
     const reduced_model *model = self->model;
-    size_t base, num_alive = self->num_alive;
-    checkpoint_of(&base, model, self->exit);
-    size_t first = base - model->band_begin;
 
-    memcpy(pressure, values->pressure, num_alive * sizeof(double));
-    memset(pressure + num_alive, 0, (model->num_needed - num_alive) * sizeof(double));
+    for (size_t q = 0; q < model->num_needed; q++)
+        pressure[q] = self->alive[q] ? values->pressure[q] : 0;
     memcpy(cut_value, values->cut, model->num_cut * sizeof(double));
-    if (self->exit > base) {
-        expand_band(self, z, base, self->exit);
-        cblas_dgemv(CblasRowMajor, CblasTrans, (int)(self->exit - base), (int)model->num_cut, 1,
-                    model->left + first * model->num_cut, (int)model->num_cut,
-                    self->band_pressure + first, 1, 1, cut_value, 1);
+    expand_runs(self, z);
+    for (size_t r = 0; r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        cblas_dgemv(CblasRowMajor, CblasTrans, (int)run->count, (int)model->num_cut, run->sign,
+                    model->left + run->first * model->num_cut, (int)model->num_cut,
+                    self->band_pressure + run->first, 1, 1, cut_value, 1);
     }
     if (model->deformation == DEFORMATION_COUPLED)
         memcpy(film, cut_value, model->num_needed * sizeof(double));
@@ -254,7 +321,7 @@ static void expand(double *pressure, double *film, double *cut_value, reduced_so
 
 /* The same for the state being worked on. */
 static void expand_state(reduced_solver *self, const reduced_values *known, const double *z) {
-    if (!known || known->checkpoint != reduced_model_checkpoint(self->model, self->exit)) {
+    if (!known || known->checkpoint != self->checkpoint) {
         reduced_values_of(&self->values, self->model, z, self->exit);
         known = &self->values;
     }
@@ -266,25 +333,43 @@ static double load_of(const reduced_solver *self) {
     return self->cut_value[self->model->num_cut - 1];
 }
 
-/* H at one band node. For the coupled basis the exit's checkpoint gives the deflection of what lies
- * before it, and expand_band must have filled the pressures from there to the exit. */
-static double band_film(const reduced_solver *self, const double *z, size_t exit, size_t node) {
+/* Place of a node of the band. */
+static size_t band_place(const reduced_model *model, size_t node) {
+    const band_line *line = &model->lines[reduced_model_line(model, node)];
+
+    return line->offset + reduced_model_column(model, node) - line->begin;
+}
+
+/* `film` with what a run of band nodes deflects at a node. */
+static double deflect_run(double film, const reduced_solver *self, const cut_run *run,
+                          size_t node) {
+    const double *pressure = self->band_pressure + run->first;
     const reduced_model *model = self->model;
-    size_t place = node - model->band_begin, num_pressure = model->num_pressure;
-    double film = z[model->num_unknowns - 1] + model->kind->gap(grid_x(&model->grid, node));
+
+    if (run->sign > 0)
+        return reduced_model_deflect(film, model, node, run->line, run->column, run->count,
+                                     pressure);
+    return film -
+           reduced_model_deflect(0, model, node, run->line, run->column, run->count, pressure);
+}
+
+/* H at one band node at the solver's exit. For the coupled basis the exit's checkpoint gives the deflection of what
+ * lies before it, and expand_runs or expand_band must have filled the pressures by which the exit differs. */
+static double band_film(const reduced_solver *self, const double *z, size_t node) {
+    const reduced_model *model = self->model;
+    size_t place = band_place(model, node), num_pressure = model->num_pressure;
+    double film = z[model->num_unknowns - 1] + grid_gap(&model->grid, node);
 
     if (model->deformation == DEFORMATION_INDEPENDENT) {
         const double *basis = model->band_film + place * model->num_deformation;
         return film + cblas_ddot((int)model->num_deformation, basis, 1, z + num_pressure, 1);
     }
-    size_t checkpoint = reduced_model_checkpoint(model, exit);
-    size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
-    film += cblas_ddot(
-        (int)num_pressure,
-        model->checkpoint_band + (checkpoint * model->num_band + place) * num_pressure, 1, z, 1);
-    for (size_t i = base; i < exit; i++)
-        film += model->kernel[node > i ? node - i : i - node] *
-                self->band_pressure[i - model->band_begin];
+    film += cblas_ddot((int)num_pressure,
+                       model->checkpoint_band +
+                           (self->checkpoint * model->num_band + place) * num_pressure,
+                       1, z, 1);
+    for (size_t r = 0; r < self->num_runs; r++)
+        film = deflect_run(film, self, &self->runs[r], node);
     return film;
 }
 
@@ -295,8 +380,7 @@ static const double SETTLED = 0.005; // half widths
 static const double NOISE = 1e-5;    // negative pressure that the truncated basis may show
 
 static size_t window_begin(const reduced_model *model, size_t exit) {
-    size_t checkpoint = reduced_model_checkpoint(model, exit);
-    size_t base = model->least_exit + checkpoint * model->checkpoint_stride;
+    size_t base = model->checkpoint_exit[reduced_model_checkpoint(model, &exit)];
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
     size_t reach = window + 2; // a row at the window's first node has its stencil before it
     size_t begin = exit > model->band_begin + reach ? exit - reach : model->band_begin;
@@ -305,22 +389,28 @@ static size_t window_begin(const reduced_model *model, size_t exit) {
 }
 
 /* The Reynolds row at a band node, from the state around it; row.residual is -Lambda at the exit. */
-static reynolds_row band_row(const reduced_solver *self, const double *z, size_t exit, size_t node,
+static reynolds_row band_row(const reduced_solver *self, const double *z, size_t node,
                              const ehd_contact *contact, const reduced_squeeze *squeeze,
                              double *flux) {
     const reduced_model *model = self->model;
+    const reynolds_stencil around = reynolds_stencil_at(&model->grid, node);
     double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[4][NUM_STENCIL];
-    reynolds_stencil stencil = {{0, 1, 2, 3}};
+    reynolds_stencil stencil;
     reynolds_fluid fluid = {memory[0], memory[1], contact->lubricant.density ? memory[2] : NULL,
                             contact->lubricant.density ? memory[3] : NULL};
     reynolds_row row;
+    size_t count = 0;
 
     for (size_t a = 0; a < NUM_STENCIL; a++) {
-        size_t place = node - 2 + a;
-        pressure[a] = place < exit ? self->band_pressure[place - model->band_begin] : 0;
-        film[a] = band_film(self, z, exit, place);
+        size_t other = around.node[a];
+        stencil.node[a] = other == NO_NODE ? NO_NODE : count;
+        if (other == NO_NODE) continue;
+        bool alive =
+            reduced_model_column(model, other) < self->exit[reduced_model_line(model, other)];
+        pressure[count] = alive ? self->band_pressure[band_place(model, other)] : 0;
+        film[count++] = band_film(self, z, other);
     }
-    reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_STENCIL);
+    reynolds_fluid_evaluate(&fluid, contact, pressure, count);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
     const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, &earlier};
     reynolds_rows(&row, model->grid.step, contact->entrainment, squeeze ? &here : NULL, &stencil, 1,
@@ -354,47 +444,97 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
         node++;
     if (node < exit) {
         from = node > model->band_begin + 2 ? node : model->band_begin + 2;
-        band_row(self, z, exit, from, contact, NULL, &flux);
+        band_row(self, z, from, contact, NULL, &flux);
     } else {
-        reynolds_row row = band_row(self, z, exit, exit, contact, NULL, &flux);
+        reynolds_row row = band_row(self, z, exit, contact, NULL, &flux);
         if (row.residual <= 0) return exit;
         from = exit + 1;
         end = exit + window < model->most_exit ? exit + window : model->most_exit;
     }
     for (node = from; node < end; node++)
-        if (contact->entrainment * band_film(self, z, exit, node) >= flux) break;
+        if (contact->entrainment * band_film(self, z, node) >= flux) break;
     node = node > model->least_exit ? node : model->least_exit;
     return node < model->most_exit ? node : model->most_exit;
 }
 
-/* With a film that varies in time there is no such flux: the exit goes by the signs of pressure and
- * multiplier at each node of the window. */
+/* With a film that varies in time, and across the lines of a point contact, there is no such flux: the exit of a
+ * line goes by the signs of pressure and multiplier at each node of the window. */
+static size_t exit_by_signs(reduced_solver *self, const double *z, size_t line, size_t window,
+                            const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    const reduced_model *model = self->model;
+    const band_line *band = &model->lines[line];
+    const double *pressure = self->band_pressure + band->offset;
+    size_t exit = self->exit[line], first = line * grid_width(&model->grid);
+    size_t column = exit > band->begin + window ? exit - window : band->begin;
+    size_t end = exit + window < band->most ? exit + window : band->most;
+    double ignored;
+
+    while (column < exit && pressure[column - band->begin] >= -NOISE)
+        column++;
+    if (column < exit) return column > band->least ? column : band->least;
+    while (column < end &&
+           band_row(self, z, first + column, contact, squeeze, &ignored).residual > 0)
+        column++;
+    return column;
+}
+
 static size_t adapt_exit_in_time(reduced_solver *self, const reduced_state *state,
                                  const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const reduced_model *model = self->model;
-    const double *z = state->coordinates;
-    size_t exit = state->exit, window = (size_t)(WINDOW / model->grid.step) + 2;
-    size_t begin = window_begin(model, exit);
-    size_t node = exit > begin + window ? exit - window : begin;
-    size_t end = exit + window < model->most_exit ? exit + window : model->most_exit;
-    double ignored;
+    size_t window = (size_t)(WINDOW / model->grid.step) + 2;
 
-    expand_band(self, z, begin, exit);
-    while (node < exit && self->band_pressure[node - model->band_begin] >= -NOISE)
-        node++;
-    if (node < exit) return node > model->least_exit ? node : model->least_exit;
-    while (node < end && band_row(self, z, exit, node, contact, squeeze, &ignored).residual > 0)
-        node++;
-    return node;
+    expand_band(self, state->coordinates, window_begin(model, state->exit), state->exit);
+    return exit_by_signs(self, state->coordinates, 0, window, contact, squeeze);
+}
+
+/* P at the band nodes around the exit line, as far as rows at the exits of the lines beside a line need them. */
+static void expand_around(reduced_solver *self, const double *z, size_t window) {
+    const reduced_model *model = self->model;
+
+    expand_runs(self, z);
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *band = &model->lines[l];
+        size_t first = self->exit[l], reach = window + 2;
+        if (band->end == band->begin) continue;
+        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->num_lines;
+             beside++)
+            if (model->lines[beside].end > model->lines[beside].begin && self->exit[beside] < first)
+                first = self->exit[beside];
+        first = first > band->begin + reach ? first - reach : band->begin;
+        if (first < self->exit[l])
+            expand_places(self, z, band->offset + first - band->begin, self->exit[l] - first);
+    }
+}
+
+/* Where the exits should be, into self->wanted. */
+static void find_exits(reduced_solver *self, const reduced_state *state, const ehd_contact *contact,
+                       const reduced_squeeze *squeeze) {
+    const reduced_model *model = self->model;
+    size_t window = (size_t)(WINDOW / model->grid.step) + 2;
+
+    if (model->num_lines == 1) {
+        self->wanted[0] = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
+                                  : adapt_exit(self, state, contact);
+        return;
+    }
+    expand_around(self, state->coordinates, window);
+    for (size_t l = 0; l < model->num_lines; l++)
+        self->wanted[l] = model->lines[l].end > model->lines[l].begin
+                              ? exit_by_signs(self, state->coordinates, l, window, contact, squeeze)
+                              : self->exit[l];
 }
 
 // ---- one iteration
 
 /* The selected rows before the exit. */
-static void list_system_rows(reduced_solver *self, size_t exit) {
+static bool is_row_alive(const reduced_solver *self, size_t r) {
+    return self->alive[self->model->stencils[r].node[NODE_HERE]];
+}
+
+static void list_system_rows(reduced_solver *self) {
     self->num_system = 0;
     for (size_t r = 0; r < self->model->num_rows; r++)
-        if (self->model->row_node[r] < exit) self->system_row[self->num_system++] = r;
+        if (is_row_alive(self, r)) self->system_row[self->num_system++] = r;
 }
 
 static void evaluate_rows(reduced_solver *self, const ehd_contact *contact,
@@ -425,11 +565,11 @@ static void add_row(double *target, double factor, const double *source, size_t 
 }
 
 /* target += sum of factors[a] * sources[a], in one pass. */
-static void add_rows(double *restrict target, const double factors[NUM_STENCIL],
-                     const double *const sources[NUM_STENCIL], size_t count) {
+static void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
+                     const double *const sources[NUM_LINE_STENCIL], size_t count) {
     for (size_t j = 0; j < count; j++) {
         double sum = target[j];
-        for (int a = 0; a < NUM_STENCIL; a++)
+        for (int a = 0; a < NUM_LINE_STENCIL; a++)
             sum += factors[a] * sources[a][j];
         target[j] = sum;
     }
@@ -446,36 +586,44 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     size_t offset = coupled ? 0 : model->num_pressure;
     const double *film = coupled ? self->cut : model->needed_film;
 
-    double by_pressure[NUM_STENCIL] = {0}, by_film[NUM_STENCIL] = {0};
-    const double *pressures[NUM_STENCIL], *films[NUM_STENCIL];
+    double by_pressure[NUM_LINE_STENCIL] = {0}, by_film[NUM_LINE_STENCIL] = {0};
+    const double *pressures[NUM_LINE_STENCIL], *films[NUM_LINE_STENCIL];
 
-    for (int a = 0; a < NUM_STENCIL; a++) {
+    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
         bool there = stencil->node[a] != NO_NODE;
         size_t q = there ? stencil->node[a] : 0;
         pressures[a] = model->needed_pressure + q * model->num_pressure;
         films[a] = film + q * width;
         if (!there) continue;
-        if (q < self->num_alive) by_pressure[a] = weight * row->by_pressure[a];
+        if (self->alive[q]) by_pressure[a] = weight * row->by_pressure[a];
         by_film[a] = weight * row->by_film[a];
         approach += row->by_film[a];
     }
     memset(target, 0, model->num_unknowns * sizeof(double));
     add_rows(target, by_pressure, pressures, model->num_pressure);
     add_rows(target + offset, by_film, films, width);
+    for (int a = NODE_LEFT; a <= NODE_RIGHT && stencil->node[a] != NO_NODE; a++) {
+        size_t q = stencil->node[a];
+        if (self->alive[q])
+            add_row(target, weight * row->by_pressure[a],
+                    model->needed_pressure + q * model->num_pressure, model->num_pressure);
+        add_row(target + offset, weight * row->by_film[a], film + q * width, width);
+        approach += row->by_film[a];
+    }
     target[model->num_unknowns - 1] = weight * approach;
 }
 
 /* Right side of eq. (37): the Reynolds rows listed (those behind the exit count as fulfilled), projected
  * elasticity, closure. Returns the number of rows. */
-static size_t fill_right(reduced_solver *self, const double *z, size_t exit, const size_t *list,
-                         size_t num_list, const contact_closure *closure, double closure_weight) {
+static size_t fill_right(reduced_solver *self, const double *z, const size_t *list, size_t num_list,
+                         const contact_closure *closure, double closure_weight) {
     const reduced_model *model = self->model;
     size_t count = 0;
 
     for (; count < num_list; count++) {
         size_t r = list[count];
         self->right[count] =
-            model->row_node[r] < exit ? model->row_weight[r] * self->rows[r].residual : 0;
+            is_row_alive(self, r) ? model->row_weight[r] * self->rows[r].residual : 0;
     }
     for (size_t j = 0; j < model->num_deformation; j++, count++)
         self->right[count] = z[model->num_pressure + j] - self->cut_value[j];
@@ -568,15 +716,21 @@ typedef struct film_of_state {
 static double film_at(const void *context, size_t node) {
     const film_of_state *self = context;
 
-    return band_film(self->solver, self->state->coordinates, self->state->exit, node);
+    return band_film(self->solver, self->state->coordinates, node);
 }
 
 static double minimum_film(reduced_solver *self, const reduced_state *state) {
     const film_of_state film = {self, state};
     const reduced_model *model = self->model;
+    double least = INFINITY;
 
-    expand_band(self, state->coordinates, window_begin(model, state->exit), state->exit);
-    return band_minimum(film_at, &film, model->band_begin, state->exit + 1);
+    expand_runs(self, state->coordinates);
+    for (size_t l = model->first_minimum; l <= model->last_minimum; l++) {
+        size_t first = l * grid_width(&model->grid);
+        least = fmin(least, band_minimum(film_at, &film, first + model->lines[l].begin,
+                                         first + self->exit[l] + 1));
+    }
+    return least;
 }
 
 /* How far an exit may be kept from where it should be: a node or two do not move the film, more do. */
@@ -584,23 +738,15 @@ static size_t settled_distance(const reduced_model *model) {
     return (size_t)(SETTLED / model->grid.step) + 1;
 }
 
-static bool exit_settled(const reduced_model *model, size_t exit, size_t wanted) {
-    return (wanted > exit ? wanted - exit : exit - wanted) <= settled_distance(model);
+static bool exits_settled(const reduced_solver *self) {
+    const size_t *exit = self->exit, *wanted = self->wanted;
+
+    for (size_t l = 0; l < self->model->num_lines; l++)
+        if ((wanted[l] > exit[l] ? wanted[l] - exit[l] : exit[l] - wanted[l]) >
+            settled_distance(self->model))
+            return false;
+    return true;
 }
-
-/* Keeps the exit from cycling: after it has turned round it moves by single nodes, and stays where it
- * is after some more turns. Near places that ask for one another, which keeps the pressure from converging,
- * do so for ever: then it stays at once. */
-typedef struct exit_watch {
-    // it cycles where it turned more often than this, wants to move by so many nodes at most, and the
-    // pressure changes by less than `small`, or less than `stalled` and hardly less than before
-    int most_turns;
-    size_t near;
-    double small, stalled;
-
-    double change; // of the pressure, in the last iteration
-    int direction, turns;
-} exit_watch;
 
 /* Stationary, where the exit goes by the flux. A node's move changes the film by 1e-5 or a few of them: where
  * no more is asked the exit need not be looked for in a converged state. */
@@ -635,12 +781,32 @@ static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t n
     return (size_t)((ptrdiff_t)exit + direction);
 }
 
+static void watch_exits(reduced_solver *self, exit_watch watch) {
+    for (size_t l = 0; l < self->model->num_lines; l++)
+        self->watches[l] = watch;
+}
+
+/* Moves the exits of a state, `change` being that of the pressure in this iteration; false where none moves. */
+static bool adapt_exits(reduced_info *info, reduced_solver *self, reduced_state *state,
+                        const ehd_contact *contact, const reduced_squeeze *squeeze, double change) {
+    const reduced_model *model = self->model;
+    double start = program_seconds();
+
+    find_exits(self, state, contact, squeeze);
+    for (size_t l = 0; l < model->num_lines; l++)
+        self->moved[l] = watch_exit(&self->watches[l], change, self->exit[l], self->wanted[l]);
+    bool moved = memcmp(self->moved, self->exit, model->num_lines * sizeof *self->moved) != 0;
+    reduced_state_set_exits(state, model, self->moved);
+    info->seconds_exit += program_seconds() - start;
+    return moved;
+}
+
 /* Brings the rows and their values to the state, whose values may be known. */
 static void evaluate(reduced_info *info, reduced_solver *self, const reduced_state *state,
                      const reduced_values *known, const ehd_contact *contact,
                      const reduced_squeeze *squeeze) {
     double start = program_seconds();
-    move_exit(self, state->exit);
+    move_exit(self, reduced_state_exits(state));
     evaluate_rows(self, contact, squeeze, known, state->coordinates);
     info->seconds_rows += program_seconds() - start;
 }
@@ -652,10 +818,10 @@ static size_t build_system(reduced_info *info, reduced_solver *self, const reduc
     double weight = squeeze ? closure_weight_for(squeeze->rate) : 1;
     evaluate(info, self, state, known, contact, squeeze);
     double start = program_seconds();
-    list_system_rows(self, state->exit);
+    list_system_rows(self);
     fill_matrix(self, &contact->closure, weight);
-    size_t num_rows = fill_right(self, state->coordinates, state->exit, self->system_row,
-                                 self->num_system, &contact->closure, weight);
+    size_t num_rows = fill_right(self, state->coordinates, self->system_row, self->num_system,
+                                 &contact->closure, weight);
 
     if (self->transform && !squeeze)
         self->transform(self->transform_context, self->matrix, self->right, self->system_row,
@@ -718,11 +884,11 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
                          ehd_error *error) {
-    exit_watch watch =
-        squeeze ? watch_in_time(CYCLE) : stationary_watch(self->model, self->settings.tolerance);
     iterate before = {NAN, NAN, 0, NAN}, now;
 
     info->own_jacobian = true;
+    watch_exits(self, squeeze ? watch_in_time(CYCLE)
+                              : stationary_watch(self->model, self->settings.tolerance));
     for (size_t iteration = 0;; iteration++, before = now) {
         const reduced_values *known = iteration > 0 ? &self->values : NULL;
         size_t num_rows = build_system(info, self, state, known, contact, squeeze);
@@ -738,18 +904,13 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
             return EHD_OK;
         }
 
-        double start = program_seconds();
-        size_t wanted = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
-                                : adapt_exit(self, state, contact);
-        size_t exit = watch_exit(&watch, now.change, state->exit, wanted);
-        info->seconds_exit += program_seconds() - start;
-        if (exit == state->exit && converged(&before, &now, self->settings.tolerance)) {
-            bool settled = exit_settled(self->model, exit, wanted);
+        if (!adapt_exits(info, self, state, contact, squeeze, now.change) &&
+            converged(&before, &now, self->settings.tolerance)) {
+            bool settled = exits_settled(self);
             info->status = settled ? EHD_OK : EHD_UNTRUSTED;
             info->reason = settled ? "" : "an exit boundary that does not settle";
             return EHD_OK;
         }
-        state->exit = exit;
     }
 }
 
@@ -773,7 +934,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     reduced_info ignored = {0};
 
     evaluate(&ignored, self, state, NULL, contact, &squeeze);
-    list_system_rows(self, state->exit);
+    list_system_rows(self);
     self->kept_weight = closure_weight_for(rate);
     fill_matrix(self, &contact->closure, self->kept_weight);
     self->kept_exit = state->exit;
@@ -787,11 +948,12 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
 /* What a step changes of H at the centre. */
 static double central_change(reduced_solver *self) {
     const reduced_model *model = self->model;
-    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation, base;
-    const double *checkpoint = checkpoint_of(&base, model, self->exit);
+    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
+    const double *checkpoint =
+        model->checkpoint_cut + self->checkpoint * model->num_cut * num_pressure;
     double change = self->step[model->num_unknowns - 1];
 
-    expand_band(self, self->step, base, self->exit);
+    expand_runs(self, self->step);
     for (size_t i = 0; i < 4; i++) {
         size_t q = model->centre[i];
         double film = 0;
@@ -801,8 +963,10 @@ static double central_change(reduced_solver *self) {
                               self->step + num_pressure, 1);
         } else {
             film = cblas_ddot((int)num_pressure, checkpoint + q * num_pressure, 1, self->step, 1);
-            for (size_t k = base - model->band_begin; k < self->exit - model->band_begin; k++)
-                film += model->left[k * model->num_cut + q] * self->band_pressure[k];
+            for (size_t r = 0; r < self->num_runs; r++)
+                for (size_t n = 0, k = self->runs[r].first; n < self->runs[r].count; n++, k++)
+                    film += self->runs[r].sign * model->left[k * model->num_cut + q] *
+                            self->band_pressure[k];
         }
         change += model->centre_weight[i] * film;
     }
@@ -821,8 +985,8 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     const reduced_model *model = self->model;
     const double first_rate = 0.3; // of convergence, before it was observed
     double start = program_seconds(), before = at->change;
-    size_t num_rows = fill_right(self, state->coordinates, state->exit, self->kept_row,
-                                 self->num_kept, &contact->closure, self->kept_weight);
+    size_t num_rows = fill_right(self, state->coordinates, self->kept_row, self->num_kept,
+                                 &contact->closure, self->kept_weight);
 
     info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
     if (!isfinite(info->residual) ||
@@ -845,26 +1009,23 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     // farther away, rows that the factors lack or have in vain would count
     const size_t most_distance = (size_t)(0.025 / self->model->grid.step);
-    exit_watch watch = watch_in_time(KEPT_CYCLE);
+    watch_exits(self, watch_in_time(KEPT_CYCLE));
     kept_iterate at = {.change = NAN};
     for (size_t iteration = 0; iteration < MOST_KEPT_ITERATIONS; iteration++) {
         evaluate(info, self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         if (!take_kept_step(&at, info, state, self, contact)) return false;
-        double start = program_seconds();
-        size_t wanted = adapt_exit_in_time(self, state, contact, squeeze);
-        size_t exit = watch_exit(&watch, at.change, state->exit, wanted);
-        info->seconds_exit += program_seconds() - start;
+        bool moved = adapt_exits(info, self, state, contact, squeeze, at.change);
+        size_t exit = state->exit;
         if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
             most_distance)
             return false;
-        if (exit == state->exit && at.converged) {
+        if (!moved && at.converged) {
             info->status = EHD_OK;
             info->reason = "";
             info->own_jacobian = false;
-            return exit_settled(self->model, exit, wanted);
+            return exits_settled(self);
         }
-        if (exit != state->exit) at.change = NAN; // another problem
-        state->exit = exit;
+        if (moved) at.change = NAN; // another problem
     }
     return false;
 }
@@ -889,7 +1050,7 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     contact_scalars scalars;
     const reduced_model *model = self->model;
 
-    move_exit(self, state->exit);
+    move_exit(self, reduced_state_exits(state));
     expand_state(self, NULL, state->coordinates);
     for (size_t q = 0; q < model->num_needed; q++)
         self->film[q] += model->needed_gap[q];
@@ -897,8 +1058,9 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     scalars.central_pressure = at_centre(model, self->pressure);
     scalars.minimum_film_thickness = minimum_film(self, state);
     // in time a dip passes through the front of the contact too, where only the needed nodes are known
-    for (size_t q = 0; q < self->num_alive; q++)
-        scalars.minimum_film_thickness = fmin(scalars.minimum_film_thickness, self->film[q]);
+    for (size_t q = 0; q < model->num_needed; q++)
+        if (self->alive[q])
+            scalars.minimum_film_thickness = fmin(scalars.minimum_film_thickness, self->film[q]);
     scalars.rigid_approach = state->coordinates[model->num_unknowns - 1];
     scalars.exit_position = grid_x(&model->grid, state->exit);
     scalars.load = load_of(self) / model->kind->load;

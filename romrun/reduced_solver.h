@@ -24,11 +24,20 @@ typedef struct reduced_settings {
 
 reduced_settings reduced_default_settings(void);
 
-/* A reduced state: z = (a, d, H0) and the exit. */
+/* A reduced state: z = (a, d, H0) and the exit line (eq. 39). */
 typedef struct reduced_state {
     double *coordinates; // [num_unknowns]
-    size_t exit;         // grid node
+    size_t exit;         // column on the line where Y = 0; of a line contact a grid node
+    size_t *exits;       // [num_lines] columns on all lines of the grid; NULL on a line contact
 } reduced_state;
+
+/* Memory for a state of a model, all zero. EHD_MEMORY. */
+ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error);
+void reduced_state_free(reduced_state *state);
+
+/* Its exit line, [num_lines], and a new one. */
+const size_t *reduced_state_exits(const reduced_state *state);
+void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
 typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
@@ -115,7 +124,7 @@ double reduced_central_sensitivity(reduced_solver *solver);
 
 /* Values of a state, and of the last solution, whose bits are the same. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
-                       const double *coordinates, size_t exit);
+                       const double *coordinates, const size_t *exit);
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
 /* P and rho H of the last solution at the nodes of the model's rows, [num_rows]; `mass` may be NULL. */

@@ -26,7 +26,9 @@ static ehd_status load_state(full_state *state, ehdrom_solver *solver, const ehd
     ehd_status status = ehdrom_fields(state->pressure, state->film, solver, error);
 
     state->rigid_approach = result->scalars.rigid_approach;
-    state->exit = (size_t)lround((result->scalars.exit_position - grid->x_min) / grid->step) + 1;
+    full_state_set_zone(state, grid,
+                        (size_t)lround((result->scalars.exit_position - grid->x_min) / grid->step) +
+                            1);
     return status;
 }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Pressure above, film below: full model as lines, reduced as marks. Loaded by a scene's plot.gp with
 # picture (without its ending), cases (paths without -KIND.dat), model, film_lowest, film_highest, step.
-label(path) = system("basename ".path." | sed 's/^case-//; s/^no\\([0-9]\\)/lubricant no. \\1/; s/-M/, M = /; s/-L/, L = /; s/-p\\([0-9.]*\\)/, p_H = \\1 GPa/'")
+label(path) = system("basename ".path." | sed 's/^case-//; s/^no\\([0-9]\\)/lubricant no. \\1/; s/-M/, M = /; s/^M/M = /; s/-L/, L = /; s/-p\\([0-9.]*\\)/, p_H = \\1 GPa/'")
 colour(i) = word("#0072b2 #d55e00 #009e73 #cc79a7 #e69f00 #56b4e9", i)
 mark(i) = int(word("6 4 8 12 10 14", i))
 

@@ -6,6 +6,7 @@ h5ls "$1" | tr -d '{},' | awk '
     { size[$1] = $3 }
     END {
         deformation = "elasticity_jacobian" in size ? size["deformation_mode"] : 0
-        print size["x"], 2 * size["x"] + 1, size["state"], size["pressure_mode"] + deformation + 1,
+        n = size["x"] * ("y" in size ? size["y"] : 1)
+        print n, 2 * n + 1, size["state"], size["pressure_mode"] + deformation + 1,
             size["pressure_mode"], deformation, size["row"], size["needed_node"]
     }'

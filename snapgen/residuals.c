@@ -16,7 +16,7 @@ typedef struct point_trace {
     size_t num_iterations;
     double *residual; // [num_iterations, num_inner]
     double *step;     // [num_iterations, num_inner]
-    size_t exit;
+    size_t *exits;    // [inner_lines] first column without pressure
     reduced_info info;
 } point_trace;
 
@@ -62,7 +62,7 @@ static void end_tracer(void *worker) {
 
     if (self) {
         reduced_solver_free(self->solver);
-        free(self->state.coordinates);
+        reduced_state_free(&self->state);
         free(self);
     }
 }
@@ -75,11 +75,8 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
     *worker = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
     self->num_rows = training->model->num_rows;
-    self->state.coordinates = calloc(training->model->num_unknowns, sizeof(double));
-    ehd_status status =
-        self->state.coordinates
-            ? reduced_solver_create(&self->solver, training->model, &settings, error)
-            : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+    ehd_status status = reduced_state_init(&self->state, training->model, error);
+    if (!status) status = reduced_solver_create(&self->solver, training->model, &settings, error);
     if (status) {
         end_tracer(self);
         return status;
@@ -100,7 +97,13 @@ static ehd_status trace_point(void *shared, void *worker, size_t point, size_t p
     reduced_neighbour(&self->state, training->model, contact->moes_M, contact->alpha_p_H);
     ehd_status status =
         reduced_solve(&trace->info, &self->state, self->solver, contact, NULL, error);
-    trace->exit = self->state.exit;
+    if (!status) {
+        const ehd_grid *grid = &training->model->grid;
+        size_t bytes = grid->inner_lines * sizeof *trace->exits;
+        trace->exits = malloc(bytes);
+        if (!trace->exits) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+        memcpy(trace->exits, reduced_state_exits(&self->state) + grid_first_line(grid), bytes);
+    }
     return status;
 }
 
@@ -134,6 +137,7 @@ static void free_traces(repeated_training *training) {
     for (size_t i = 0; training->traces && i < training->set->num_points; i++) {
         free(training->traces[i].residual);
         free(training->traces[i].step);
+        free(training->traces[i].exits);
     }
     free(training->traces);
 }
@@ -243,24 +247,35 @@ static ehd_status put_compressed(artefact *file, const trajectories *repeated, s
                         error);
 }
 
-static ehd_status put_state(artefact *file, size_t place, size_t exit, bool failed,
-                            size_t iterations, double moes_M, double alpha_p_H, double film,
+static ehd_status put_exits(artefact *file, size_t place, const size_t *exits, size_t num_lines,
                             ehd_error *error) {
+    int64_t *indices = malloc(num_lines * sizeof *indices);
+    if (!indices) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
+
+    for (size_t l = 0; l < num_lines; l++)
+        indices[l] = (int64_t)exits[l] - 1;
+    ehd_status status =
+        artefact_put_integers_part(file, "state_exit_node", place, 1, indices, error);
+    free(indices);
+    return status;
+}
+
+static ehd_status put_state(artefact *file, size_t place, const size_t *exits, size_t num_lines,
+                            bool failed, size_t iterations, double moes_M, double alpha_p_H,
+                            double film, ehd_error *error) {
     const struct {
         const char *field;
         int64_t value;
-    } integers[] = {{"state_exit_node", (int64_t)exit - 1},
-                    {"status", failed ? 1 : 0},
-                    {"newton_iterations", (int64_t)iterations}};
+    } integers[] = {{"status", failed ? 1 : 0}, {"newton_iterations", (int64_t)iterations}};
     const struct {
         const char *field;
         double value;
     } reals[] = {{"state_moes_M", moes_M},
                  {"state_alpha_p_H", alpha_p_H},
                  {"state_central_film_thickness", film}};
-    ehd_status status = EHD_OK;
+    ehd_status status = put_exits(file, place, exits, num_lines, error);
 
-    for (size_t k = 0; k < 3 && !status; k++)
+    for (size_t k = 0; k < 2 && !status; k++)
         status = artefact_put_integers_part(file, integers[k].field, place, 1, &integers[k].value,
                                             error);
     for (size_t k = 0; k < 3 && !status; k++)
@@ -275,15 +290,16 @@ static ehd_status put_states(artefact *file, const repeated_training *training, 
 
     for (size_t i = 0; i < set->num_points && !status; i++) {
         const point_trace *trace = &training->traces[i];
-        status = put_state(file, i, trace->exit, trace->info.status, trace->info.iterations,
-                           set->contacts[i].moes_M, set->contacts[i].alpha_p_H,
-                           trace->info.scalars.central_film_thickness, error);
+        status =
+            put_state(file, i, trace->exits, training->model->grid.inner_lines, trace->info.status,
+                      trace->info.iterations, set->contacts[i].moes_M, set->contacts[i].alpha_p_H,
+                      trace->info.scalars.central_film_thickness, error);
     }
     for (size_t i = 0; i < repeated->num_trajectories * NUM_KEPT && !status; i++) {
         const kept_state *state = &repeated->kept[i / NUM_KEPT].states[i % NUM_KEPT];
-        status = put_state(file, set->num_points + i, state->exit, repeated->failed[i / NUM_KEPT],
-                           state->iterations, state->moes_M, state->alpha_p_H,
-                           state->scalars.central_film_thickness, error);
+        status = put_state(file, set->num_points + i, &state->exit, 1,
+                           repeated->failed[i / NUM_KEPT], state->iterations, state->moes_M,
+                           state->alpha_p_H, state->scalars.central_film_thickness, error);
     }
     return status;
 }

@@ -71,28 +71,43 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
-static ehd_status put_solution(artefact *file, size_t point, const snapshot *solution,
-                               ehd_error *error) {
+static ehd_status put_solution(artefact *file, const training_set *set, size_t point,
+                               const snapshot *solution, ehd_error *error) {
+    const ehd_grid *grid = &set->grid;
     const full_state *state = &solution->state;
     const contact_scalars *scalars = &solution->scalars;
-    const int64_t exit_node = (int64_t)state->exit - 1; // x starts at node 1
     const struct {
         const char *name;
         const double *values;
-    } reals[] = {{"pressure", state->pressure + 1},
-                 {"film_thickness", state->film + 1},
-                 {"rigid_approach", &state->rigid_approach},
-                 {"exit_position", &scalars->exit_position},
+    } reals[] = {{"rigid_approach", &state->rigid_approach},
                  {"central_film_thickness", &scalars->central_film_thickness},
                  {"minimum_film_thickness", &scalars->minimum_film_thickness},
                  {"central_pressure", &scalars->central_pressure},
                  {"complementarity", &solution->complementarity}};
+    double *inner = malloc(grid->num_inner * sizeof *inner);
+    double *positions = malloc(grid->inner_lines * sizeof *positions);
+    int64_t *exits = malloc(grid->inner_lines * sizeof *exits);
     ehd_status status = EHD_OK;
+
+    if (!inner || !positions || !exits) {
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+        goto done;
+    }
+    grid_take_inner(inner, state->pressure, grid, false);
+    status = artefact_put_part(file, "pressure", point, 1, inner, error);
+    grid_take_inner(inner, state->film, grid, false);
+    if (!status) status = artefact_put_part(file, "film_thickness", point, 1, inner, error);
+    grid_exit_nodes(exits, state->pressure, grid, false);
+    if (!status) status = artefact_put_integers_part(file, "exit_node", point, 1, exits, error);
+    grid_exit_positions(positions, state->pressure, grid, false);
+    if (!status) status = artefact_put_part(file, "exit_position", point, 1, positions, error);
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
-    if (!status)
-        status = artefact_put_integers_part(file, "exit_node", point, 1, &exit_node, error);
+done:
+    free(inner);
+    free(positions);
+    free(exits);
     return status;
 }
 
@@ -102,9 +117,8 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
     const int64_t iterations = (int64_t)solution->newton_iterations;
     const int64_t outcome = solution->status ? 1 : 0;
     ehd_status status = EHD_OK;
-    (void)set;
 
-    if (!solution->status) status = put_solution(file, point, solution, error);
+    if (!solution->status) status = put_solution(file, set, point, solution, error);
     if (!status)
         status =
             artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
@@ -194,23 +208,27 @@ ehd_status snapshots_restore(training *points, size_t point, artefact *file, siz
                              int64_t outcome, ehd_error *error) {
     const ehd_grid *grid = &points->set->grid;
     double *pressure = NULL, rigid_approach = 0;
-    int64_t exit_node = 0;
+    int64_t *exits = NULL;
     ehd_status status = EHD_OK;
 
     if (outcome != 0) return training_restore(points, point, NULL, 0, 0, error);
     pressure = malloc(grid->num_inner * sizeof *pressure);
-    if (!pressure) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-    status = artefact_get_part(file, "pressure", state, 1, pressure, error);
+    exits = calloc(grid->inner_lines, sizeof *exits);
+    if (!pressure || !exits)
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    if (!status) status = artefact_get_part(file, "pressure", state, 1, pressure, error);
     if (!status)
         status = artefact_get_part(file, "rigid_approach", state, 1, &rigid_approach, error);
-    if (!status)
-        status = artefact_get_integers_part(file, "exit_node", state, 1, &exit_node, error);
-    if (!status && (exit_node < 0 || (size_t)exit_node > grid->num_inner))
-        status = ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
-                          artefact_path(file), (long long)exit_node, grid->num_inner);
+    if (!status) status = artefact_get_integers_part(file, "exit_node", state, 1, exits, error);
+    for (size_t l = 0; l < grid->inner_lines && !status; l++)
+        if (exits[l] < 0 || (size_t)exits[l] > grid->inner_x)
+            status = ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
+                              artefact_path(file), (long long)exits[l], grid->inner_x);
+    // of a point contact the pressure itself tells where it ends
     if (!status)
         status =
-            training_restore(points, point, pressure, rigid_approach, (size_t)exit_node + 1, error);
+            training_restore(points, point, pressure, rigid_approach, (size_t)exits[0] + 1, error);
+    free(exits);
     free(pressure);
     return status;
 }
@@ -237,8 +255,10 @@ ehd_status snapshots_resume(artefact **file, training *points, const program *ca
     for (size_t t = 0; t < set->num_trajectories && !status; t++)
         status = inputs_check_tables(*file, &set->trajectories[t].scene, error);
     // equal settings give equal axes, unless somebody else wrote the file
-    if (!status && (artefact_length(*file, "state") != num_states(set) ||
-                    artefact_length(*file, "x") != set->grid.num_inner))
+    if (!status &&
+        (artefact_length(*file, "state") != num_states(set) ||
+         artefact_length(*file, "x") != set->grid.inner_x ||
+         (set->kind->dimensions > 1 && artefact_length(*file, "y") != set->grid.inner_lines)))
         status = ehd_fail(error, EHD_DATA,
                           "%s.partial: found axes of other lengths, expected "
                           "those of the plan",

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/training.h"
 
+#include "common/output/grid_file.h"
 #include "snapgen/pool.h"
 
 #include <stdlib.h>
@@ -51,7 +52,7 @@ ehd_status training_restore(training *self, size_t point, const double *pressure
         if (!all)
             return ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu nodes",
                             grid->num_nodes);
-        memcpy(all + 1, pressure, grid->num_inner * sizeof *all);
+        grid_put_inner(all, pressure, grid, false);
     }
     ehd_status status = keep_point(self, point, all, rigid_approach, exit, error);
     free(all);
@@ -113,7 +114,7 @@ static ehd_status solve_point(void *shared, void *given, size_t point, size_t pa
         const trained_point *start = &owner->points[parent];
         memcpy(state->pressure, start->pressure, contact->grid.num_nodes * sizeof(double));
         state->rigid_approach = start->rigid_approach;
-        state->exit = start->exit;
+        full_state_set_zone(state, &contact->grid, start->exit);
         status = full_solve_from(&info, state, self->solver, &owner->set->contacts[parent], contact,
                                  error);
     } else {

@@ -41,7 +41,7 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
     char first_name[POINT_NAME], other_name[POINT_NAME];
 
     if (found->x_min == expected->x_min && found->step == expected->step &&
-        found->num_inner == expected->num_inner)
+        found->num_inner == expected->num_inner && found->half == expected->half)
         return EHD_OK;
     training_point_name(first_name, first);
     training_point_name(other_name, other);

@@ -85,7 +85,7 @@ static void end_judge(void *worker) {
     if (self) {
         reduced_solver_free(self->solver);
         indicator_free(self->indicator);
-        free(self->state.coordinates);
+        reduced_state_free(&self->state);
         free(self);
     }
 }
@@ -97,10 +97,10 @@ static ehd_status begin_judge(void **worker, void *shared, ehd_error *error) {
 
     *worker = self;
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
-    self->state.coordinates = calloc(model->num_unknowns, sizeof(double));
+    ehd_status status = reduced_state_init(&self->state, model, error);
+    if (status) return status;
     self->indicator = indicator_create(model);
-    if (!self->state.coordinates || !self->indicator)
-        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!self->indicator) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     return reduced_solver_create(&self->solver, model, &settings, error);
 }
 

@@ -86,10 +86,21 @@ size_t *find_length(const artefact *file, const char *axis) {
     return NULL;
 }
 
-size_t field_rank(const artefact_field *field) {
+bool axis_is_optional(const artefact_schema *schema, const char *name) {
+    const artefact_axis *axis = schema->axes;
+    while (axis->name && strcmp(axis->name, name) != 0)
+        axis++;
+    return axis->name && axis->optional;
+}
+
+size_t field_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
+                  const artefact_field *field) {
     size_t rank = 0;
-    while (rank < ARTEFACT_MAX_RANK && field->axes[rank])
-        rank++;
+    for (size_t i = 0; i < ARTEFACT_MAX_RANK && field->axes[i]; i++) {
+        bool absent = axis_is_optional(file->schema, field->axes[i]) &&
+                      artefact_length(file, field->axes[i]) == 0;
+        if (!absent) axes[rank++] = field->axes[i];
+    }
     return rank;
 }
 

@@ -29,6 +29,7 @@ typedef struct artefact_axis {
     const char *name;      // "x", "state", "pressure_mode"
     const char *units;     // "1"
     const char *long_name; // index axes get 0, 1, 2, … as their scale
+    bool optional;         // fields are on it only in a file that has it
 } artefact_axis;
 
 typedef struct artefact_field {

@@ -54,7 +54,7 @@ static bool is_listed(const char *name, const char *const *names) {
 }
 
 static bool has_listed_axis(const artefact_field *field, const char *const *axes) {
-    for (size_t i = 0; i < field_rank(field); i++)
+    for (size_t i = 0; i < ARTEFACT_MAX_RANK && field->axes[i]; i++)
         if (is_listed(field->axes[i], axes)) return true;
     return false;
 }
@@ -62,11 +62,12 @@ static bool has_listed_axis(const artefact_field *field, const char *const *axes
 static ehd_status copy_field(artefact *to, artefact *from, const artefact_field *field,
                              ehd_error *error) {
     bool integer = field->type == ARTEFACT_INTEGER;
-    size_t count = 1;
+    const char *axes[ARTEFACT_MAX_RANK];
+    size_t count = 1, rank = field_axes(axes, from, field);
     ehd_status status;
 
-    for (size_t i = 0; i < field_rank(field); i++)
-        count *= artefact_length(from, field->axes[i]);
+    for (size_t i = 0; i < rank; i++)
+        count *= artefact_length(from, axes[i]);
     int64_t *integers = malloc(count * sizeof *integers);
     double *reals = malloc(count * sizeof *reals);
     if (!integers || !reals)

@@ -110,7 +110,11 @@ const artefact_field *find_field(const artefact *file, const char *name);
 const artefact_attribute *find_attribute(const artefact *file, const char *name);
 size_t *find_length(const artefact *file, const char *axis); // NULL: no such axis in the schema
 const char *shown_name(const artefact *file);                // of the file on disk, for messages
-size_t field_rank(const artefact_field *field);
+bool axis_is_optional(const artefact_schema *schema, const char *name);
+/* The axes of a field in this file, without the optional ones that it does not have. Returns their
+ * number. */
+size_t field_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
+                  const artefact_field *field);
 bool field_grows(const artefact *file, const artefact_field *field);
 
 /* Whether a field is in the file. */

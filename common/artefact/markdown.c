@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Schema tables as the pages in schemas/ show them. */
-#include "common/artefact/artefact.h"
+#include "common/artefact/internal.h"
 
 static const char *need_text(artefact_need need) {
     static const char *const texts[] = {"everybody", "our programs", "where it applies"};
@@ -19,14 +19,21 @@ static void print_axes(const artefact_axis *axis, FILE *stream) {
     }
 }
 
-static void print_fields(const artefact_field *field, FILE *stream) {
+/* An optional axis stands in brackets. */
+static void print_field_axes(const artefact_schema *schema, const artefact_field *field,
+                             FILE *stream) {
+    for (int i = 0; i < ARTEFACT_MAX_RANK && field->axes[i]; i++) {
+        bool optional = axis_is_optional(schema, field->axes[i]);
+        fprintf(stream, optional ? "%s(%s)" : "%s%s", i > 0 ? ", " : "", field->axes[i]);
+    }
+}
+
+static void print_fields(const artefact_schema *schema, FILE *stream) {
     fprintf(stream, "| dataset | axes | type | units | written by | meaning |\n");
     fprintf(stream, "|---|---|---|---|---|---|\n");
-    for (; field->name; field++) {
-        fprintf(stream, "| `%s` | %s", field->name, field->axes[0]);
-        for (int i = 1; i < ARTEFACT_MAX_RANK && field->axes[i]; i++) {
-            fprintf(stream, ", %s", field->axes[i]);
-        }
+    for (const artefact_field *field = schema->fields; field->name; field++) {
+        fprintf(stream, "| `%s` | ", field->name);
+        print_field_axes(schema, field, stream);
         fprintf(stream, " | %s | %s | %s | %s |\n", type_text(field->type), field->units,
                 need_text(field->need), field->long_name);
     }
@@ -45,7 +52,7 @@ void artefact_print_markdown(const artefact_schema *schema, FILE *stream) {
             schema->major, schema->minor);
     print_axes(schema->axes, stream);
     fprintf(stream, "\n");
-    print_fields(schema->fields, stream);
+    print_fields(schema, stream);
     fprintf(stream, "\n");
     print_attributes(schema->attributes, stream);
 }

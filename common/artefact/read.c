@@ -224,8 +224,9 @@ static bool use_fits(const artefact *file, hid_t scale, const scale_use *use, co
     hdf5_release(dataset);
     *field = find_field(file, name[0] == '/' ? name + 1 : name);
     if (!*field) return true;
-    return use->axis >= 0 && use->axis < (int)field_rank(*field) &&
-           strcmp((*field)->axes[use->axis], axis) == 0;
+    const char *axes[ARTEFACT_MAX_RANK];
+    const size_t rank = field_axes(axes, file, *field);
+    return use->axis >= 0 && use->axis < (int)rank && strcmp(axes[use->axis], axis) == 0;
 }
 
 /* Named axes must be the schema's, so that a transposed square field is noticed. */
@@ -265,7 +266,37 @@ static ehd_status check_dataset(artefact *file, const char *name, artefact_type 
     return status;
 }
 
+/* Length of a dataset along one of its axes where it has `rank` of them, else 0. */
+static size_t length_along(const artefact *file, const char *name, size_t rank, size_t axis) {
+    if (!hdf5_has_dataset(file->id, name)) return 0;
+    hsize_t dims[H5S_MAX_RANK] = {0};
+    hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+    hid_t space = H5Dget_space(dataset);
+    int found = H5Sget_simple_extent_dims(space, dims, NULL);
+    hdf5_release(space);
+    hdf5_release(dataset);
+    return found == (int)rank ? (size_t)dims[axis] : 0;
+}
+
+/* Which optional axes the file has, and their lengths: those with a scale or, because a foreign file need
+ * not have scales, with a field that has all of its axes. */
+static void learn_optional_axes(artefact *file) {
+    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
+        if (!axis->optional) continue;
+        size_t *length = find_length(file, axis->name);
+        *length = length_along(file, axis->name, 1, 0);
+        for (const artefact_field *field = file->schema->fields; field->name && *length == 0;
+             field++) {
+            size_t rank = 0, place = ARTEFACT_MAX_RANK;
+            for (; rank < ARTEFACT_MAX_RANK && field->axes[rank]; rank++)
+                if (strcmp(field->axes[rank], axis->name) == 0) place = rank;
+            if (place < rank) *length = length_along(file, field->name, rank, place);
+        }
+    }
+}
+
 static ehd_status check_fields(artefact *file, ehd_error *error) {
+    learn_optional_axes(file);
     for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
         if (!hdf5_has_dataset(file->id, axis->name)) continue;
         const char *own[] = {axis->name};
@@ -279,8 +310,9 @@ static ehd_status check_fields(artefact *file, ehd_error *error) {
             return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s",
                             shown_name(file), field->name, field->long_name);
         }
-        ehd_status status =
-            check_dataset(file, field->name, field->type, field->axes, field_rank(field), error);
+        const char *axes[ARTEFACT_MAX_RANK];
+        const size_t rank = field_axes(axes, file, field);
+        ehd_status status = check_dataset(file, field->name, field->type, axes, rank, error);
         if (status != EHD_OK) return status;
     }
     return EHD_OK;
@@ -451,7 +483,9 @@ ehd_status read_everything(artefact *file, ehd_error *error) {
          field++) {
         if (file->growing && !field_grows(file, field)) continue;
         if (hdf5_has_dataset(file->id, field->name)) {
-            status = read_slices(file, field->name, field->axes, field_rank(field), error);
+            const char *axes[ARTEFACT_MAX_RANK];
+            const size_t rank = field_axes(axes, file, field);
+            status = read_slices(file, field->name, axes, rank, error);
         }
     }
     return status;

@@ -3,6 +3,8 @@
  * bring the pages in schemas/ up to date. */
 #include "common/artefact/artefact.h"
 
+#define AXIS(name, units, long_name)                                                               \
+    { name, units, long_name, false }
 #define REAL(name, units, need, long_name, ...)                                                    \
     { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need }
 #define INTEGER(name, need, long_name, ...)                                                        \
@@ -13,24 +15,30 @@
 // ---- lines that several kinds share
 
 #define X_AXIS                                                                                     \
+    AXIS("x", "1",                                                                                 \
+         "inner nodes along the sliding direction, in Hertz contact half widths of the reference")
+#define Y_AXIS                                                                                     \
     {                                                                                              \
-        "x", "1",                                                                                  \
-            "inner nodes along the sliding direction, in Hertz contact half widths of the "        \
-            "reference"                                                                            \
+        "y", "1",                                                                                  \
+            "lines of inner nodes across the sliding direction, in Hertz contact half widths of "  \
+            "the reference; of a point contact",                                                   \
+            true                                                                                   \
     }
-#define FILM_X_AXIS                                                                                \
-    { "film_x", "1", "nodes of the film: x and one boundary node at either end" }
-#define STATE_AXIS                                                                                 \
-    { "state", "1", "index of the training solution" }
-#define PRESSURE_MODE_AXIS                                                                         \
-    { "pressure_mode", "1", "index of the pressure mode, strongest first" }
+#define FILM_X_AXIS        AXIS("film_x", "1", "nodes of the film: x and one boundary node at either end")
+#define STATE_AXIS         AXIS("state", "1", "index of the training solution")
+#define PRESSURE_MODE_AXIS AXIS("pressure_mode", "1", "index of the pressure mode, strongest first")
 #define DEFORMATION_MODE_AXIS                                                                      \
-    { "deformation_mode", "1", "index of the deformation mode, strongest first" }
+    AXIS("deformation_mode", "1", "index of the deformation mode, strongest first")
 
-#define GRID_ATTRIBUTES                                                                            \
-    ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, "kind of contact: line"),                \
+#define GRID_ATTRIBUTES(kinds)                                                                     \
+    ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, "kind of contact: " kinds),              \
         ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, "first node of x"),                    \
         ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x")
+#define HALF_ATTRIBUTE                                                                             \
+    ATTRIBUTE(                                                                                     \
+        "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,                                              \
+        "1: y starts at 0, on the mirror line of a point contact that is symmetric across; 0 "     \
+        "where missing")
 #define DEFORMATION_ATTRIBUTE                                                                      \
     ATTRIBUTE("deformation", ARTEFACT_TEXT, "1", NEED_ALWAYS,                                      \
               "deformation basis: independent (of its own) or coupled (deflections of the "        \
@@ -50,7 +58,7 @@
         INTEGER(                                                                                   \
             "state_exit_node", NEED_ALWAYS,                                                        \
             "index into x of the first node without pressure, length of x where there is none",    \
-            "state"),                                                                              \
+            "state", "y"),                                                                         \
         REAL("state_moes_M", "1", NEED_ALWAYS, "Moes load number M of the training solutions",     \
              "state"),                                                                             \
         REAL("state_alpha_p_H", "1", NEED_ALWAYS,                                                  \
@@ -68,29 +76,32 @@
 // ---- result
 
 static const artefact_axis result_axes[] = {
-    {"time", "1", "dimensionless time T of the entries; 0 when stationary"},
+    AXIS("time", "1", "dimensionless time T of the entries; 0 when stationary"),
+    Y_AXIS,
     X_AXIS,
-    {"restart_slot", "1", "index of the restart slot"},
-    {"restart_entry", "1", "index of the number in a restart slot"},
+    AXIS("restart_slot", "1", "index of the restart slot"),
+    AXIS("restart_entry", "1", "index of the number in a restart slot"),
     {0}};
 
 static const artefact_field result_fields[] = {
     REAL("pressure", "1", NEED_OPTIONAL, "pressure P, in Hertz pressures of the current frame",
-         "time", "x"),
-    REAL("film_thickness", "1", NEED_OPTIONAL, "film thickness H in the current frame", "time",
+         "time", "y", "x"),
+    REAL("film_thickness", "1", NEED_OPTIONAL, "film thickness H in the current frame", "time", "y",
          "x"),
     REAL("central_film_thickness", "1", NEED_ALWAYS,
-         "film thickness H at X = 0 in the reference frame", "time"),
+         "film thickness H at X = 0 (Y = 0) in the reference frame", "time"),
     REAL("minimum_film_thickness", "1", NEED_ALWAYS,
          "smallest nodal film thickness H in the reference frame", "time"),
-    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0 in the reference frame", "time"),
+    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0 (Y = 0) in the reference frame",
+         "time"),
     REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0 in the reference frame", "time"),
     REAL("load", "1", NEED_OWN, "load relative to the reference load", "time"),
     REAL("contact_half_width", "1", NEED_OWN,
          "half width that scales the frame, relative to the reference; where the approach is "
          "given, of the expected load",
          "time"),
-    REAL("exit_position", "1", NEED_OWN, "X at which the pressure ends", "time"),
+    REAL("exit_position", "1", NEED_OWN,
+         "X at which the pressure ends; NaN on a line without pressure", "time", "y"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
@@ -107,7 +118,7 @@ static const artefact_field result_fields[] = {
     {0}};
 
 static const artefact_attribute result_attributes[] = {
-    GRID_ATTRIBUTES,
+    GRID_ATTRIBUTES("line or point"),
     ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS,
               "Hertz pressure of the reference"),
     ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, "Moes load number M of the reference"),
@@ -147,34 +158,38 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 2, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 3, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
 
 static const artefact_axis snapshots_axes[] = {
     STATE_AXIS,
+    Y_AXIS,
     X_AXIS,
-    {"compressed", "1", "index of the compressed snapshot, strongest first"},
-    {"round", "1", "index of the round of adaptive training"},
+    AXIS("compressed", "1", "index of the compressed snapshot, strongest first"),
+    AXIS("round", "1", "index of the round of adaptive training"),
     {0}};
 
 static const artefact_field snapshots_fields[] = {
-    REAL("pressure", "1", NEED_ALWAYS, "pressure P, in Hertz pressures", "state", "x"),
-    REAL("film_thickness", "1", NEED_OWN, "film thickness H", "state", "x"),
+    REAL("pressure", "1", NEED_ALWAYS, "pressure P, in Hertz pressures", "state", "y", "x"),
+    REAL("film_thickness", "1", NEED_OWN, "film thickness H", "state", "y", "x"),
     REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0", "state"),
-    INTEGER("exit_node", NEED_ALWAYS,
-            "index into x of the first node without pressure, length of x where there is none",
-            "state"),
-    REAL("exit_position", "1", NEED_OWN, "X at which the pressure ends", "state"),
+    INTEGER(
+        "exit_node", NEED_ALWAYS,
+        "index into x of the first node without pressure, length of x where there is none; of a "
+        "line without pressure 0",
+        "state", "y"),
+    REAL("exit_position", "1", NEED_OWN,
+         "X at which the pressure ends; NaN on a line without pressure", "state", "y"),
     REAL("moes_M", "1", NEED_ALWAYS, "Moes load number M", "state"),
     REAL("moes_L", "1", NEED_OWN, "Moes material number L", "state"),
     REAL("alpha_p_H", "1", NEED_ALWAYS, "pressure-viscosity coefficient times Hertz pressure",
          "state"),
     REAL("hertz_pressure", "Pa", NEED_OWN, "Hertz pressure", "state"),
-    REAL("central_film_thickness", "1", NEED_OWN, "film thickness H at X = 0", "state"),
+    REAL("central_film_thickness", "1", NEED_OWN, "film thickness H at X = 0 (Y = 0)", "state"),
     REAL("minimum_film_thickness", "1", NEED_OWN, "smallest nodal film thickness H", "state"),
-    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0", "state"),
+    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0 (Y = 0)", "state"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "state"),
     REAL("complementarity", "1", NEED_OPTIONAL,
@@ -227,7 +242,8 @@ static const artefact_field snapshots_fields[] = {
     {0}};
 
 static const artefact_attribute snapshots_attributes[] = {
-    GRID_ATTRIBUTES,
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "number of steps of all trajectories"),
     ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
@@ -245,29 +261,33 @@ const artefact_schema schema_snapshots = {"ehdrom-snapshots",
 // ---- basis
 
 static const artefact_axis basis_axes[] = {
+    Y_AXIS,
     X_AXIS,
     FILM_X_AXIS,
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
-    {"pressure_singular_value", "1", "index of the singular value of the pressure snapshots"},
-    {"deformation_singular_value", "1", "index of the singular value of the deformation snapshots"},
+    AXIS("pressure_singular_value", "1", "index of the singular value of the pressure snapshots"),
+    AXIS("deformation_singular_value", "1",
+         "index of the singular value of the deformation snapshots"),
     STATE_AXIS,
     {0}};
 
 static const artefact_field basis_fields[] = {
-    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
     REAL("deformation_basis", "1", NEED_OPTIONAL,
          "deformation modes, only for deformation = independent", "deformation_mode", "film_x"),
     REAL("pressure_singular_values", "1", NEED_OWN,
          "singular values of the pressure snapshots, descending", "pressure_singular_value"),
     REAL("deformation_singular_values", "1", NEED_OPTIONAL,
          "singular values of the deformation snapshots, descending", "deformation_singular_value"),
-    REAL("weight", "1", NEED_ALWAYS, "diagonal D that weights the residual in the test basis", "x"),
+    REAL("weight", "1", NEED_ALWAYS, "diagonal D that weights the residual in the test basis", "y",
+         "x"),
     STATE_FIELDS,
     {0}};
 
 static const artefact_attribute basis_attributes[] = {
-    GRID_ATTRIBUTES,
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     ATTRIBUTE("pressure_energy_discarded", ARTEFACT_REAL, "1", NEED_OWN,
               "part of the squared singular values of the pressure left out"),
@@ -286,25 +306,27 @@ const artefact_schema schema_basis = {"ehdrom-basis",
 // ---- residuals
 
 static const artefact_axis residuals_axes[] = {
-    {"iteration", "1",
-     "index of the Newton iteration, over all stationary states, then of the compressed ones of "
-     "trajectories"},
+    AXIS(
+        "iteration", "1",
+        "index of the Newton iteration, over all stationary states, then of the compressed ones of "
+        "trajectories"),
+    Y_AXIS,
     X_AXIS,
     STATE_AXIS,
     {0}};
 
 static const artefact_field residuals_fields[] = {
     REAL("weighted_residual", "1", NEED_ALWAYS, "weighted residual D f of the Reynolds rows",
-         "iteration", "x"),
+         "iteration", "y", "x"),
     REAL("weighted_jacobian_step", "1", NEED_ALWAYS,
-         "weighted product D J dz of Jacobian and Newton step", "iteration", "x"),
+         "weighted product D J dz of Jacobian and Newton step", "iteration", "y", "x"),
     INTEGER("iteration_state", NEED_OWN,
             "index of the state that the iteration belongs to, -1 for a compressed one of "
             "trajectories, which serves in place of many",
             "iteration"),
     INTEGER("state_exit_node", NEED_ALWAYS,
             "index into x of the first node without pressure at the end of the state's iteration",
-            "state"),
+            "state", "y"),
     REAL("state_moes_M", "1", NEED_OWN, "Moes load number M of the states", "state"),
     REAL("state_alpha_p_H", "1", NEED_OWN,
          "pressure-viscosity coefficient times Hertz pressure of the states", "state"),
@@ -315,7 +337,8 @@ static const artefact_field residuals_fields[] = {
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
-    GRID_ATTRIBUTES,
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     BASIS_ATTRIBUTE,
     ATTRIBUTE("compressed_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
@@ -336,20 +359,24 @@ const artefact_schema schema_residuals = {
 // ---- model
 
 static const artefact_axis model_axes[] = {
+    Y_AXIS,
     X_AXIS,
     FILM_X_AXIS,
-    {"row", "1", "index of the selected row, in order of selection"},
-    {"needed_node", "1", "index of the film node whose pressure and film the selected rows need"},
-    {"band_node", "1", "index of the film node, counted from the first of the exit band"},
-    {"control", "1", "index of the control row, in order of choice"},
-    {"control_node", "1", "index of the film node whose pressure and film the control rows need"},
-    {"jacobian_mode", "1", "index of the mode of the weighted Jacobian products, strongest first"},
+    AXIS("row", "1", "index of the selected row, in order of selection"),
+    AXIS("needed_node", "1",
+         "index of the film node whose pressure and film the selected rows need"),
+    AXIS("band_node", "1", "index of the film node, counted from the first of the exit band"),
+    AXIS("control", "1", "index of the control row, in order of choice"),
+    AXIS("control_node", "1",
+         "index of the film node whose pressure and film the control rows need"),
+    AXIS("jacobian_mode", "1",
+         "index of the mode of the weighted Jacobian products, strongest first"),
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
     STATE_AXIS,
-    {"position", "1", "index of the measured size of the model, smallest first"},
-    {"quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"},
-    {"part", "1", "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"},
+    AXIS("position", "1", "index of the measured size of the model, smallest first"),
+    AXIS("quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"),
+    AXIS("part", "1", "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"),
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
@@ -364,7 +391,11 @@ static const artefact_axis model_axes[] = {
          "position")
 
 static const artefact_field model_fields[] = {
-    INTEGER("selected_row", NEED_ALWAYS, "index into x of the selected Reynolds rows", "row"),
+    INTEGER("selected_row", NEED_ALWAYS,
+            "index of the selected Reynolds rows: into x or, of a point contact, into all nodes of "
+            "y and x, "
+            "the lines of y one after the other",
+            "row"),
     REAL("row_weight", "1", NEED_ALWAYS,
          "weight of the selected rows: D times their factor in the least squares", "row"),
     REAL("row_factor", "1", NEED_OPTIONAL,
@@ -375,7 +406,8 @@ static const artefact_field model_fields[] = {
          "row", "jacobian_mode"),
     INTEGER("needed_node_index", NEED_ALWAYS,
             "film nodes that are needed, ascending; film node k + 1 is index k of x, 0 and the "
-            "last are the boundary nodes",
+            "last are the boundary nodes; of a point contact the film nodes of the lines of y, "
+            "each with its two boundary nodes, follow one another, and there are boundary lines",
             "needed_node"),
     REAL("needed_pressure_basis", "1", NEED_ALWAYS, "pressure modes at the needed nodes",
          "needed_node", "pressure_mode"),
@@ -398,8 +430,16 @@ static const artefact_field model_fields[] = {
     REAL("band_projected_kernel", "1", NEED_OPTIONAL,
          "deflection of unit pressure at the band nodes, projected on the deformation modes",
          "band_node", "deformation_mode"),
+    INTEGER("band_line_begin", NEED_OPTIONAL,
+            "first column of the exit band on each line, counted with the boundary node; this and "
+            "the next three only of a point contact, whose band nodes go line after line",
+            "y"),
+    INTEGER("band_line_end", NEED_OPTIONAL, "column behind the last one of the exit band", "y"),
+    INTEGER("band_line_least_exit", NEED_OPTIONAL, "first column at which the exit may lie", "y"),
+    INTEGER("band_line_most_exit", NEED_OPTIONAL, "last column at which the exit may lie", "y"),
     INTEGER("control_row", NEED_OPTIONAL,
-            "index into x of Reynolds rows that take no part in the solution; what they are left "
+            "index, as in selected_row, of Reynolds rows that take no part in the solution; what "
+            "they are left "
             "with indicates its deviation",
             "control"),
     REAL("control_weight", "1", NEED_OPTIONAL, "weight D of the control rows", "control"),
@@ -421,7 +461,7 @@ static const artefact_field model_fields[] = {
          "deformation_mode", "pressure_mode"),
     REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
          "pressure_mode"),
-    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "x"),
+    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
     REAL("deformation_basis", "1", NEED_OPTIONAL,
          "deformation modes, only for deformation = independent; for transient scenes",
          "deformation_mode", "film_x"),
@@ -467,13 +507,20 @@ static const artefact_field model_fields[] = {
     {0}};
 
 static const artefact_attribute model_attributes[] = {
-    GRID_ATTRIBUTES,
+    GRID_ATTRIBUTES("line or point"),
+    HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
-    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS, "first film node of the exit band"),
+    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+              "first film node of the exit band, of a line contact; so are the next two"),
     ATTRIBUTE("least_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "first film node at which the exit may lie"),
     ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
               "last film node at which the exit may lie"),
+    ATTRIBUTE(
+        "first_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "first line of the grid, boundary lines counted, on which the film minimum is sought; "
+        "this and the next one only of a point contact"),
+    ATTRIBUTE("last_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, "last of these lines"),
     ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
     ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL, "method of the rows' factors"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,

@@ -201,10 +201,10 @@ ehd_status artefact_create_growing(artefact **file, const char *path, const arte
     return status;
 }
 
-static bool attach_scales(hid_t root, hid_t dataset, const artefact_field *field) {
+static bool attach_scales(hid_t root, hid_t dataset, const char *const *axes, size_t rank) {
     bool attached = true;
-    for (unsigned i = 0; i < field_rank(field) && attached; i++) {
-        hid_t scale = H5Dopen2(root, field->axes[i], H5P_DEFAULT);
+    for (unsigned i = 0; i < rank && attached; i++) {
+        hid_t scale = H5Dopen2(root, axes[i], H5P_DEFAULT);
         attached = scale >= 0 && H5DSattach_scale(dataset, scale, i) >= 0;
         hdf5_release(scale);
     }
@@ -214,20 +214,21 @@ static bool attach_scales(hid_t root, hid_t dataset, const artefact_field *field
 static ehd_status declare(artefact *file, const artefact_field *field, layout kind,
                           ehd_error *error) {
     hsize_t dims[ARTEFACT_MAX_RANK];
-    int rank = (int)field_rank(field);
+    const char *axes[ARTEFACT_MAX_RANK];
+    int rank = (int)field_axes(axes, file, field);
     const bool growing = field_grows(file, field);
     for (int i = 0; i < rank; i++) {
-        dims[i] = artefact_length(file, field->axes[i]);
+        dims[i] = artefact_length(file, axes[i]);
         if (dims[i] == 0 && !(growing && i == 0)) {
             return ehd_fail(error, EHD_INTERNAL, "%s: %s: found no axis %s, expected it before",
-                            file->path, field->name, field->axes[i]);
+                            file->path, field->name, axes[i]);
         }
     }
     bool integer = field->type == ARTEFACT_INTEGER;
     if (growing) kind = LAYOUT_GROWING;
     hid_t dataset = create_dataset(file->id, field->name, integer, dims, rank, kind);
     bool written = dataset >= 0 && describe(dataset, field->units, field->long_name) &&
-                   attach_scales(file->id, dataset, field);
+                   attach_scales(file->id, dataset, axes, (size_t)rank);
     ehd_status status = written ? EHD_OK : hdf5_write_failed(file, field->name, error);
     hdf5_release(dataset);
     return status;

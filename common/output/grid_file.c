@@ -9,17 +9,76 @@
 
 static const double COARSEST_STEP = 0.125; // half widths, as for scenes
 
-ehd_status grid_write_axis(artefact *file, const ehd_grid *grid, ehd_error *error) {
-    double *x = malloc(grid->num_inner * sizeof *x);
-    if (!x)
-        return ehd_fail(error, EHD_MEMORY, "%s: x: found no memory for %zu nodes",
-                        artefact_path(file), grid->num_inner);
+/* `along` is the distance in rows. */
+static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
+                             const ehd_grid *grid, double place(const ehd_grid *, size_t),
+                             ehd_error *error) {
+    double *values = malloc(length * sizeof *values);
+    if (!values)
+        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
+                        artefact_path(file), name, length);
 
-    for (size_t i = 0; i < grid->num_inner; i++)
-        x[i] = grid_x(grid, i + 1);
-    ehd_status status = artefact_put_axis(file, "x", grid->num_inner, x, error);
-    free(x);
+    for (size_t i = 0; i < length; i++)
+        values[i] = place(grid, grid_node_of_row(grid, i * along));
+    ehd_status status = artefact_put_axis(file, name, length, values, error);
+    free(values);
     return status;
+}
+
+ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *error) {
+    ehd_status status = write_axis(file, "x", grid->inner_x, 1, grid, grid_x, error);
+
+    if (status || grid->inner_lines == 1) return status;
+    return write_axis(file, "y", grid->inner_lines, grid->inner_x, grid, grid_y, error);
+}
+
+/* Number of values of an inner field in a file, and the node of the grid for each. */
+static size_t count_inner(const ehd_grid *grid, bool mirrored) {
+    return mirrored ? grid_whole(grid).num_inner : grid->num_inner;
+}
+
+static size_t node_of_inner(const ehd_grid *grid, size_t row, bool mirrored) {
+    return grid_node_of_row(grid, mirrored ? grid_row_of_whole(grid, row) : row);
+}
+
+void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored) {
+    size_t count = count_inner(grid, mirrored);
+
+    for (size_t r = 0; r < count; r++)
+        inner[r] = nodes[node_of_inner(grid, r, mirrored)];
+}
+
+void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bool mirrored) {
+    size_t count = count_inner(grid, mirrored);
+
+    for (size_t r = 0; r < count; r++)
+        nodes[node_of_inner(grid, r, mirrored)] = inner[r];
+}
+
+static size_t line_exit(const double *pressure, const ehd_grid *grid, size_t line, bool mirrored) {
+    const double *first = pressure + node_of_inner(grid, line * grid->inner_x, mirrored);
+    size_t exit = grid->inner_x;
+
+    while (exit > 0 && !(first[exit - 1] != 0))
+        exit--;
+    return exit;
+}
+
+void grid_exit_nodes(int64_t *exits, const double *pressure, const ehd_grid *grid, bool mirrored) {
+    size_t num_lines = count_inner(grid, mirrored) / grid->inner_x;
+
+    for (size_t l = 0; l < num_lines; l++)
+        exits[l] = (int64_t)line_exit(pressure, grid, l, mirrored);
+}
+
+void grid_exit_positions(double *positions, const double *pressure, const ehd_grid *grid,
+                         bool mirrored) {
+    size_t num_lines = count_inner(grid, mirrored) / grid->inner_x;
+
+    for (size_t l = 0; l < num_lines; l++) {
+        size_t exit = line_exit(pressure, grid, l, mirrored);
+        positions[l] = exit > 0 ? grid->x_min + (double)exit * grid->step : NAN;
+    }
 }
 
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
@@ -33,25 +92,44 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
 
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error) {
-    ehd_status status = grid_write_axis(file, grid, error);
-    return status ? status : grid_write_attributes(file, kind, grid, error);
+    ehd_status status = grid_write_axes(file, grid, error);
+
+    if (!status) status = grid_write_attributes(file, kind, grid, error);
+    if (!status && grid->half) status = artefact_put_integer(file, "half", 1, error);
+    return status;
+}
+
+ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
+                            ehd_error *error) {
+    size_t found = artefact_length(file, "y");
+    bool across = kind->dimensions > 1;
+
+    *num_lines = across ? found : 1;
+    if (across ? found >= 2 : found == 0) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: y: found %zu lines, expected %s, of a %s contact",
+                    artefact_path(file), found, across ? "several" : "none", kind->name);
 }
 
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
     char *contact = NULL;
     ehd_status status = artefact_get_text(file, "contact", &contact, error);
 
-    if (!status && strcmp(contact, contact_line.name))
-        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s",
-                          artefact_path(file), contact, contact_line.name);
+    *kind = status ? &contact_line : contact_kind_find(contact);
+    if (!*kind)
+        status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s|%s",
+                          artefact_path(file), contact, contact_line.name, contact_point.name);
     free(contact);
-    *kind = &contact_line;
     if (!status) status = artefact_get_real(file, "x_min", &grid->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &grid->step, error);
+    size_t num_lines = 1;
+    int64_t half = 0;
+    if (!status) status = grid_count_lines(&num_lines, file, *kind, error);
+    if (!status && artefact_has(file, "half"))
+        status = artefact_get_integer(file, "half", &half, error);
     if (status) return status;
-    grid->num_inner = artefact_length(file, "x");
-    grid->num_nodes = grid->num_inner + 2;
-    double x_max = grid->x_min + ((double)grid->num_inner - 1) * grid->step;
+    *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines,
+                    num_lines > 1 && half != 0);
+    double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,
                         "%s: x: found %g to %g in steps of %g, expected the dry contact inside and "

@@ -8,16 +8,35 @@
 #include "common/program/program.h"
 #include <stdbool.h>
 
-/* Axis x: the inner nodes. */
-ehd_status grid_write_axis(artefact *file, const ehd_grid *grid, ehd_error *error);
+/* Axis x, the inner nodes, and of a point contact y, their lines. */
+ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *error);
 
 /* Attributes contact, x_min and step. */
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                                  ehd_error *error);
 
-/* Both of them. */
+/* Both of them, and of a half grid that it is one. */
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error);
+
+/* Values at the inner nodes, [inner_lines, inner_x] as files have them, of the whole grid where `mirrored`;
+ * and back, where the grid is a half its own half of them. */
+void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored);
+void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bool mirrored);
+
+/* Where the pressure ends on each line, as index into x, 0 where it has none; and as X, NaN there. */
+void grid_exit_nodes(
+    // output:
+    int64_t *exits, // [inner_lines], of the whole grid where `mirrored`
+    // input:
+    const double *pressure, // [num_nodes]
+    const ehd_grid *grid, bool mirrored);
+void grid_exit_positions(double *positions, const double *pressure, const ehd_grid *grid,
+                         bool mirrored);
+
+/* Lines of an open file's inner nodes, 1 of a line contact. EHD_DATA: not as many as the kind has. */
+ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
+                            ehd_error *error);
 
 /* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or the
  * kind is not known. */

@@ -24,7 +24,10 @@ ehd_status result_create(artefact **file, const program *caller, const ehd_conta
     const double stationary = 0;
     ehd_status status =
         artefact_create(file, caller->output, &schema_result, caller, settings_text, inputs, error);
+    const ehd_grid whole = grid_whole(&contact->grid);
+
     if (!status) status = artefact_put_axis(*file, "time", 1, &stationary, error);
+    if (!status && whole.inner_lines > 1) status = grid_write_axes(*file, &whole, error);
     if (!status) status = result_put_contact(*file, contact, error);
     if (status) artefact_close(file);
     return status;
@@ -53,16 +56,30 @@ ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_erro
     return status;
 }
 
-/* The boundary nodes lie outside of the axis. */
+/* The boundary nodes lie outside of the axes. */
+static ehd_status put_field(artefact *file, const char *name, const double *nodes,
+                            const ehd_grid *grid, ehd_error *error) {
+    const ehd_grid whole = grid_whole(grid);
+    double *inner = malloc(whole.num_inner * sizeof *inner);
+    if (!inner)
+        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
+                        artefact_path(file), name, whole.num_inner);
+
+    grid_take_inner(inner, nodes, grid, true);
+    ehd_status status = artefact_put(file, name, inner, error);
+    free(inner);
+    return status;
+}
+
 static ehd_status put_fields(artefact *file, const run_result *result, const ehd_grid *grid,
                              ehd_error *error) {
-    ehd_status status = EHD_OK;
+    bool on_line = grid->inner_lines == 1, any = result->pressure || result->film;
+    ehd_status status = on_line && any ? grid_write_axes(file, grid, error) : EHD_OK;
 
-    if (result->pressure || result->film) status = grid_write_axis(file, grid, error);
     if (!status && result->pressure)
-        status = artefact_put(file, "pressure", result->pressure + 1, error);
+        status = put_field(file, "pressure", result->pressure, grid, error);
     if (!status && result->film)
-        status = artefact_put(file, "film_thickness", result->film + 1, error);
+        status = put_field(file, "film_thickness", result->film, grid, error);
     return status;
 }
 
@@ -76,14 +93,15 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
                  {"rigid_approach", result->rigid_approach},
                  {"load", result->load},
                  {"contact_half_width", 1}, // the reference's own frame
-                 {"exit_position", result->exit_position},
                  {"residual_norm", result->residual}};
+    const double *exits = result->exits ? result->exits : &result->exit_position;
     const int64_t iterations = (int64_t)result->newton_iterations;
     const int64_t outcome = result_stored_status(result->status);
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put(file, reals[i].name, &reals[i].value, error);
+    if (!status) status = artefact_put(file, "exit_position", exits, error);
     if (!status && !isnan(result->indicated_deviation))
         status = artefact_put(file, "indicated_deviation", &result->indicated_deviation, error);
     if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
@@ -124,7 +142,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     print_value("central pressure", result->central_pressure, pressure, "GPa");
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");
-    print_value("load", result->load, contact->load, "N/m");
+    print_value("load", result->load, contact->load, contact->kind->dimensions > 1 ? "N" : "N/m");
     printf("%-24s%zu, residual %.1e\n", "Newton iterations", result->newton_iterations,
            result->residual);
     if (!isnan(result->indicated_deviation))
@@ -144,7 +162,12 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
         status = ehd_fail(error, EHD_DATA, "%s: contact: found %.32s, expected %s",
                           artefact_path(file), contact, kind->name);
     free(contact);
-    stored->num_inner = artefact_length(file, "x");
+    stored->num_lines = 1;
+    if (!status) status = grid_count_lines(&stored->num_lines, file, kind, error);
+    if (!status && kind->dimensions > 1 && stored->num_lines % 2 == 0)
+        status = ehd_fail(error, EHD_DATA, "%s: y: found %zu lines, expected an odd number",
+                          artefact_path(file), stored->num_lines);
+    stored->num_inner = artefact_length(file, "x") * stored->num_lines;
     stored->moes_L = NAN;
     if (!status) status = artefact_get_real(file, "x_min", &stored->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &stored->step, error);
@@ -156,6 +179,18 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
+/* Of a point contact the file has one a line. */
+static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
+    if (!artefact_has(file, "exit_position")) return EHD_OK;
+    double *exits = malloc(stored->num_lines * sizeof *exits);
+    if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+
+    ehd_status status = artefact_get(file, "exit_position", exits, error);
+    if (!status) stored->exit_position = exits[stored->num_lines / 2];
+    free(exits);
+    return status;
+}
+
 static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *error) {
     const struct {
         const char *name;
@@ -163,14 +198,14 @@ static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *
     } reals[] = {{"central_film_thickness", &stored->central_film_thickness},
                  {"minimum_film_thickness", &stored->minimum_film_thickness},
                  {"rigid_approach", &stored->rigid_approach},
-                 {"central_pressure", &stored->central_pressure},
-                 {"exit_position", &stored->exit_position}};
+                 {"central_pressure", &stored->central_pressure}};
     ehd_status status = EHD_OK;
 
     // those that everybody writes are there, or the file would not have been opened
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         if (artefact_has(file, reals[i].name))
             status = artefact_get(file, reals[i].name, reals[i].value, error);
+    if (!status) status = get_exit(stored, file, error);
     if (!status && artefact_has(file, "status"))
         status = artefact_get_integers(file, "status", &stored->status, error);
     return status;
@@ -237,7 +272,9 @@ void result_free(stored_result *stored) {
 
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error) {
-    const ehd_grid own = {stored->x_min, stored->step, stored->num_inner, stored->num_inner + 2};
+    const ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
+                                 stored->num_lines, false);
+    const ehd_grid whole = grid_whole(grid);
 
-    return grid_check(&own, path, grid, "the scene", error);
+    return grid_check(&own, path, &whole, "the scene", error);
 }

@@ -16,11 +16,12 @@ enum { RESULT_REASON = 256 }; // bytes, with the closing zero
 typedef struct run_result {
     const double *pressure; // [num_nodes] of the contact's grid, NULL: no fields
     const double *film;     // [num_nodes], NULL: no fields
+    const double *exits;    // [lines] X at which the pressure ends, of a point contact's whole grid
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
     double rigid_approach;
-    double exit_position; // X at which the pressure ends
+    double exit_position; // X at which the pressure ends, at Y = 0
     double load;          // relative to the reference
     size_t newton_iterations;
     double residual;
@@ -60,17 +61,18 @@ void result_print(const run_result *result, const ehd_contact *contact);
 typedef struct stored_result {
     double x_min; // grid of the file, and of the fields
     double step;
-    size_t num_inner; // 0: neither fields nor an axis x
+    size_t num_inner; // nodes of a field; 0: neither fields nor an axis x
+    size_t num_lines; // of them, across; 1 of a line contact
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
     double rigid_approach;
-    double exit_position;
-    int64_t status;   // 0 when the file has none
-    double *pressure; // [num_inner], NULL: not in the file or not wanted
-    double *film;     // [num_inner], NULL: not in the file or not wanted
+    double exit_position; // at Y = 0
+    int64_t status;       // 0 when the file has none
+    double *pressure;     // [num_inner], NULL: not in the file or not wanted
+    double *film;         // [num_inner], NULL: not in the file or not wanted
 } stored_result;
 
 /* Grid and reference contact of an open file; moes_L is NaN where the file has none. EHD_DATA for

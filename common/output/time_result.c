@@ -44,7 +44,7 @@ static ehd_status declare_scalars(artefact *file, ehd_error *error) {
 }
 
 static ehd_status declare_fields(artefact *file, const ehd_grid *grid, ehd_error *error) {
-    ehd_status status = grid_write_axis(file, grid, error);
+    ehd_status status = grid_write_axes(file, grid, error);
 
     if (!status) status = artefact_declare(file, "pressure", error);
     if (!status) status = artefact_declare(file, "film_thickness", error);

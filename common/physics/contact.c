@@ -8,17 +8,14 @@
 
 // ---- line contact
 
-static double line_gap(double x) {
-    return x * x / 2;
-}
-
 /* x (ln|x| - 1), whose derivative is ln|x|. */
 static double line_primitive(double x) {
     return x == 0 ? 0 : x * (log(fabs(x)) - 1);
 }
 
 /* -(1/2pi) int ln(X'^2) over the cell (model.md, section 2). */
-static double line_kernel(double distance, double step) {
+static double line_kernel(double distance, double y, double step) {
+    (void)y;
     return -(line_primitive(distance + step / 2) - line_primitive(distance - step / 2)) / M_PI;
 }
 
@@ -36,38 +33,205 @@ static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
 
+static double line_physical_M(double load_number, double speed_number) {
+    return load_number / sqrt(speed_number);
+}
+
+static double line_half_width(double load, double radius, double modulus) {
+    return sqrt(8 * load * radius / (M_PI * modulus));
+}
+
 const contact_kind contact_line = {
     .name = "line",
+    .dimensions = 1,
     .load = M_PI_2,
-    .gap = line_gap,
     .kernel = line_kernel,
     .lambda = line_lambda,
     .alpha_p_H = line_alpha_p_H,
     .central_film = film_moes,
     .approach_shift = line_approach_shift,
+    .physical_M = line_physical_M,
+    .half_width = line_half_width,
 };
+
+// ---- point contact
+
+/* The integral of 1/r over a rectangle from the origin to a corner: a asinh(b/a) + b asinh(a/b). */
+static double point_primitive(double a, double b) {
+    if (a == 0 || b == 0) return 0;
+    return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
+}
+
+/* (2/pi^2) iint 1/r over the cell (model.md, section 2). */
+static double point_kernel(double x, double y, double step) {
+    double left = x - step / 2, right = x + step / 2, low = y - step / 2, high = y + step / 2;
+
+    return 2 / (M_PI * M_PI) *
+           (point_primitive(right, high) - point_primitive(left, high) -
+            point_primitive(right, low) + point_primitive(left, low));
+}
+
+static double point_lambda(double moes_M) {
+    return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4)));
+}
+
+static double point_alpha_p_H(double moes_M, double moes_L) {
+    return moes_L / M_PI * cbrt(1.5 * moes_M);
+}
+
+/* Central film of the circular contact by the fit of Nijenbanning, Venner and Moes (Wear 176, 1994), from
+ * the four asymptotes; in Moes units, then H = that / (3 M/2)^(2/3). */
+static double point_central_film(double moes_M, double moes_L) {
+    const double rigid_iso = 145 * pow(1 + pow(0.796, 15. / 14), -15. / 7) / (moes_M * moes_M);
+    const double elastic_iso = 3.18 * pow(1.63, -14. / 25) * pow(moes_M, -2. / 15);
+    const double rigid_piezo = 1.29 * pow(1.691, -2. / 3) * pow(moes_L, 2. / 3);
+    const double elastic_piezo =
+        1.48 * pow(1.63, -7. / 20) * pow(moes_M, -1. / 12) * pow(moes_L, 0.75);
+    const double zero_load = 1.8;
+    double iso = pow(rigid_iso, 1.5) + pow(pow(elastic_iso, -4) + pow(zero_load, -4), -3. / 8);
+    double s = 1.5, piezo = 0;
+
+    if (moes_L > 0) {
+        s = 1.5 * (1 + exp(-1.2 * elastic_iso / elastic_piezo));
+        piezo = pow(pow(rigid_piezo, -8) + pow(elastic_piezo, -8), -s / 8);
+    }
+    return pow(pow(iso, 2 * s / 3) + piezo, 1 / s) / pow(1.5 * moes_M, 2. / 3);
+}
+
+/* The point kernel falls to zero at a distance: its approach is that of far away. */
+static double point_approach_shift(double half_width, double length) {
+    (void)half_width;
+    (void)length;
+    return 0;
+}
+
+static double point_physical_M(double load_number, double speed_number) {
+    return load_number / pow(speed_number, 0.75);
+}
+
+static double point_half_width(double load, double radius, double modulus) {
+    return cbrt(3 * load * radius / (2 * modulus));
+}
+
+const contact_kind contact_point = {
+    .name = "point",
+    .dimensions = 2,
+    .load = 2 * M_PI / 3,
+    .kernel = point_kernel,
+    .lambda = point_lambda,
+    .alpha_p_H = point_alpha_p_H,
+    .central_film = point_central_film,
+    .approach_shift = point_approach_shift,
+    .physical_M = point_physical_M,
+    .half_width = point_half_width,
+};
+
+const contact_kind *contact_kind_find(const char *name) {
+    static const contact_kind *const kinds[] = {&contact_line, &contact_point};
+
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(kinds[i]->name, name) == 0) return kinds[i];
+    return NULL;
+}
 
 // ---- any contact
 
+double contact_gap(double x, double y) {
+    return (x * x + y * y) / 2;
+}
+
+ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half) {
+    ehd_grid grid = {.x_min = x_min,
+                     .step = step,
+                     .inner_x = inner_x,
+                     .inner_lines = inner_lines,
+                     .half = half,
+                     .num_inner = inner_x * inner_lines};
+
+    grid.num_nodes = grid_width(&grid) * grid_lines(&grid);
+    return grid;
+}
+
+size_t grid_width(const ehd_grid *grid) {
+    return grid->inner_x + 2;
+}
+
+size_t grid_first_line(const ehd_grid *grid) {
+    return grid->inner_lines > 1 && !grid->half;
+}
+
+size_t grid_lines(const ehd_grid *grid) {
+    return grid_first_line(grid) + grid->inner_lines + (grid->inner_lines > 1);
+}
+
 double grid_x(const ehd_grid *grid, size_t node) {
-    return grid->x_min + ((double)node - 1) * grid->step;
+    size_t column = grid->inner_lines > 1 ? node % grid_width(grid) : node;
+
+    return grid->x_min + ((double)column - 1) * grid->step;
+}
+
+double grid_y(const ehd_grid *grid, size_t node) {
+    if (grid->inner_lines == 1) return 0;
+    double line = (double)(node / grid_width(grid));
+    return grid->step * (grid->half ? line : line - ((double)grid->inner_lines + 1) / 2);
+}
+
+double grid_gap(const ehd_grid *grid, size_t node) {
+    return contact_gap(grid_x(grid, node), grid_y(grid, node));
+}
+
+size_t grid_node_of_row(const ehd_grid *grid, size_t row) {
+    if (grid->inner_lines == 1) return row + 1;
+    return (row / grid->inner_x + grid_first_line(grid)) * grid_width(grid) + row % grid->inner_x +
+           1;
+}
+
+size_t grid_row_of_node(const ehd_grid *grid, size_t node) {
+    if (grid->inner_lines == 1) return node - 1;
+    return (node / grid_width(grid) - grid_first_line(grid)) * grid->inner_x +
+           node % grid_width(grid) - 1;
+}
+
+ehd_grid grid_whole(const ehd_grid *grid) {
+    size_t lines = grid->half ? 2 * grid->inner_lines - 1 : grid->inner_lines;
+
+    return grid_of(grid->x_min, grid->step, grid->inner_x, lines, false);
+}
+
+size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {
+    size_t line = row / grid->inner_x, central = grid->inner_lines - 1;
+
+    if (!grid->half) return row;
+    line = line > central ? line - central : central - line;
+    return line * grid->inner_x + row % grid->inner_x;
+}
+
+double grid_weight(const ehd_grid *grid, size_t node) {
+    return grid->half && node >= grid_width(grid) ? 2 : 1;
+}
+
+double grid_cell(const ehd_grid *grid) {
+    return grid->inner_lines > 1 ? grid->step * grid->step : grid->step;
 }
 
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
-    return a->num_inner == b->num_inner && fabs(a->x_min - b->x_min) <= slack &&
-           fabs(a->step - b->step) <= slack;
+    return a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half &&
+           fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
 static void grid_init(ehd_grid *grid, const scene *given) {
-    grid->x_min = given->x_min;
-    grid->step = given->step;
-    grid->num_inner = (size_t)lround((given->x_max - given->x_min) / given->step) + 1;
-    grid->num_nodes = grid->num_inner + 2;
+    const double step = scene_step(given);
+    size_t inner_x = (size_t)lround((given->x_max - given->x_min) / step) + 1;
+    size_t half_lines = 0;
+
+    if (!isnan(given->y_max)) half_lines = (size_t)lround(given->y_max / step);
+    bool half = half_lines > 0 && given->half != 0;
+    *grid = grid_of(given->x_min, step, inner_x, half ? half_lines + 1 : 2 * half_lines + 1, half);
 }
 
-/* Moes numbers and scales from load, radius, speed, modulus and viscosity of a line contact. */
+/* Moes numbers and scales from load, radius, speed, modulus and viscosity. */
 static ehd_status contact_from_physical(ehd_contact *contact, const scene *given,
                                         ehd_error *error) {
     double eta0 = contact->lubricant.eta0; // NaN where the law has none
@@ -79,12 +243,13 @@ static ehd_status contact_from_physical(ehd_contact *contact, const scene *given
                         given->viscosity, eta0);
     double sum_speed = 2 * given->speed;
     double speed_number = given->viscosity * sum_speed / (given->modulus * given->radius);
-    double load_number = given->load / (given->modulus * given->radius);
-    contact->moes_M = load_number / sqrt(speed_number);
+    double load_number =
+        given->load / (given->modulus * pow(given->radius, contact->kind->dimensions));
+    contact->moes_M = contact->kind->physical_M(load_number, speed_number);
     contact->moes_L = contact->lubricant.alpha * given->modulus * pow(speed_number, 0.25);
     contact->load = given->load;
     contact->radius = given->radius;
-    contact->half_width = sqrt(8 * given->load * given->radius / (M_PI * given->modulus));
+    contact->half_width = contact->kind->half_width(given->load, given->radius, given->modulus);
     return EHD_OK;
 }
 
@@ -94,7 +259,11 @@ ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *err
         return ehd_fail(error, EHD_DATA,
                         "closure: found approach in a stationary scene, expected load; a transient "
                         "scene finds the load of an approach");
-    contact->kind = &contact_line;
+    contact->kind = *given->contact ? contact_kind_find(given->contact) : &contact_line;
+    if (contact->kind->dimensions > 1 && strcmp(given->regime, "transient") == 0)
+        return ehd_fail(error, EHD_DATA,
+                        "regime: found transient, expected stationary, of a %s contact",
+                        contact->kind->name);
     contact->entrainment = 1;
     contact->closure = contact_load_closure(contact->kind);
     contact->half_width = contact->radius = contact->load = NAN;
@@ -141,7 +310,7 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error) {
     double least = 0.5 * contact->grid.step * (double)(contact->grid.num_inner - 1);
 
-    if (contact->approach_length >= least) return EHD_OK;
+    if (contact->kind->dimensions > 1 || contact->approach_length >= least) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,
         "approach_length: found %g, expected at least %g, half the grid's length, where "

@@ -11,37 +11,74 @@
 
 /* What differs between kinds of contact (model.md, section 1). */
 typedef struct contact_kind {
-    const char *name;                                     // "line"
-    double load;                                          // dimensionless load: pi/2
-    double (*gap)(double x);                              // undeformed gap: X^2/2
-    double (*kernel)(double distance, double step);       // deflection at a distance from a cell of
-                                                          // unit pressure and width `step`
+    const char *name; // "line"
+    int dimensions;   // of the pressurised zone: 1, 2
+    double load;      // dimensionless load: pi/2, 2 pi/3
+    // deflection at a distance (along, across) from a cell of unit pressure, `step` wide
+    double (*kernel)(double x, double y, double step);
     double (*lambda)(double moes_M);                      // the steady contact's speed parameter
     double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
     double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
     // what the kernel's constant adds to the approach of a contact `half_width` times the reference's, a
     // unit of load, where the approach is measured `length` reference half widths away
     double (*approach_shift)(double half_width, double length);
+    // Moes numbers and half width from load, radius, speed and modulus (speed number: eta0 2 u_m/(E' R))
+    double (*physical_M)(double load_number, double speed_number);
+    double (*half_width)(double load, double radius, double modulus);
 } contact_kind;
 
-extern const contact_kind contact_line;
+extern const contact_kind contact_line, contact_point;
 
-/* Uniform grid. `num_inner` nodes carry unknowns; the zero-pressure boundary nodes lie one step
- * outside and carry a film. Nodes are numbered with them: node k lies at x_min + (k-1) step, inner
- * nodes are 1 … num_inner, num_nodes = num_inner + 2. */
+/* The kind of this name, or NULL. */
+const contact_kind *contact_kind_find(const char *name);
+
+/* Uniform grid of square cells. `num_inner` nodes carry unknowns; the zero-pressure boundary nodes lie one
+ * step outside and carry a film. Nodes are numbered with them, line after line across the entrainment: of a
+ * line contact, which has one line, node k lies at x_min + (k-1) step, inner nodes are 1 … num_inner,
+ * num_nodes = num_inner + 2. Of a point contact the lines run from y = -y_max to y_max or, where the half
+ * does for all by symmetry, from y = 0, with a boundary line at either end that is not a mirror. */
 typedef struct ehd_grid {
     double x_min; // contact half widths
     double step;
-    size_t num_inner;
+    size_t inner_x;     // inner nodes of a line
+    size_t inner_lines; // lines of inner nodes: 1 of a line contact
+    bool half;          // the first line is y = 0
+    size_t num_inner;   // inner_x inner_lines
     size_t num_nodes;
 } ehd_grid;
 
+/* Fills the counts. */
+ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half);
+
 double grid_x(const ehd_grid *grid, size_t node);
+double grid_y(const ehd_grid *grid, size_t node); // 0 of a line contact
+double grid_gap(const ehd_grid *grid, size_t node);
+
+/* Undeformed gap (X^2 + Y^2)/2. */
+double contact_gap(double x, double y);
+
+/* Nodes of a line, all lines, and those before the first inner one. */
+size_t grid_width(const ehd_grid *grid);
+size_t grid_lines(const ehd_grid *grid);
+size_t grid_first_line(const ehd_grid *grid);
+
+/* Inner nodes are numbered on their own too, by rows of the Reynolds equation: 0 … num_inner - 1. */
+size_t grid_node_of_row(const ehd_grid *grid, size_t row);
+size_t grid_row_of_node(const ehd_grid *grid, size_t node);
+
+/* The grid without a mirror, and the row of `grid` that stands for a row of that one. */
+ehd_grid grid_whole(const ehd_grid *grid);
+size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
+
+/* Of the cells that a node stands for: 2 off the mirror line of a half grid. */
+double grid_weight(const ehd_grid *grid, size_t node);
+/* Length or area of a cell. */
+double grid_cell(const ehd_grid *grid);
 
 /* Whether two grids have the same nodes, to 1e-9 of a step. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
-/* How the system of equations is closed: by_approach H0 + by_load int P dX = value. */
+/* How the system of equations is closed: by_approach H0 + by_load int P = value. */
 typedef struct contact_closure {
     double by_approach, by_load, value;
 } contact_closure;
@@ -60,17 +97,17 @@ typedef struct ehd_contact {
     double alpha_p_H;       // 1
     double half_width;      // m, NaN unless the scene is physical
     double radius;          // m, NaN unless the scene is physical
-    double load;            // N/m, NaN unless the scene is physical
+    double load;            // N/m or N, NaN unless the scene is physical
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */
 typedef struct contact_scalars {
-    double central_film_thickness; // H at X = 0, interpolated (cubic) where no node lies there
+    double central_film_thickness; // H at X = Y = 0, interpolated (cubic) where no node lies there
     double minimum_film_thickness; // smallest nodal value
     double central_pressure;
     double rigid_approach; // H0
-    double exit_position;  // X of the first node without pressure
-    double load;           // int P dX relative to the kind's
+    double exit_position;  // X of the first node without pressure, at Y = 0
+    double load;           // int P relative to the kind's
 } contact_scalars;
 
 /* Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond the viscosity law's limit,

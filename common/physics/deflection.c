@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/deflection.h"
 
-#include <complex.h>
 #include <fftw3.h>
-#include <math.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* The kernel is even along and across, so that the transform that maps real numbers to those of cosines and
+ * sines turns the convolution into a product with one real number each. A half grid is the even part: only
+ * cosines across. */
 struct ehd_deflection {
-    size_t num_nodes;
-    size_t length;          // of the circular convolution, >= 2 num_nodes - 1
-    double *kernel;         // [num_nodes]
-    double *transfer;       // [length/2 + 1], transform of the kernel (real: it is even), / length
-    double *signal;         // [length]
-    fftw_complex *spectrum; // [length/2 + 1]
+    ehd_grid grid;
+    size_t length, lines; // of the transform: along, and across
+    double *kernel;       // [grid lines, grid width]
+    double *transfer;     // [lines, length], of the kernel
+    double *signal;       // [lines, length]
     fftw_plan forward, backward;
 };
 
@@ -35,35 +35,76 @@ static size_t smooth_length(size_t least) {
     }
 }
 
-ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid) {
-    ehd_deflection *self = calloc(1, sizeof *self);
-    if (!self) return NULL;
-    size_t n = self->num_nodes = grid->num_nodes;
-    size_t length = self->length = smooth_length(2 * n);
+/* Period of the circular convolution across: that of all lines, mirrored ones too. */
+static size_t period_across(const ehd_grid *grid) {
+    size_t lines = grid_lines(grid);
 
-    self->kernel = malloc(n * sizeof(double));
-    self->transfer = malloc((length / 2 + 1) * sizeof(double));
-    self->signal = fftw_alloc_real(length);
-    self->spectrum = fftw_alloc_complex(length / 2 + 1);
-    if (!self->kernel || !self->transfer || !self->signal || !self->spectrum)
-        return deflection_free(self);
+    return smooth_length(grid->half ? 4 * lines : 2 * lines);
+}
+
+static void make_plans(ehd_deflection *self) {
+    const bool line = self->lines == 1, half = self->grid.half;
+    const int sizes[2] = {(int)self->lines, (int)self->length};
+    const fftw_r2r_kind forward[2] = {half ? FFTW_REDFT00 : FFTW_R2HC, FFTW_R2HC};
+    const fftw_r2r_kind backward[2] = {half ? FFTW_REDFT00 : FFTW_HC2R, FFTW_HC2R};
+    double *signal = self->signal;
 
     // an estimated plan, not a measured one: the same bits at every run
     pthread_mutex_lock(&planner_lock);
-    self->forward = fftw_plan_dft_r2c_1d((int)length, self->signal, self->spectrum, FFTW_ESTIMATE);
-    self->backward = fftw_plan_dft_c2r_1d((int)length, self->spectrum, self->signal, FFTW_ESTIMATE);
+    self->forward =
+        fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, forward + line, FFTW_ESTIMATE);
+    self->backward =
+        fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, backward + line, FFTW_ESTIMATE);
     pthread_mutex_unlock(&planner_lock);
-    if (!self->forward || !self->backward) return deflection_free(self);
+}
 
-    memset(self->signal, 0, length * sizeof(double));
-    for (size_t d = 0; d < n; d++) {
-        self->kernel[d] = kind->kernel((double)d * grid->step, grid->step);
-        self->signal[d] = self->kernel[d];
-        if (d > 0) self->signal[length - d] = self->kernel[d];
+/* Distance in nodes from the origin of a periodic signal. */
+static size_t wrapped(size_t place, size_t period) {
+    return place <= period / 2 ? place : period - place;
+}
+
+static void make_transfer(ehd_deflection *self, const contact_kind *kind) {
+    const ehd_grid *grid = &self->grid;
+    size_t width = grid_width(grid), num_lines = grid_lines(grid);
+    size_t period = self->lines > 1 ? period_across(grid) : 1;
+    double step = grid->step, scale = 1 / ((double)self->length * (double)period);
+
+    for (size_t l = 0; l < num_lines; l++)
+        for (size_t d = 0; d < width; d++)
+            self->kernel[l * width + d] = kind->kernel((double)d * step, (double)l * step, step);
+    for (size_t l = 0; l < self->lines; l++) {
+        double y = (double)wrapped(l, period) * step;
+        for (size_t d = 0; d < self->length; d++)
+            self->signal[l * self->length + d] =
+                kind->kernel((double)wrapped(d, self->length) * step, y, step);
     }
     fftw_execute(self->forward);
-    for (size_t k = 0; k <= length / 2; k++)
-        self->transfer[k] = creal(self->spectrum[k]) / (double)length;
+    // of an even signal there are cosines only; the sines share their numbers
+    for (size_t l = 0; l < self->lines; l++) {
+        size_t from = grid->half ? l : wrapped(l, period);
+        for (size_t k = 0; k < self->length; k++)
+            self->transfer[l * self->length + k] =
+                scale * self->signal[from * self->length + wrapped(k, self->length)];
+    }
+}
+
+ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid) {
+    ehd_deflection *self = calloc(1, sizeof *self);
+    if (!self) return NULL;
+    self->grid = *grid;
+    self->length = smooth_length(2 * grid_width(grid));
+    self->lines = kind->dimensions == 1 ? 1
+                  : grid->half          ? period_across(grid) / 2 + 1
+                                        : period_across(grid);
+
+    size_t count = self->length * self->lines;
+    self->kernel = malloc(grid->num_nodes * sizeof(double));
+    self->transfer = malloc(count * sizeof(double));
+    self->signal = fftw_alloc_real(count);
+    if (!self->kernel || !self->transfer || !self->signal) return deflection_free(self);
+    make_plans(self);
+    if (!self->forward || !self->backward) return deflection_free(self);
+    make_transfer(self, kind);
     return self;
 }
 
@@ -73,7 +114,6 @@ ehd_deflection *deflection_free(ehd_deflection *self) {
         if (self->forward) fftw_destroy_plan(self->forward);
         if (self->backward) fftw_destroy_plan(self->backward);
         pthread_mutex_unlock(&planner_lock);
-        fftw_free(self->spectrum);
         fftw_free(self->signal);
         free(self->transfer);
         free(self->kernel);
@@ -87,13 +127,16 @@ const double *deflection_kernel(const ehd_deflection *self) {
 }
 
 void deflection_apply(double *delta, ehd_deflection *self, const double *pressure) {
-    size_t n = self->num_nodes;
+    size_t width = grid_width(&self->grid), num_lines = grid_lines(&self->grid);
+    size_t count = self->length * self->lines;
 
-    memcpy(self->signal, pressure, n * sizeof(double));
-    memset(self->signal + n, 0, (self->length - n) * sizeof(double));
+    memset(self->signal, 0, count * sizeof(double));
+    for (size_t l = 0; l < num_lines; l++)
+        memcpy(self->signal + l * self->length, pressure + l * width, width * sizeof(double));
     fftw_execute(self->forward);
-    for (size_t k = 0; k <= self->length / 2; k++)
-        self->spectrum[k] *= self->transfer[k];
+    for (size_t k = 0; k < count; k++)
+        self->signal[k] *= self->transfer[k];
     fftw_execute(self->backward);
-    memcpy(delta, self->signal, n * sizeof(double));
+    for (size_t l = 0; l < num_lines; l++)
+        memcpy(delta + l * width, self->signal + l * self->length, width * sizeof(double));
 }

@@ -14,7 +14,7 @@ typedef struct ehd_deflection ehd_deflection;
 ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid);
 ehd_deflection *deflection_free(ehd_deflection *deflection); // accepts and returns NULL
 
-/* Influence of a cell on a node `offset` nodes away; [num_nodes] values. */
+/* Influence of a cell on a node some lines and nodes away; [grid lines, grid width] values. */
 const double *deflection_kernel(const ehd_deflection *deflection);
 
 /* Delta = K P, eq. (10) discretised with piecewise-constant pressure, O(n log n).

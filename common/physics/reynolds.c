@@ -5,8 +5,14 @@
 #include <string.h>
 
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
-    (void)grid;
-    reynolds_stencil stencil = {{node > 1 ? node - 2 : NO_NODE, node - 1, node, node + 1}};
+    size_t width = grid_width(grid), column = grid->inner_lines > 1 ? node % width : node;
+    reynolds_stencil stencil = {
+        {column > 1 ? node - 2 : NO_NODE, node - 1, node, node + 1, NO_NODE, NO_NODE}};
+
+    if (grid->inner_lines > 1) {
+        stencil.node[NODE_LEFT] = node < width ? node + width : node - width;
+        stencil.node[NODE_RIGHT] = node + width;
+    }
     return stencil;
 }
 
@@ -84,6 +90,10 @@ void reynolds_rows(reynolds_row *rows, double step, double entrainment,
             eps[a] = conductance_at(fluid, film, stencil->node[a]);
         add_flow(row, NODE_AHEAD, flow, stencil, eps, pressure);
         add_flow(row, NODE_BACK, flow, stencil, eps, pressure);
+        for (int a = NODE_LEFT; a <= NODE_RIGHT && stencil->node[a] != NO_NODE; a++) {
+            eps[a] = conductance_at(fluid, film, stencil->node[a]);
+            add_flow(row, a, flow, stencil, eps, pressure);
+        }
 
         if (stencil->node[NODE_BACK2] == NO_NODE) {
             add_mass(row, NODE_HERE, -entrainment / step, stencil, fluid, film);

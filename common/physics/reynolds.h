@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Reynolds operator, written once, for any list of rows.
  *
- * A row is the residual f of d/dx(eps dP/dx) = U d(rho H)/dx + d(rho H)/dT at a node (eq. 7 without
+ * A row is the residual f of d/dx(eps dP/dx) + d/dy(eps dP/dy) = U d(rho H)/dx + d(rho H)/dT at a node (eq. 7 without
  * multiplier) and its derivatives with respect to pressure and film at the stencil's nodes. Who asks for which rows,
  * and how P and H depend on the unknowns, is the solvers' business. */
 #ifndef EHD_REYNOLDS_H
@@ -10,8 +10,17 @@
 #include "common/physics/contact.h"
 #include <stddef.h>
 
-/* Nodes of a row's stencil, named by the entrainment's direction. */
-enum { NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD, NUM_STENCIL };
+/* Nodes of a row's stencil, named by the entrainment's direction. A line contact has no sides. */
+enum {
+    NODE_BACK2,
+    NODE_BACK,
+    NODE_HERE,
+    NODE_AHEAD,
+    NUM_LINE_STENCIL,
+    NODE_LEFT = NUM_LINE_STENCIL,
+    NODE_RIGHT,
+    NUM_STENCIL
+};
 #define NO_NODE ((size_t)-1) // as BACK2 of the first inner node: first-order entrainment there
 
 typedef struct reynolds_stencil {
@@ -39,7 +48,8 @@ typedef struct reynolds_squeeze {
         *earlier; // [num_rows] weighted sum of rho H of earlier states, in the current frame
 } reynolds_squeeze;
 
-/* Stencil of inner node `node` of a grid, entrainment towards larger x. */
+/* Stencil of inner node `node` of a grid, entrainment towards larger x. On the mirror line of a half grid both
+ * sides are the same node. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
 /* Fluid properties at the given pressures. */

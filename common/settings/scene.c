@@ -3,6 +3,7 @@
 
 #include "common/program/text.h"
 #include "common/settings/scene_source.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,6 +28,12 @@ void scene_defaults(scene *of) {
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings; row->key; row++)
         fill_default(of, row);
+    of->step = scene_step(of);
+}
+
+double scene_step(const scene *of) {
+    if (!isnan(of->step)) return of->step;
+    return strcmp(of->contact, "point") == 0 ? 0.0625 : 0.005;
 }
 
 // ---- setting values

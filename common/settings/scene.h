@@ -31,23 +31,25 @@ typedef struct history_settings {
 
 /* Every double is NaN, every string "" and every int -1 until it is given or a default fills it. */
 typedef struct scene {
-    char contact[16];       // line
+    char contact[16];       // line, point
     char regime[16];        // stationary, transient
     char closure[16];       // load, approach
     double approach;        // H0 in the reference frame; NaN: that of the stationary solution
     double approach_length; // a_ref; NaN: by the closure
     double moes_M;          // 1, given with moes_L, or not at all
     double moes_L;          // 1
-    double load;            // N/m for a line contact; the five of `physical`, or none
-    double radius;          // m
-    double speed;           // m/s, mean of the two surfaces
-    double modulus;         // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;       // Pa s at zero pressure
-    double hertz_pressure;  // Pa, optional
+    double load;    // N/m of a line contact, N of a point contact; the five of `physical`, or none
+    double radius;  // m
+    double speed;   // m/s, mean of the two surfaces
+    double modulus; // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity;      // Pa s at zero pressure
+    double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
     double x_min; // contact half widths
     double x_max;
     double step;
+    double y_max;          // NaN: a line contact
+    int half;              // 1, 0: whether the symmetric half is solved; -1: a line contact
     int output_fields;     // 1, 0, or -1: the program's own default
     int output_resolution; // the same
     int fields_every;      // fields at every N-th step; this and all below only when transient
@@ -99,6 +101,9 @@ void scene_defaults(scene *scene);
 /* Fills in the defaults that belong to the scene's regime, closure and laws, where not given.
  * scene_read, scene_parse and plan_read have done so. */
 void scene_complete(scene *scene);
+
+/* The grid's step: as given, or the default of the kind of contact. */
+double scene_step(const scene *of);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
  * and before validation. Relative names of files start from the folder of the file that has them, or in

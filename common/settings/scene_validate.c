@@ -135,6 +135,10 @@ static ehd_status check_wlf(const scene_source *source, ehd_error *error) {
 
 // ---- grid
 
+static bool is_point(const scene *of) {
+    return strcmp(of->contact, "point") == 0;
+}
+
 /* The allowed step nearest to the given one, with which a whole number of steps fits. */
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
@@ -143,10 +147,8 @@ static double nearest_step(double extent, double step) {
     return extent / count;
 }
 
-static ehd_status check_grid(const scene_source *source, ehd_error *error) {
+static ehd_status check_extent(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    const double extent = of->x_max - of->x_min, steps = extent / of->step;
-    char found[NUMBER_TEXT], valid[NUMBER_TEXT];
     if (!(of->x_min < -1))
         return place_fail(error, place_of_key(source, "grid.x_min"),
                           "grid.x_min: found %g, expected less than -1, so that the dry contact "
@@ -157,17 +159,48 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
                           "grid.x_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",
                           of->x_max);
-    if (!(steps + 1 <= max_nodes))
+    if (is_point(of) && !(of->y_max > 1))
+        return place_fail(error, place_of_key(source, "grid.y_max"),
+                          "grid.y_max: found %g, expected more than 1, so that the dry contact "
+                          "lies inside",
+                          of->y_max);
+    return EHD_OK;
+}
+
+static bool is_whole(double steps) {
+    return fabs(steps - round(steps)) <= whole_number_tolerance * steps;
+}
+
+/* Lines of nodes that are solved for. */
+static double count_lines(const scene *of) {
+    const double beside = of->y_max / scene_step(of);
+    return !is_point(of) ? 1 : of->half ? beside + 1 : 2 * beside + 1;
+}
+
+static ehd_status check_grid(const scene_source *source, ehd_error *error) {
+    const scene *of = &source->values;
+    const double step = scene_step(of), extent = of->x_max - of->x_min, steps = extent / step;
+    const double nodes = (steps + 1) * count_lines(of);
+    char found[NUMBER_TEXT], valid[NUMBER_TEXT];
+    const ehd_status status = check_extent(source, error);
+    if (status) return status;
+    if (!(nodes <= max_nodes))
         return place_fail(error, place_of_key(source, "grid.step"),
                           "grid.step: found %g, which makes %.0f nodes, expected at most %.0f",
-                          of->step, steps + 1, max_nodes);
-    if (fabs(steps - round(steps)) <= whole_number_tolerance * steps) return EHD_OK;
-    number_show(found, of->step);
-    number_show(valid, nearest_step(extent, of->step));
-    return place_fail(error, place_of_key(source, "grid.step"),
-                      "grid.step: found %s, expected a whole number of steps from %g to %g, such "
-                      "as with %s",
-                      found, of->x_min, of->x_max, valid);
+                          step, nodes, max_nodes);
+    number_show(found, step);
+    if (!is_whole(steps)) {
+        number_show(valid, nearest_step(extent, step));
+        return place_fail(error, place_of_key(source, "grid.step"),
+                          "grid.step: found %s, expected a whole number of steps from %g to %g, "
+                          "such as with %s",
+                          found, of->x_min, of->x_max, valid);
+    }
+    if (!is_point(of) || is_whole(of->y_max / step)) return EHD_OK;
+    number_show(valid, step * ceil(of->y_max / step));
+    return place_fail(error, place_of_key(source, "grid.y_max"),
+                      "grid.y_max: found %g, expected a whole number of steps of %s, such as %s",
+                      of->y_max, found, valid);
 }
 
 // ---- all

@@ -17,6 +17,7 @@
 
 // clang-format off
 #define ALWAYS                {{NULL, NULL}}
+#define ON_A_POINT            {{"contact", "point"}}
 #define IN_TIME               {{"regime", "transient"}}
 #define IN_TIME_WITH(closure) {{"regime", "transient"}, {"closure", closure}}
 #define WITH_VISCOSITY(laws)  {{"lubricant.viscosity.law", laws}}
@@ -56,7 +57,7 @@
 
 // columns: key, type, offset, size, default, choices, least, most, unit, help, when, required
 const setting scene_settings[] = {
-    {"contact", CHOICE(contact), NULL, "line", 0, 0, "1",
+    {"contact", CHOICE(contact), NULL, "line|point", 0, 0, "1",
      "Kind of contact", ALWAYS, true},
     {"regime", CHOICE(regime), NULL, "stationary|transient", 0, 0, "1",
      "Whether the contact varies with time", ALWAYS, true},
@@ -73,8 +74,8 @@ const setting scene_settings[] = {
      "Moes load number, of the sum velocity", ALWAYS, false},
     {"moes.L", REAL(moes_L), NULL, NULL, 0, 100, "1",
      "Moes lubricant number, of the sum velocity", ALWAYS, false},
-    {"physical.load", REAL(load), NULL, NULL, 1, 1e9, "N/m",
-     "Load per length", ALWAYS, false},
+    {"physical.load", REAL(load), NULL, NULL, 1e-6, 1e9, "N",
+     "Load; of a line contact per length, in N/m", ALWAYS, false},
     {"physical.radius", REAL(radius), NULL, NULL, 1e-6, 1e3, "m",
      "Reduced radius of curvature", ALWAYS, false},
     {"physical.speed", REAL(speed), NULL, NULL, 1e-9, 1e4, "m/s",
@@ -117,8 +118,14 @@ const setting scene_settings[] = {
      "First inner node, in contact half widths; below -1", ALWAYS, false},
     {"grid.x_max", REAL(x_max), "2", NULL, 1, 1e3, "1",
      "Last inner node, in contact half widths; above 1", ALWAYS, false},
-    {"grid.step", REAL(step), "0.005", NULL, 1e-6, 0.125, "1",
-     "Distance of the nodes, in contact half widths; a whole number of steps fits", ALWAYS, false},
+    {"grid.step", REAL(step), NULL, NULL, 1e-6, 0.125, "1",
+     "Distance of the nodes, in contact half widths; a whole number of steps fits; default 0.005, of "
+     "a point contact 0.0625", ALWAYS, false},
+    {"grid.y_max", REAL(y_max), "3", NULL, 1, 1e3, "1",
+     "Last inner line across the entrainment, in contact half widths, and the first one at -y_max; "
+     "above 1", ON_A_POINT, false},
+    {"grid.half", FLAG(half), "true", NULL, 0, 0, "1",
+     "Solve the symmetric half from y = 0 on; results are of the whole", ON_A_POINT, false},
     {"output.fields", FLAG(output_fields), NULL, NULL, 0, 0, "1",
      "Write pressure and film fields; default true in fullrun, false in romrun", ALWAYS, false},
     {"output.fields_every", WHOLE(fields_every), "1", NULL, 1, 1e9, "1",

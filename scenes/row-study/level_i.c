@@ -98,8 +98,7 @@ static void expand(band *self, const reduced_state *state) {
                                             : 0;
     deflection_apply(self->film, self->deflection, self->pressure);
     for (size_t k = 0; k < grid->num_nodes; k++)
-        self->film[k] +=
-            state->coordinates[self->model->num_unknowns - 1] + basis->kind->gap(grid_x(grid, k));
+        self->film[k] += state->coordinates[self->model->num_unknowns - 1] + grid_gap(grid, k);
 }
 
 /* Reynolds rows at the state: pressure's own coefficients and, by the film, the near field of the kernel. */
@@ -220,7 +219,7 @@ static void measure(const variant *way, const reduced_model *model, const traini
     double *deviations = claim(set->num_points);
     size_t num_solved = 0, num_failed = 0, most = 0, all = 0;
     double seconds = 0;
-    reduced_state state = {claim(model->num_unknowns), 0};
+    reduced_state state = {.coordinates = claim(model->num_unknowns)};
     reduced_solver *solver;
 
     need(!reduced_solver_create(&solver, model, &settings, NULL), "memory: found none");
@@ -278,7 +277,7 @@ int main(int argc, char **argv) {
     band bands[] = {band_create(&model, &basis, 0), band_create(&model, &basis, 10),
                     band_create(&model, &basis, 100)};
     band one = band_create(&model, &basis, 0);
-    reduced_state middle = {claim(model.num_unknowns), 0};
+    reduced_state middle = {.coordinates = claim(model.num_unknowns)};
     const ehd_contact *contact = &set.contacts[set.num_points / 2];
     reduced_guess(&middle, &model, contact->moes_M, contact->alpha_p_H);
     band_fill(&one, &middle, contact);

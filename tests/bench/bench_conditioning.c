@@ -405,7 +405,7 @@ static void earlier_init(earlier_mass *self, double rate, const problem *station
     const ehd_contact *contact = stationary->contact;
     size_t num_nodes = model->grid.num_nodes;
     double *modes, *pressure = must_allocate(num_nodes * sizeof(double)), ignored;
-    reduced_state state = {must_allocate(model->num_unknowns * sizeof(double)), 0};
+    reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};
     measurement result;
     ehd_error error;
 
@@ -465,7 +465,7 @@ static void print(const measurement *results, const reduced_model *model, const 
 static void measure(const problem *self, const char *variant) {
     size_t n = self->model->num_unknowns, most_rows = self->model->num_rows + 1;
     measurement results[NUM_SOLVERS] = {0}, with_all;
-    reduced_state state = {must_allocate(n * sizeof(double)), 0};
+    reduced_state state = {.coordinates = must_allocate(n * sizeof(double))};
     workspace work;
 
     for (size_t s = 0; s < NUM_SOLVERS; s++)

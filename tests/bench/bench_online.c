@@ -23,7 +23,8 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
                                 const reduced_model *model, const ehd_contact *contact) {
     reduced_settings once = reduced_default_settings();
     reduced_solver *solver;
-    reduced_state state = {malloc(model->num_unknowns * sizeof(double)), solution->exit};
+    reduced_state state = {.coordinates = malloc(model->num_unknowns * sizeof(double)),
+                           .exit = solution->exit};
     reduced_info more;
     ehd_error error;
 
@@ -124,7 +125,7 @@ int main(int argc, char **argv) {
     must(contact_init(&contact, &given, &error), &error);
     must(model_read(&model, argv[1], &sizes, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
-    reduced_state state = {must_allocate(model.num_unknowns * sizeof(double)), 0};
+    reduced_state state = {.coordinates = must_allocate(model.num_unknowns * sizeof(double))};
     if (repeats == 0)
         solve_once(&state, &model, solver, &contact);
     else

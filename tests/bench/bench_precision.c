@@ -47,7 +47,7 @@ static void read_variant(reduced_model *model, const char *path, const char *var
 static void solve_stationary(outcome *result, const reduced_model *model,
                              const ehd_contact *contact) {
     const reduced_settings settings = reduced_default_settings();
-    reduced_state state = {must_allocate(model->num_unknowns * sizeof(double)), 0};
+    reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};
     reduced_solver *solver;
     reduced_info info;
     ehd_error error;
@@ -277,7 +277,7 @@ static double time_kernel(kernel *run, const operands *of) {
 /* Median of an iteration, microseconds. */
 static double time_iteration(const reduced_model *model, const ehd_contact *contact) {
     const reduced_settings settings = reduced_default_settings();
-    reduced_state state = {must_allocate(model->num_unknowns * sizeof(double)), 0};
+    reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};
     reduced_solver *solver;
     reduced_info info;
     double times[REPEATS];

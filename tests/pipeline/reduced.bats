@@ -318,7 +318,7 @@ YAML
     refuse 65 "r.h5: basis_sha256: found .*of other.h5: they were made with another basis" \
         deimselect r.h5 --basis other.h5 -o x.h5
     patch m.h5 "f.attrs['contact'] = 'point'"
-    refuse 65 "bad.h5: contact: found point, expected line" romrun scene.yml --model bad.h5 -o x.h5
+    refuse 65 "bad.h5: y: found 0 lines, expected several, of a point contact" romrun scene.yml --model bad.h5 -o x.h5
     patch b.h5 "f.attrs['deformation'] = 'both'"
     refuse 65 "bad.h5: deformation: found both, expected independent.coupled" \
         snapgen plan.yml --basis bad.h5 -o x.h5

@@ -73,8 +73,10 @@ static void put_grid(artefact *file) {
     put_x(file);
 }
 
-static bool is_rank_one_real(const artefact_field *field) {
-    return field->type == ARTEFACT_REAL && !field->axes[1];
+static bool is_on_x(const artefact_field *field) {
+    for (size_t i = 0; i < ARTEFACT_MAX_RANK && field->axes[i]; i++)
+        if (strcmp(field->axes[i], "x") == 0) return true;
+    return false;
 }
 
 static void put_fields(artefact *file) {
@@ -89,7 +91,7 @@ static void put_fields(artefact *file) {
         if (entry->need == NEED_OPTIONAL) continue;
         if (entry->type == ARTEFACT_INTEGER) {
             check_ok(artefact_put_integers(file, entry->name, integer, &error));
-        } else if (is_rank_one_real(entry)) {
+        } else if (!is_on_x(entry)) {
             check_ok(artefact_put(file, entry->name, scalar, &error));
         } else {
             check_ok(artefact_put(file, entry->name, field[0], &error));
@@ -141,7 +143,7 @@ static char *content_of(const char *name) {
     for (size_t i = 0; i < NUM_NODES && good; i++)
         fprintf(stream, "%a ", numbers[i]);
     for (const artefact_field *field = schema_snapshots.fields; field->name && good; field++) {
-        size_t length = field->axes[1] ? NUM_STATES * NUM_NODES : NUM_STATES;
+        size_t length = is_on_x(field) ? NUM_STATES * NUM_NODES : NUM_STATES;
         fprintf(stream, "\n%s %d:", field->name, artefact_has(file, field->name));
         if (!artefact_has(file, field->name)) continue;
         if (field->type == ARTEFACT_INTEGER) {

@@ -216,7 +216,7 @@ static double film_by_hand(double x, const double *place, const double *pressure
     double film = approach + x * x / (2 * factor[2]);
 
     for (size_t k = 0; k < count; k++)
-        film += pressure[k] * contact_line.kernel(fabs(x - place[k]), step) / factor[3];
+        film += pressure[k] * contact_line.kernel(fabs(x - place[k]), 0, step) / factor[3];
     return film;
 }
 
@@ -330,7 +330,7 @@ static void carried_init(carried *self, const char *density, double step,
     self->state.frame = *frame;
     for (size_t k = 0; k < n; k++) {
         double x = self->nodes[k] = grid_x(&self->reference.grid, k);
-        self->state.state.film[k] = smooth_deflection(x) + contact_line.gap(x);
+        self->state.state.film[k] = smooth_deflection(x) + contact_gap(x, 0);
         self->state.state.pressure[k] = smooth_pressure(x);
     }
 }
@@ -432,7 +432,7 @@ static void growing_contact_looks_beyond_the_grid(void **state) {
         double x = 1.5 * grid_x(grid, r + 1), expected = 0.4 + x * x / 2;
         if (x >= self.nodes[0] && x <= self.nodes[grid->num_nodes - 1]) continue;
         for (size_t k = 0; k < grid->num_nodes; k++)
-            expected += film->pressure[k] * contact_line.kernel(fabs(x - self.nodes[k]), 0.05);
+            expected += film->pressure[k] * contact_line.kernel(fabs(x - self.nodes[k]), 0, 0.05);
         check_close(self.mass[r] * 2.25, expected, 1e-12, 0);
         beyond++;
     }
@@ -454,7 +454,7 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     reynolds_fluid fluid = {memory[0], memory[1], compressible ? memory[2] : NULL,
                             compressible ? memory[3] : NULL};
     reynolds_stencil stencils[NUM_NODES - 2];
-    ehd_grid grid = {-1, 0.1, NUM_NODES - 2, NUM_NODES};
+    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
 
     for (size_t r = 0; r < NUM_NODES - 2; r++)
         stencils[r] = reynolds_stencil_at(&grid, r + 1);

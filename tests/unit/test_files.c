@@ -167,7 +167,7 @@ static void model_is_refused(const ehdrom_sizes *sizes, const char *words_of_it)
 static reduced_info solve(const reduced_model *model, double *coordinates) {
     const reduced_settings settings = reduced_default_settings();
     ehd_contact contact = training.contacts[4];
-    reduced_state state = {coordinates, 0};
+    reduced_state state = {.coordinates = coordinates};
     reduced_solver *solver;
     reduced_info info;
 
@@ -605,7 +605,8 @@ static void the_library_says_what_it_solved(void **state) {
     assert_int_equal(result.status, EHD_UNTRUSTED);
     assert_non_null(strstr(result.reason, "trained range"));
     // another grid
-    contact.grid.num_inner++;
+    const ehd_grid *grid = &training.set.grid;
+    contact.grid = grid_of(grid->x_min, grid->step, grid->inner_x + 1, 1, false);
     check_refused(ehdrom_solve(&result, solver, &contact, &error), "grid: found a line contact");
     ehdrom_solver_free(solver);
     ehdrom_close(model);

@@ -38,10 +38,10 @@ static void fill_full(earlier_state *full, const earlier_film *reduced, const re
     }
     for (size_t k = 0; k < grid->num_nodes; k++) {
         double *film = &full->state.film[k];
-        *film = full->state.rigid_approach + basis->kind->gap(nodes[k]);
+        *film = full->state.rigid_approach + contact_gap(nodes[k], 0);
         for (size_t i = 0; i < grid->num_nodes && !basis->deformation_modes; i++)
             *film += full->state.pressure[i] *
-                     basis->kind->kernel(fabs(nodes[k] - nodes[i]), grid->step);
+                     basis->kind->kernel(fabs(nodes[k] - nodes[i]), 0, grid->step);
         for (size_t j = 0; j < basis->num_deformation; j++)
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
     }

@@ -173,11 +173,11 @@ static double row_size(const reynolds_row *row) {
 static void check_film(const problem *solved) {
     const ehd_grid *grid = &solved->contact.grid;
     for (size_t k = 0; k < grid->num_nodes; k++) {
-        double film = solved->state.rigid_approach + solved->contact.kind->gap(grid_x(grid, k));
+        double film = solved->state.rigid_approach + grid_gap(grid, k);
         for (size_t j = 1; j < solved->state.exit; j++)
-            film +=
-                solved->state.pressure[j] *
-                solved->contact.kind->kernel(fabs((double)k - (double)j) * grid->step, grid->step);
+            film += solved->state.pressure[j] *
+                    solved->contact.kind->kernel(fabs((double)k - (double)j) * grid->step, 0,
+                                                 grid->step);
         check_close(solved->state.film[k], film, 0, 1e-12);
     }
 }

@@ -125,7 +125,7 @@ static double residual_from_all_rows(const reduced_model *model, const reduced_s
     const reduced_settings once = {.tolerance = 1e-8, .max_iterations = 1};
     double *all = malloc(model->grid.num_inner * sizeof *all), sum = 0;
     double *z = malloc(model->num_unknowns * sizeof *z);
-    reduced_state copy = {z, at->exit};
+    reduced_state copy = {.coordinates = z, .exit = at->exit};
     reduced_solver *solver;
     reduced_info info;
 
@@ -156,7 +156,7 @@ static void control_residual_is_that_of_all_rows(void **state) {
         // states and contacts that do not belong together, exits on and off a checkpoint
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[(s + 5) % TRAINED_STATES];
-            const reduced_state at = {z, model.states.exit[s] + s % 3};
+            const reduced_state at = {.coordinates = z, .exit = model.states.exit[s] + s % 3};
             memcpy(z, model.states.coordinates + s * model.num_unknowns,
                    model.num_unknowns * sizeof *z);
             check_close(indicator_control_residual(self, &at, contact),
@@ -191,7 +191,7 @@ static void bound_follows_the_deviation(void **state) {
         assert_true(self && z);
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[s];
-            reduced_state at = {z, 0};
+            reduced_state at = {.coordinates = z};
             reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             double found = indicator_bound(self, solver, &at, contact, &info.scalars);

@@ -54,14 +54,13 @@ static void problem_init(problem *self, const reduced_basis *basis, const size_t
         fail_msg("%s", error.text);
     if (reduced_solver_create(&self->solver, &self->model, settings, &error))
         fail_msg("%s", error.text);
-    self->state.coordinates = calloc(self->model.num_unknowns, sizeof(double));
-    assert_non_null(self->state.coordinates);
+    assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);
 }
 
 static void problem_free(problem *self) {
     reduced_solver_free(self->solver);
     reduced_model_free(&self->model);
-    free(self->state.coordinates);
+    reduced_state_free(&self->state);
 }
 
 static void solve(problem *self, const ehd_contact *contact) {
@@ -101,7 +100,7 @@ static void full_fields(double *pressure, double *film, const problem *self,
                 film[k] += basis->deformation_modes[k * basis->num_deformation + j] *
                            z[basis->num_pressure + j];
         }
-        film[k] += z[n - 1] + basis->kind->gap(grid_x(grid, k));
+        film[k] += z[n - 1] + grid_gap(grid, k);
     }
     deflection_free(deflection);
 }
@@ -139,7 +138,7 @@ static reduced_basis identity_basis(void) {
 
     basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
     basis.weight = calloc(num_nodes, sizeof(double));
-    assert_int_equal(reduced_states_init(&basis.states, set->num_states, num_inner + 1, NULL),
+    assert_int_equal(reduced_states_init(&basis.states, set->num_states, 1, num_inner + 1, NULL),
                      EHD_OK);
     for (size_t k = 0; k < num_inner; k++) {
         basis.pressure[(k + 1) * num_inner + k] = 1;
@@ -337,7 +336,7 @@ static double dense_deflection(const reduced_basis *basis, size_t exit, size_t n
 
     for (size_t i = 1; i < exit; i++) {
         double distance = (node > i ? (double)(node - i) : (double)(i - node)) * basis->grid.step;
-        sum += basis->kind->kernel(distance, basis->grid.step) *
+        sum += basis->kind->kernel(distance, 0, basis->grid.step) *
                basis->pressure[i * basis->num_pressure + mode];
     }
     return sum;
@@ -378,9 +377,9 @@ static void cut_tables_equal_plain_sums(void **state) {
         assert_true(model.num_checkpoints > 3 && model.checkpoint_stride > 1);
         for (size_t c = 0; c < model.num_checkpoints; c++) {
             size_t exit = model.least_exit + c * model.checkpoint_stride;
-            assert_int_equal(reduced_model_checkpoint(&model, exit), c);
-            assert_int_equal(reduced_model_checkpoint(&model, exit + model.checkpoint_stride - 1),
-                             c);
+            assert_int_equal(reduced_model_checkpoint(&model, &exit), c);
+            const size_t last = exit + model.checkpoint_stride - 1;
+            assert_int_equal(reduced_model_checkpoint(&model, &last), c);
             if (c % 4 && c + 1 < model.num_checkpoints) continue; // plain sums are slow
             const double *cut = model.checkpoint_cut + c * model.num_cut * num_pressure;
             for (size_t row = 0; row < model.num_cut; row += row + 4 < model.num_cut ? 3 : 1)

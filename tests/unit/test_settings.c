@@ -221,7 +221,7 @@ static void refuses_numbers_out_of_range(void **state) {
 
 static void refuses_bad_choices_and_kinds(void **state) {
     (void)state;
-    refuses("contact: point", "s.yml:1: contact: found point, expected line");
+    refuses("contact: ring", "s.yml:1: contact: found ring, expected line|point");
     refuses("contact: ''", "contact: found nothing, expected line");
     refuses("regime: moving", "regime: found moving, expected stationary|transient");
     refuses("closure: gap", "closure: found gap, expected load|approach");
@@ -337,6 +337,39 @@ static void refuses_grids_that_do_not_fit(void **state) {
     accepts(&of, text);
 }
 
+/* `change` is one --set of a good point contact. */
+static void refuses_point(const char *change, const char *part) {
+    const char *const overrides[] = {"contact=point", change};
+    scene of;
+    ehd_error error = {""};
+    const ehd_status status = scene_parse(&of, good, strlen(good), "s.yml", overrides, 2, &error);
+    if (status != EHD_DATA || !strstr(error.text, part) || strchr(error.text, '\n'))
+        fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
+}
+
+static void a_point_contact_has_lines(void **state) {
+    static const char *const overrides[] = {"contact=point", "grid.step=0.01", "grid.half=false"};
+    scene of;
+    ehd_error error;
+    (void)state;
+    assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 1, &error), EHD_OK);
+    check_close(of.step, 0.0625, 0, 0);
+    check_close(of.y_max, 3, 0, 0);
+    assert_int_equal(of.half, 1);
+    assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 3, &error), EHD_OK);
+    assert_int_equal(of.half, 0);
+
+    refuses_grid("y_max: 3", "grid.y_max: found a value, expected none with the contact line");
+    refuses_grid("half: true", "grid.half: found a value, expected none with the contact line");
+    refuses_point("grid.y_max=1", "--set: grid.y_max: found 1, expected more than 1");
+    refuses_point("grid.y_max=0.5", "grid.y_max: found 0.5, expected a number from 1 to 1000");
+    refuses_point("grid.y_max=3.03", "--set: grid.y_max: found 3.03, expected a whole number of "
+                                     "steps of 0.0625, such as 3.0625");
+    refuses_point("grid.half=2", "grid.half: found 2");
+    refuses_point("grid.step=0.002",
+                  "--set: grid.step: found 0.002, which makes 4504501 nodes, expected at most");
+}
+
 static void overrides_come_after_the_file(void **state) {
     static const char *const overrides[] = {"moes.M=20", "grid.step=0.01", "moes.M=25"};
     scene of;
@@ -360,7 +393,7 @@ static void scene_set_sets_one_key(void **state) {
     (void)state;
     scene_defaults(&of);
     assert_true(isnan(of.moes_M) && isnan(of.lubricant.temperature));
-    check_close(of.step, 0.005, 0, 0);
+    check_close(scene_step(&of), 0.005, 0, 0);
     assert_int_equal(scene_set(&of, "contact", "line", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "regime", "stationary", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "moes.M", "12", "here", &error), EHD_OK);
@@ -372,7 +405,7 @@ static void scene_set_sets_one_key(void **state) {
     assert_non_null(strstr(error.text, "here: moes.M: found x"));
     check_close(of.moes_M, 12, 0, 0);
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
-    of.step = NAN;
+    of.x_max = NAN;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
     scene_complete(&of);
     check_close(of.lubricant.temperature, 25, 0, 0);
@@ -1073,6 +1106,7 @@ int main(void) {
         cmocka_unit_test(refuses_what_is_not_plain_yaml),
         cmocka_unit_test(refuses_keys_that_the_law_lacks_or_ignores),
         cmocka_unit_test(refuses_grids_that_do_not_fit),
+        cmocka_unit_test(a_point_contact_has_lines),
         cmocka_unit_test(overrides_come_after_the_file),
         cmocka_unit_test(scene_set_sets_one_key),
         cmocka_unit_test(text_round_trips),

@@ -78,7 +78,7 @@ static norms norms_at(size_t s) {
     norms seen = {basis.states.num_unknowns, 0, INFINITY, 0};
     reduced_model model;
     reduced_solver *solver;
-    reduced_state at = {NULL, basis.states.exit[s]};
+    reduced_state at = {.exit = basis.states.exit[s]};
     reduced_info info;
     assert_int_equal(reduced_model_build(&model, &basis, NULL, 0, NULL), EHD_OK);
     assert_int_equal(reduced_solver_create(&solver, &model, &none, NULL), EHD_OK);

@@ -9,19 +9,16 @@
 
 static const double moes_M[] = {8, 11, 15, 20}, moes_L[] = {2, 4, 6};
 
-void trained_init(trained *self, double step) {
+/* Solves the contacts. */
+static void train(trained *self) {
     full_settings settings = full_default_settings();
     full_solver *solver;
     full_state solution;
     full_info info;
     solved_state states[TRAINED_STATES];
 
-    memset(self, 0, sizeof *self);
     settings.tolerance = 1e-13;
     settings.linear_tolerance = 1e-10;
-    for (size_t s = 0; s < TRAINED_STATES; s++)
-        self->contacts[s] =
-            sample_contact("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3], step);
     const contact_kind *kind = self->contacts[0].kind;
     const ehd_grid *grid = &self->contacts[0].grid;
     double *pressure = calloc(TRAINED_STATES * grid->num_nodes, sizeof *pressure);
@@ -44,6 +41,29 @@ void trained_init(trained *self, double step) {
     free(pressure);
     full_state_free(&solution);
     full_solver_free(solver);
+}
+
+void trained_init(trained *self, double step) {
+    memset(self, 0, sizeof *self);
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        self->contacts[s] =
+            sample_contact("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3], step);
+    train(self);
+}
+
+void trained_init_point(trained *self, bool half) {
+    memset(self, 0, sizeof *self);
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        scene given = sample_scene("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3]);
+        strcpy(given.contact, "point");
+        given.x_min = -2.5;
+        given.x_max = 1.5;
+        given.step = 0.125;
+        given.y_max = 2;
+        given.half = half;
+        assert_int_equal(contact_init(&self->contacts[s], &given, NULL), EHD_OK);
+    }
+    train(self);
 }
 
 void trained_free(trained *self) {

@@ -1,0 +1,133 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Point contacts: what fullrun and snapgen write of them.
+
+load common
+
+# A scene of 37 by 33 nodes and a plan of four points around it.
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cat >scene.yml <<'YAML'
+contact: point
+regime: stationary
+moes: {M: 20, L: 5}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {x_min: -3, x_max: 1.5, step: 0.125, y_max: 2}
+YAML
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    vary: {moes.M: [15, 20], moes.L: [4, 5]}
+YAML
+}
+
+@test "half and whole domain write the same symmetric fields" {
+    fullrun scene.yml -o half.h5
+    fullrun scene.yml --set grid.half=false -o whole.h5
+    fullrun --check half.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+half, whole = h5py.File("half.h5"), h5py.File("whole.h5")
+assert numpy.array_equal(half["y"][...], numpy.linspace(-2, 2, 33))
+assert half["y"][...].tobytes() == whole["y"][...].tobytes()
+for name in "pressure", "film_thickness", "exit_position":
+    a, b = half[name][...], whole[name][...]
+    assert a.shape == ((1, 33, 37) if name != "exit_position" else (1, 33)), (name, a.shape)
+    assert numpy.array_equal(a, a[:, ::-1], equal_nan=True), name
+    assert numpy.allclose(a, b, rtol=0, atol=1e-9, equal_nan=True), name
+pressure, exits = half["pressure"][0], half["exit_position"][0]
+for line in range(33):
+    loaded = numpy.nonzero(pressure[line])[0]
+    x = half["x"][loaded[-1]] + 0.125 if len(loaded) else numpy.nan
+    assert numpy.array_equal(exits[line], x, equal_nan=True), line
+assert abs(pressure.sum() * 0.125**2 / (2 * numpy.pi / 3) - 1) < 1e-9
+assert half["film_thickness"][0, 16, 24] == half["central_film_thickness"][0]
+PYTHON
+}
+
+@test "its files open with h5py, xarray and ncdump" {
+    fullrun scene.yml -o result.h5
+    snapgen plan.yml -o snapshots.h5
+    for file in result.h5 snapshots.h5; do
+        run "$BATS_TEST_DIRNAME/open_elsewhere.py" $file
+        echo "$output"
+        [ "$status" -ne 2 ] || skip "a reader is not installed"
+        [ "$status" -eq 0 ]
+    done
+}
+
+@test "starts from the result of either domain" {
+    fullrun scene.yml -o half.h5
+    fullrun scene.yml --set grid.half=false --start half.h5 -o whole.h5
+    fullrun scene.yml --start whole.h5 -o again.h5
+    for file in whole.h5 again.h5; do
+        # one iteration at least, because an iteration decides on the exit
+        [ "$(number $file newton_iterations)" = 1.0 ]
+        close_to "$(number $file central_film_thickness)" \
+            "$(number half.h5 central_film_thickness)" 1e-9
+    done
+    refused 65 "x: found 1221 nodes .*, expected 1073" \
+        fullrun scene.yml --set grid.y_max=1.75 --start half.h5 -o x.h5
+}
+
+@test "needs no fields to tell the exit" {
+    fullrun scene.yml --set output.fields=false -o small.h5
+    fullrun scene.yml -o result.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+small, result = h5py.File("small.h5"), h5py.File("result.h5")
+assert "pressure" not in small and "film_thickness" not in small
+assert small["exit_position"][...].tobytes() == result["exit_position"][...].tobytes()
+PYTHON
+    refused 65 "small.h5: found no dataset pressure" fullrun scene.yml --start small.h5 -o x.h5
+}
+
+@test "snapshots are those of the lines that are solved for" {
+    fullrun scene.yml -o result.h5
+    snapgen plan.yml -o half.h5
+    snapgen plan.yml --set grid.half=false -o whole.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+half, whole, result = h5py.File("half.h5"), h5py.File("whole.h5"), h5py.File("result.h5")
+assert half.attrs["half"] == 1 and "half" not in whole.attrs
+assert numpy.array_equal(half["y"][...], numpy.linspace(0, 2, 17))
+for name in "pressure", "film_thickness", "exit_node", "exit_position":
+    assert numpy.allclose(half[name], whole[name][:, 16:], rtol=0, atol=1e-9, equal_nan=True), name
+assert numpy.allclose(half["pressure"][3], result["pressure"][0, 16:], rtol=0, atol=1e-8)
+loaded = half["pressure"][...] != 0
+last = numpy.where(loaded.any(axis=2), 37 - loaded[:, :, ::-1].argmax(axis=2), 0)
+assert numpy.array_equal(half["exit_node"][...], last)
+PYTHON
+}
+
+@test "an interrupted training goes on to the same bits" {
+    snapgen plan.yml -o straight.h5 --jobs 1
+    sed -i 's/\[15, 20\]/[15, 16, 17, 18, 20]/' plan.yml
+    snapgen plan.yml -o other.h5 --jobs 1
+    snapgen plan.yml -o cut.h5 --jobs 1 &
+    pid=$!
+    wait_for_states cut.h5.partial 2 && kill -INT $pid
+    wait $pid || snapgen plan.yml -o cut.h5 --jobs 1 --resume
+    same_data other.h5 cut.h5
+}
+
+@test "a point contact in time is refused" {
+    for program in "fullrun scene.yml" "snapgen plan.yml"; do
+        refuse 65 "regime: found transient, expected stationary, of a point contact" \
+            $program --set regime=transient --set transient.end_time=1 -o x.h5
+    done
+}
+
+@test "a line's model refuses a point contact" {
+    cp scene.yml point.yml
+    common_setup_small
+    snapgen plan.yml -o s.h5
+    podbuild s.h5 -o b.h5 --pressure-modes 6
+    snapgen plan.yml --basis b.h5 -o r.h5
+    deimselect r.h5 --basis b.h5 -o m.h5 --rows 40
+    refuse 65 "found a point contact" romrun point.yml --model m.h5 -o x.h5
+    fullrun scene.yml -o line.h5
+    refuse 65 "line.h5: contact: found line, expected point" fullrun point.yml --start line.h5 -o x.h5
+}

@@ -1,0 +1,97 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Reduced models of point contacts, from training to the online solution.
+
+load common
+
+# A model of 33 by 33 nodes: of the half of them, and with all of what twelve points span.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    cat >scene.yml <<'YAML'
+contact: point
+regime: stationary
+moes: {M: 13, L: 5}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {x_min: -2.5, x_max: 1.5, step: 0.125, y_max: 2}
+YAML
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    vary: {moes.M: [8, 11, 15, 20], moes.L: [3, 4.5, 6]}
+YAML
+    snapgen plan.yml -o s.h5
+    podbuild s.h5 -o b.h5 --pressure-modes 12
+    snapgen plan.yml --basis b.h5 -o r.h5
+    deimselect r.h5 --basis b.h5 -o m.h5 --rows 60 --method sopt
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+@test "the model repeats its training and holds between its points" {
+    for place in 11-4.5 13-5; do
+        set -- --set moes.M=${place%-*} --set moes.L=${place#*-}
+        fullrun scene.yml -o full.h5 --force "$@"
+        romrun scene.yml --model m.h5 -o rom.h5 --force --set output.fields=true --against full.h5 "$@"
+        /usr/bin/python3 - $place <<'PYTHON'
+import sys, h5py, numpy
+full, rom = h5py.File("full.h5"), h5py.File("rom.h5")
+trained = sys.argv[1] == "11-4.5"
+for name, most in ("central_film_thickness", 2e-3), ("minimum_film_thickness", 5e-3):
+    off = abs(rom[name][0] / full[name][0] - 1)
+    assert off < (1e-4 if trained else most), (name, off)
+assert abs(rom["pressure"][...] - full["pressure"][...]).max() < (2e-2 if trained else 0.2)
+for name in "pressure", "film_thickness", "exit_position":
+    assert rom[name].shape == full[name].shape, name
+    assert numpy.array_equal(rom[name][...], rom[name][...][:, ::-1]), name
+assert abs(rom["exit_position"][...] - full["exit_position"][...]).max() <= 0.125
+pressure, exits = rom["pressure"][0], rom["exit_position"][0]
+for line in range(33):
+    assert rom["x"][numpy.nonzero(pressure[line])[0][-1]] + 0.125 == exits[line], line
+PYTHON
+    done
+}
+
+@test "files of all stages open elsewhere, and a model read again is the same" {
+    for file in b.h5 r.h5 m.h5; do
+        romrun --check $file
+        run "$BATS_TEST_DIRNAME/open_elsewhere.py" $file
+        echo "$output"
+        [ "$status" -ne 2 ] || skip "a reader is not installed"
+        [ "$status" -eq 0 ]
+    done
+    romrun scene.yml --model m.h5 -o one.h5
+    romrun scene.yml --model m.h5 -o two.h5
+    [ "$(number one.h5 central_film_thickness)" = "$(number two.h5 central_film_thickness)" ]
+    romrun scene.yml --model m.h5 --pressure-modes 8 --rows 40 >/dev/null || [ $? -eq 4 ]
+}
+
+@test "the full model verifies it" {
+    romrun scene.yml --model m.h5 --verify >out.txt
+    cat out.txt
+    grep -q "Newton step" out.txt
+}
+
+@test "the whole domain gives what the half gives" {
+    snapgen plan.yml -o ws.h5 --set grid.half=false
+    podbuild ws.h5 -o wb.h5 --pressure-modes 12
+    snapgen plan.yml --basis wb.h5 -o wr.h5 --set grid.half=false
+    deimselect wr.h5 --basis wb.h5 -o wm.h5 --rows 60 --method sopt
+    # another inner product of the modes and other rows, hence not the same to all digits
+    romrun scene.yml --model m.h5 -o half.h5
+    romrun scene.yml --model wm.h5 -o whole.h5 --set grid.half=false
+    close_to "$(number whole.h5 central_film_thickness)" "$(number half.h5 central_film_thickness)" 2e-3
+}
+
+@test "what it does not do is refused" {
+    refuse 65 "s.h5: deformation: found independent, expected coupled, of a point contact" \
+        podbuild s.h5 -o x.h5 --deformation independent
+    refuse 65 "grid: found a point contact" romrun scene.yml --model m.h5 -o x.h5 --set grid.half=false
+    cp m.h5 bad.h5
+    /usr/bin/python3 -c "import h5py; f = h5py.File('bad.h5', 'r+'); f['band_line_least_exit'][3] = 1" &&
+        refuse 65 "bad.h5: .*" romrun scene.yml --model bad.h5 -o x.h5
+}

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The reduced model of a point contact, whose exit is a line. */
+#include "common/physics/deflection.h"
+#include "romrun/fields.h"
+#include "romrun/reduced_solver.h"
+#include "tests/unit/check.h"
+#include "tests/unit/trained.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static trained half, whole;                   // 33 by 33 nodes, and the half of them
+static reduced_basis half_basis, whole_basis; // all modes that the training spans
+static const reduced_settings strict = {.tolerance = 1e-15, .max_iterations = 40};
+
+static const struct {
+    const char *name;
+    const trained *training;
+    const reduced_basis *basis;
+} grids[] = {{"half", &half, &half_basis}, {"whole", &whole, &whole_basis}};
+
+static int set_up(void **state) {
+    (void)state;
+    trained_init_point(&half, true);
+    trained_init_point(&whole, false);
+    trained_basis(&half_basis, &half, DEFORMATION_COUPLED, 0, 0);
+    trained_basis(&whole_basis, &whole, DEFORMATION_COUPLED, 0, 0);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    reduced_basis_free(&half_basis);
+    reduced_basis_free(&whole_basis);
+    trained_free(&half);
+    trained_free(&whole);
+    return 0;
+}
+
+// ---- helpers
+
+/* A model with what it takes to solve it. */
+typedef struct problem {
+    reduced_model model;
+    reduced_solver *solver;
+    reduced_state state;
+    reduced_info info;
+} problem;
+
+static void problem_init(problem *self, const reduced_basis *basis, const size_t *rows,
+                         size_t num_rows) {
+    ehd_error error = {""};
+
+    if (reduced_model_build(&self->model, basis, rows, num_rows, &error))
+        fail_msg("%s", error.text);
+    if (reduced_solver_create(&self->solver, &self->model, &strict, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);
+}
+
+static void problem_free(problem *self) {
+    reduced_solver_free(self->solver);
+    reduced_state_free(&self->state);
+    reduced_model_free(&self->model);
+}
+
+static void solve(problem *self, const ehd_contact *contact) {
+    ehd_error error = {""};
+
+    if (reduced_solve(&self->info, &self->state, self->solver, contact, NULL, &error))
+        fail_msg("%s", error.text);
+    assert_string_equal(self->info.reason, "");
+    assert_int_equal(self->info.status, EHD_OK);
+}
+
+/* The solution is the full solver's, everywhere, and so are its exit line and scalars. */
+static void check_is_training_state(const problem *self, const reduced_basis *basis,
+                                    const trained *training, size_t s, double tolerance) {
+    const snapshot_set *set = &training->set;
+    size_t num_nodes = basis->grid.num_nodes, num_lines = grid_lines(&basis->grid);
+    double *pressure = calloc(2 * num_nodes, sizeof *pressure), *film = pressure + num_nodes;
+    double least = INFINITY;
+
+    assert_non_null(pressure);
+    assert_int_equal(
+        reduced_fields(pressure, film, &self->state, &self->model, basis->pressure, NULL), EHD_OK);
+    for (size_t l = 0; l < num_lines; l++)
+        assert_int_equal(self->state.exits[l], set->exit[s * num_lines + l]);
+    for (size_t k = 0; k < num_nodes; k++)
+        least = fmin(least, training->film[s * num_nodes + k]);
+    check_close(self->info.scalars.central_film_thickness, set->central_film_thickness[s],
+                tolerance, 0);
+    check_close(self->info.scalars.minimum_film_thickness, least, tolerance, 0);
+    check_close(self->info.scalars.load, 1, tolerance, 0);
+    check_close_array(pressure, set->pressure + s * num_nodes, num_nodes, 0, tolerance);
+    check_close_array(film, training->film + s * num_nodes, num_nodes, 0, tolerance);
+    free(pressure);
+}
+
+/* Every inner node is a mode of its own: the reduced model is the full one. */
+static reduced_basis identity_basis(void) {
+    const snapshot_set *set = &half.set;
+    const ehd_grid *grid = &set->grid;
+    size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, num_lines = grid_lines(grid);
+    reduced_basis basis = {.kind = set->kind,
+                           .grid = *grid,
+                           .deformation = DEFORMATION_COUPLED,
+                           .num_pressure = num_inner};
+
+    basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
+    basis.weight = calloc(num_nodes, sizeof(double));
+    assert_int_equal(
+        reduced_states_init(&basis.states, set->num_states, num_lines, num_inner + 1, NULL),
+        EHD_OK);
+    memcpy(basis.weight, half_basis.weight, num_nodes * sizeof(double));
+    for (size_t r = 0; r < num_inner; r++)
+        basis.pressure[grid_node_of_row(grid, r) * num_inner + r] = 1;
+    memcpy(basis.states.exit, set->exit, set->num_states * num_lines * sizeof *set->exit);
+    for (size_t s = 0; s < set->num_states; s++) {
+        double *coordinates = basis.states.coordinates + s * (num_inner + 1);
+        for (size_t r = 0; r < num_inner; r++)
+            coordinates[r] = set->pressure[s * num_nodes + grid_node_of_row(grid, r)];
+        coordinates[num_inner] = set->rigid_approach[s];
+        basis.states.moes_M[s] = set->moes_M[s];
+        basis.states.alpha_p_H[s] = set->alpha_p_H[s];
+    }
+    return basis;
+}
+
+/* On a grid as coarse as this two neighbouring exit lines may both be consistent: signs of pressure and multiplier
+ * are right on both, and the films differ by 5e-6 or less. Of these states the full solver took the other one. */
+static bool has_two_exits(size_t s) {
+    return s == 1 || s == 2 || s == 4 || s == 9;
+}
+
+// ---- the reduced model is the full one
+
+static void full_rank_reproduces_the_full_model(void **state) {
+    (void)state;
+    reduced_basis basis = identity_basis();
+    problem reduced;
+
+    problem_init(&reduced, &basis, NULL, 0);
+    for (size_t s = 0; s < TRAINED_STATES; s += 3) {
+        if (has_two_exits(s)) continue;
+        reduced_neighbour(&reduced.state, &reduced.model, half.set.moes_M[s],
+                          half.set.alpha_p_H[s]);
+        solve(&reduced, &half.contacts[s]);
+        check_is_training_state(&reduced, &basis, &half, s, 1e-9);
+    }
+    problem_free(&reduced);
+    reduced_basis_free(&basis);
+}
+
+/* Started near by; on the whole grid and on the half of it. */
+static void a_basis_with_the_solution_finds_it(void **state) {
+    (void)state;
+    for (int g = 0; g < 2; g++) {
+        const reduced_basis *basis = grids[g].basis;
+        const reduced_states *states = &basis->states;
+        problem reduced;
+        problem_init(&reduced, basis, NULL, 0);
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            size_t n = reduced.model.num_unknowns;
+            if (has_two_exits(s)) continue;
+            for (size_t j = 0; j < n; j++)
+                reduced.state.coordinates[j] =
+                    states->coordinates[s * n + j] * (1 + (j % 2 ? 1e-3 : -1e-3));
+            reduced_state_set_exits(&reduced.state, &reduced.model,
+                                    states->exit + s * states->num_lines);
+            solve(&reduced, &grids[g].training->contacts[s]);
+            check_is_training_state(&reduced, basis, grids[g].training, s, 1e-9);
+            assert_true(reduced.info.residual < 1e-6);
+        }
+        problem_free(&reduced);
+    }
+}
+
+/* The full model's solutions are symmetric, and the half finds the same ones. */
+static void half_is_half_of_the_whole(void **state) {
+    (void)state;
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        size_t half_lines = grid_lines(&half.set.grid), lines = grid_lines(&whole.set.grid);
+        for (size_t l = 0; l < half_lines; l++)
+            assert_int_equal(half.set.exit[s * half_lines + l],
+                             whole.set.exit[s * lines + lines / 2 + l]);
+        check_close(half.set.central_film_thickness[s], whole.set.central_film_thickness[s], 1e-10,
+                    0);
+    }
+}
+
+// ---- the exit line
+
+/* K V_p with V_p cut at an exit line, at one node, by a plain sum over the whole plane. */
+static double dense_deflection(const reduced_basis *basis, const size_t *exit, size_t node,
+                               size_t mode) {
+    const ehd_grid *grid = &basis->grid;
+    double sum = 0;
+
+    for (size_t i = 0; i < grid->num_nodes; i++) {
+        size_t line = i / grid_width(grid);
+        double x = grid_x(grid, node) - grid_x(grid, i), y = grid_y(grid, node) - grid_y(grid, i);
+        double pressure = basis->pressure[i * basis->num_pressure + mode];
+        if (i % grid_width(grid) >= exit[line]) continue;
+        sum += basis->kind->kernel(x, y, grid->step) * pressure;
+        if (grid->half && line > 0)
+            sum +=
+                basis->kind->kernel(x, grid_y(grid, node) + grid_y(grid, i), grid->step) * pressure;
+    }
+    return sum;
+}
+
+static double dense_load(const reduced_basis *basis, const size_t *exit, size_t mode) {
+    const ehd_grid *grid = &basis->grid;
+    double sum = 0;
+
+    for (size_t i = 0; i < grid->num_nodes; i++)
+        if (i % grid_width(grid) < exit[i / grid_width(grid)])
+            sum += (grid->half && i >= grid_width(grid) ? 2 : 1) * grid->step * grid->step *
+                   basis->pressure[i * basis->num_pressure + mode];
+    return sum;
+}
+
+static void check_cut(const double *cut, const reduced_model *model, const reduced_basis *basis,
+                      const size_t *exit) {
+    for (size_t row = 0; row < model->num_cut; row += row + 8 < model->num_cut ? 7 : 1)
+        for (size_t j = 0; j < basis->num_pressure; j += 4)
+            check_close(cut[row * basis->num_pressure + j],
+                        row + 1 < model->num_cut
+                            ? dense_deflection(basis, exit, model->needed_node[row], j)
+                            : dense_load(basis, exit, j),
+                        1e-11, 1e-11);
+}
+
+/* Rows all over the grid, some of them at exits. */
+static size_t *some_rows(size_t *count, const ehd_grid *grid) {
+    size_t *rows = malloc(grid->num_inner * sizeof *rows);
+
+    assert_non_null(rows);
+    *count = 0;
+    for (size_t r = 5; r < grid->num_inner; r += 17)
+        rows[(*count)++] = grid_node_of_row(grid, r);
+    return rows;
+}
+
+static void cut_tables_equal_plain_sums(void **state) {
+    (void)state;
+    for (int g = 0; g < 2; g++) {
+        const reduced_basis *basis = grids[g].basis;
+        size_t count, *rows = some_rows(&count, &basis->grid);
+        problem reduced;
+        problem_init(&reduced, basis, rows, count);
+        const reduced_model *model = &reduced.model;
+        size_t size = model->num_cut * model->num_pressure, *exit = reduced.state.exits;
+        assert_true(model->num_checkpoints > 3);
+        for (size_t c = 0; c < model->num_checkpoints; c += 3)
+            check_cut(model->checkpoint_cut + c * size, model, basis,
+                      model->checkpoint_exit + c * model->num_lines);
+
+        // lines to and fro of a checkpoint, more nodes than a block has
+        cut_run *runs = malloc(model->num_lines * sizeof *runs);
+        double *work = malloc(CUT_BLOCK * (model->num_cut + model->num_pressure) * sizeof *work);
+        double *cut = malloc(size * sizeof *cut);
+        assert_true(runs && work && cut);
+        memcpy(cut, model->checkpoint_cut, size * sizeof *cut);
+        for (size_t l = 0; l < model->num_lines; l++)
+            exit[l] = l % 2 ? model->lines[l].least : model->lines[l].most;
+        size_t num_runs = reduced_model_runs(runs, model, model->checkpoint_exit, exit);
+        assert_true(num_runs > model->num_lines / 2);
+        reduced_model_change_cut(cut, model, runs, num_runs, work);
+        check_cut(cut, model, basis, exit);
+        free(runs);
+        free(work);
+        free(cut);
+        free(rows);
+        problem_free(&reduced);
+    }
+}
+
+/* An exit line apart from the solution's by a column or two on each line is found back: the full-rank model has
+ * pressure behind it whose sign tells. */
+static void exit_lines_are_found(void **state) {
+    (void)state;
+    const size_t s = 6;
+    reduced_basis basis = identity_basis();
+    problem reduced;
+
+    problem_init(&reduced, &basis, NULL, 0);
+    const reduced_states *states = &basis.states;
+    for (size_t apart = 0; apart < 3; apart += 2) { // one back, one on
+        size_t n = reduced.model.num_unknowns;
+        memcpy(reduced.state.coordinates, states->coordinates + s * n, n * sizeof(double));
+        reduced_state_set_exits(&reduced.state, &reduced.model,
+                                states->exit + s * states->num_lines);
+        for (size_t l = 0; l < basis.grid.inner_lines; l++)
+            reduced.state.exits[l] += apart - 1;
+        solve(&reduced, &half.contacts[s]);
+        check_is_training_state(&reduced, &basis, &half, s, 1e-9);
+    }
+    problem_free(&reduced);
+    reduced_basis_free(&basis);
+}
+
+/* Each line's exits lie in its band with the nodes that rows there and beside need. */
+static void the_band_has_what_rows_at_exits_need(void **state) {
+    (void)state;
+    for (int g = 0; g < 2; g++) {
+        problem reduced;
+        problem_init(&reduced, grids[g].basis, NULL, 0);
+        const reduced_model *model = &reduced.model;
+        size_t first = grid_first_line(&model->grid), count = 0;
+        for (size_t l = first; l < first + model->grid.inner_lines; l++) {
+            const band_line *line = &model->lines[l];
+            assert_int_equal(line->offset, count);
+            count += line->end - line->begin;
+            assert_true(line->begin + 2 <= line->least && line->most + 1 < line->end);
+            for (size_t beside = l > first ? l - 1 : l; beside <= l + 1; beside++) {
+                const band_line *other = &model->lines[beside];
+                if (other->begin == other->end) continue;
+                assert_true(line->begin <= other->least && line->end > other->most);
+            }
+        }
+        assert_int_equal(count, model->num_band);
+        problem_free(&reduced);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(half_is_half_of_the_whole),
+        cmocka_unit_test(full_rank_reproduces_the_full_model),
+        cmocka_unit_test(a_basis_with_the_solution_finds_it),
+        cmocka_unit_test(cut_tables_equal_plain_sums),
+        cmocka_unit_test(exit_lines_are_found),
+        cmocka_unit_test(the_band_has_what_rows_at_exits_need),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
