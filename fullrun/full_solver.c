@@ -53,6 +53,18 @@ full_solver *full_solver_free(full_solver *self) {
     return NULL;
 }
 
+double full_solver_bytes(const ehd_grid *grid) {
+    const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 25 * sizeof(double);
+    const double of_deflection =
+        9 * sizeof(double);        // kernel, and two fields of four times the nodes
+    const double of_factors = 100; // a node and doubling of their number, measured with UMFPACK
+    const double coarser = 4. / 3; // the grid, and those of twice its step and so on
+    double nodes = (double)grid->num_inner;
+
+    return coarser * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
+           of_factors * nodes * log2(nodes);
+}
+
 ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, const ehd_grid *grid,
                               const full_settings *settings, ehd_error *error) {
     size_t num_inner = grid->num_inner, num_nodes = grid->num_nodes;
@@ -498,6 +510,9 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             return EHD_OK;
         }
         info->seconds_rows += program_seconds() - before;
+        if (self->settings.watcher)
+            self->settings.watcher(self->settings.watcher_context, &self->grid, iteration,
+                                   info->residual);
         if (iteration == self->settings.max_iterations || program_interrupted()) break;
 
         before = program_seconds();

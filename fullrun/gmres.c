@@ -8,6 +8,8 @@
  * keeps the band away from singular. */
 #include "fullrun/gmres.h"
 
+#include "common/program/program.h"
+
 #include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
@@ -56,12 +58,23 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
     return NULL;
 }
 
+/* What reach_of says. */
+static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
+    return grid->inner_lines > 1 ? 4 * 3 : 2 * near_field + 4;
+}
+
+double gmres_workspace_bytes(const ehd_grid *grid) {
+    const double vectors = MOST_ITERATIONS + 1 + 11;
+
+    return vectors * sizeof(double) +
+           (double)entries_of_row(grid, 1) * (sizeof(double) + sizeof(int));
+}
+
 gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field) {
     gmres_workspace *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     size_t size = self->size = grid->num_inner + 1;
-    // a row holds what reach_of says
-    size_t window = grid->inner_lines > 1 ? 4 * 3 : 2 * near_field + 4;
+    size_t window = entries_of_row(grid, near_field);
     self->capacity = size * window;
     self->krylov = malloc((MOST_ITERATIONS + 1) * size * sizeof(double));
     self->vector = malloc(size * sizeof(double));
@@ -326,7 +339,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     double start = cblas_dnrm2((int)size, first, 1);
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
     h.right[0] = start;
-    while (k < MOST_ITERATIONS && fabs(h.right[k]) > tolerance * start) {
+    while (k < MOST_ITERATIONS && fabs(h.right[k]) > tolerance * start && !program_interrupted()) {
         precondition(work->vector, work->krylov + k * work->size, system, numeric, control);
         apply_jacobian(work->krylov + (k + 1) * work->size, work->vector, system);
         extend_krylov(work, &h, k, size);

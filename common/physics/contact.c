@@ -177,6 +177,10 @@ size_t grid_lines(const ehd_grid *grid) {
     return grid_first_line(grid) + grid->inner_lines + (grid->inner_lines > 1);
 }
 
+size_t grid_central_line(const ehd_grid *grid) {
+    return (grid_first_line(grid) + (grid->half ? 0 : grid->inner_lines / 2)) * grid_width(grid);
+}
+
 double grid_x(const ehd_grid *grid, size_t node) {
     size_t column = grid->inner_lines > 1 ? node % grid_width(grid) : node;
 
