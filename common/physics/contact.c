@@ -95,7 +95,7 @@ static double point_alpha_p_H(double moes_M, double moes_L) {
 /* Central film of the circular contact by the fit of Nijenbanning, Venner and Moes (Wear 176, 1994), from
  * the four asymptotes; in Moes units, then H = that / (3 M/2)^(2/3). */
 static double point_central_film(double moes_M, double moes_L) {
-    const double rigid_iso = 145 * pow(1 + pow(0.796, 15. / 14), -15. / 7) / (moes_M * moes_M);
+    const double rigid_iso = 145 * pow(1.796, -15. / 7) / (moes_M * moes_M);
     const double elastic_iso = 3.18 * pow(1.63, -14. / 25) * pow(moes_M, -2. / 15);
     const double rigid_piezo = 1.29 * pow(1.691, -2. / 3) * pow(moes_L, 2. / 3);
     const double elastic_piezo =
