@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Central film in Moes units, H (3M/2)^(2/3), on three grids of steps 4h, 2h, h and extrapolated to none by
 # Richardson with the order that is observed, at most 2; and by the fit of Nijenbanning, Venner and Moes,
-# Wear 176 (1994) 217, of the circular contact.
+# Wear 176 (1994) 217, of the circular contact. The difference is shown for the film and for its mass, density
+# times film, as an incompressible lubricant would have it: the law is that of Dowson and Higginson.
 #     awk -f film.awk   (from film.sh)
 
 # From the asymptotes of rigid or elastic bodies and an isoviscous or piezoviscous lubricant.
@@ -16,6 +17,10 @@ function fit(M, L,    rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, iso, p
     return (iso ^ (2 * s / 3) + piezo) ^ (1 / s)
 }
 
+function density(pressure) {
+    return (5.9e8 + 1.34 * pressure) / (5.9e8 + pressure)
+}
+
 /^HDF5/ { grid++ }
 /^DATASET/ { item = $2; gsub("[\"/]", "", item); number = 0 }
 /^ *[-+.0-9a-z]+,?$/ {
@@ -25,7 +30,7 @@ function fit(M, L,    rigid_iso, elastic_iso, rigid_piezo, elastic_piezo, iso, p
 }
 
 END {
-    print "M,L,H_4h,H_2h,H_h,order,H_0,fit,difference,complementarity"
+    print "M,L,H_4h,H_2h,H_h,order,H_0,fit,difference,difference_of_mass,p_H_GPa,complementarity"
     for (i = 1; i <= last; i++) {
         M = value[1, "moes_M", i]
         L = value[1, "moes_L", i]
@@ -48,7 +53,9 @@ END {
         # without the coarsest grid the order is the scheme's
         limit = known == -1 || film[2] == "nan" ? "nan" : film[3] + (film[3] - film[2]) / (2 ^ used - 1)
         difference = limit == "nan" ? "nan" : limit / fit(M, L) - 1
-        printf "%s,%s,%s,%s,%s,%s,%s,%.6g,%s,%.3g\n", M, L, film[1], film[2], film[3], order, limit, fit(M, L),
-            difference, violation
+        p_H = value[3, "hertz_pressure", i]
+        mass = limit == "nan" ? "nan" : limit * density(p_H * value[3, "central_pressure", i]) / fit(M, L) - 1
+        printf "%s,%s,%s,%s,%s,%s,%s,%.7g,%s,%s,%.4g,%.3g\n", M, L, film[1], film[2], film[3], order, limit,
+            fit(M, L), difference, mass, p_H / 1e9, violation
     }
 }

@@ -5,5 +5,5 @@
 set -eu
 for file; do
     h5dump -A 0 -y -w 1 -m %.10g -d /moes_M -d /moes_L -d /status -d /central_film_thickness \
-        -d /complementarity "$file"
+        -d /central_pressure -d /hertz_pressure -d /complementarity "$file"
 done | awk -f film.awk
