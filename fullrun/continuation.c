@@ -188,7 +188,8 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
     *started = false;
     coarse.grid = full_coarser_grid(&contact->grid);
-    settings.tolerance = 1e-6; // better would not help: the discretisation error is larger
+    // better would not help: the discretisation error is larger
+    settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
     ehd_status status =
         full_solver_create(&coarse_solver, contact->kind, &coarse.grid, &settings, error);
     if (!status) status = full_state_init(&from, &coarse.grid, error);

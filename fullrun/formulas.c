@@ -35,6 +35,7 @@ void formulas_print(const contact_scalars *solution, const ehd_contact *contact)
     const film_numbers numbers = film_numbers_of(contact);
 
     for (const film_formula *formula = film_formulas; formula->name; formula++) {
+        if (formula->dimensions != contact->kind->dimensions) continue;
         double film = formula->film(formula, &numbers);
         double of_solution = formula->of_minimum ? solution->minimum_film_thickness
                                                  : solution->central_film_thickness;
@@ -118,7 +119,8 @@ ehd_status formulas_print_in_time(const char *path, const scene *given,
     if (!status) deviations = malloc((series.num_times + 1) * sizeof *deviations);
     if (!status && !deviations) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     for (const film_formula *formula = film_formulas; formula->name && !status; formula++)
-        print_formula_in_time(deviations, formula, &series, histories, reference);
+        if (formula->dimensions == reference->kind->dimensions)
+            print_formula_in_time(deviations, formula, &series, histories, reference);
     free(deviations);
     histories_free(histories);
     time_series_free(&series);

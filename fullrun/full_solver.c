@@ -53,6 +53,18 @@ full_solver *full_solver_free(full_solver *self) {
     return NULL;
 }
 
+double full_solver_bytes(const ehd_grid *grid) {
+    const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 25 * sizeof(double);
+    const double of_deflection =
+        9 * sizeof(double);        // kernel, and two fields of four times the nodes
+    const double of_factors = 100; // a node and doubling of their number, measured with UMFPACK
+    const double coarser = 4. / 3; // the grid, and those of twice its step and so on
+    double nodes = (double)grid->num_inner;
+
+    return coarser * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
+           of_factors * nodes * log2(nodes);
+}
+
 ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, const ehd_grid *grid,
                               const full_settings *settings, ehd_error *error) {
     size_t num_inner = grid->num_inner, num_nodes = grid->num_nodes;
@@ -327,6 +339,19 @@ static double damping(full_solver *self, const full_system *system, const full_s
     return factor;
 }
 
+static const double LOOSEST_LINEAR = 0.01;
+
+/* How well a Newton step has to be solved (inexact Newton; Eisenstat and Walker, SIAM J. Sci. Comput. 17,
+ * 1996): far from the solution its error is not what holds Newton up, and at the end not better than the
+ * tolerance asks for. On a line, where a system costs little, always as well as can be. */
+static double linear_tolerance(const full_solver *self, double residual) {
+    const full_settings *settings = &self->settings;
+
+    if (self->kind->dimensions == 1) return settings->linear_tolerance;
+    double forcing = 0.1 * fmax(residual, settings->tolerance / residual);
+    return fmin(fmax(forcing, settings->linear_tolerance), LOOSEST_LINEAR);
+}
+
 /* One damped step. EHD_NOT_CONVERGED, with info->reason, where there is none to take. */
 static ehd_status newton_step(double *factor, full_info *info, full_state *state, full_solver *self,
                               const contact_closure *closure, ehd_error *error) {
@@ -345,8 +370,8 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
                           .near_field = self->settings.near_field,
                           .step = self->step,
                           .workspace = self->workspace};
-    ehd_status status =
-        self->settings.solve_linear(&system, self->settings.linear_tolerance, &iterations, error);
+    const double tolerance = linear_tolerance(self, info->residual);
+    ehd_status status = self->settings.solve_linear(&system, tolerance, &iterations, error);
     info->gmres_iterations += iterations;
     if (status == EHD_NOT_CONVERGED) info->reason = "linear system singular";
     if (status) return status;
@@ -379,12 +404,14 @@ static double complementarity(const full_solver *self, const full_state *state) 
 static const unsigned char MOST_FLIPS = 4;
 // of the Hertz pressure, scaled multipliers being alike
 static const double IN_TIME_NOISE = 1e-7, POINT_NOISE = 1e-9;
+// scaled residual of a point contact below which a node that changes is undecided, not on its way
+static const double NEAR_SOLUTION = 0.01;
 
 /* Where the flux is not one number, with a film that varies in time or flows around the contact, the
  * pressurised zone may have any shape: each node goes by the sign of its pressure or multiplier (primal-dual
  * active set). One that keeps changing is undecided by less than the grid can tell, and stays without
  * pressure. */
-static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
+static bool adapt_nodes(full_solver *self, full_state *state, double noise, bool count_flips) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
     bool changed = false;
@@ -397,7 +424,7 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
         else if (self->flips[k] < MOST_FLIPS)
             wanted = wants_pressure(self, k, noise);
         if (wanted != open) {
-            self->flips[k]++;
+            self->flips[k] += count_flips;
             changed = true;
         }
         self->place[k] = wanted; // the old zone is still asked for the nodes that follow
@@ -415,9 +442,11 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise) {
 
 /* Moves the boundaries of the pressurised zone; true where they moved. */
 static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
-                       const ehd_contact *contact, const reynolds_squeeze *squeeze) {
-    if (squeeze) return adapt_nodes(self, state, IN_TIME_NOISE);
-    if (self->kind->dimensions > 1) return adapt_nodes(self, state, POINT_NOISE);
+                       const ehd_contact *contact, const reynolds_squeeze *squeeze,
+                       double residual) {
+    if (squeeze) return adapt_nodes(self, state, IN_TIME_NOISE, true);
+    if (self->kind->dimensions > 1)
+        return adapt_nodes(self, state, POINT_NOISE, residual < NEAR_SOLUTION);
     if (*settled) return false;
     size_t exit = adapt_exit(self, state, contact->entrainment);
     *settled = exit_cycles(watch, exit);
@@ -466,7 +495,8 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             return EHD_OK;
         }
         // the zone follows the linearised pressure, so only once there was a step
-        if (iteration > 0 && adapt_zone(&watch, &settled, self, state, contact, squeeze)) {
+        if (iteration > 0 &&
+            adapt_zone(&watch, &settled, self, state, contact, squeeze, info->residual)) {
             evaluate(info, self, contact, squeeze, state);
         } else if (iteration > 0 && info->residual < self->settings.tolerance) {
             if (!film_is_positive(self, state)) {
@@ -480,6 +510,9 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             return EHD_OK;
         }
         info->seconds_rows += program_seconds() - before;
+        if (self->settings.watcher)
+            self->settings.watcher(self->settings.watcher_context, &self->grid, iteration,
+                                   info->residual);
         if (iteration == self->settings.max_iterations || program_interrupted()) break;
 
         before = program_seconds();

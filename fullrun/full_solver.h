@@ -47,6 +47,9 @@ typedef struct full_system full_system;
 typedef ehd_status full_linear_solver(full_system *system, double tolerance, size_t *iterations,
                                       ehd_error *error);
 
+/* Told before each Newton iteration, on coarser grids too. */
+typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration, double residual);
+
 typedef struct full_settings {
     double tolerance;                 // on the scaled residual; 1e-10
     size_t max_iterations;            // Newton, of one solve; 60
@@ -54,6 +57,8 @@ typedef struct full_settings {
                                       // point contact at most 1
     double linear_tolerance;          // GMRES, relative; 1e-8
     full_linear_solver *solve_linear; // full_solve_gmres
+    full_watcher *watcher;            // NULL: nobody watches
+    void *watcher_context;
 } full_settings;
 
 full_settings full_default_settings(void);
@@ -79,6 +84,10 @@ struct full_system {
 full_linear_solver full_solve_gmres;
 
 typedef struct full_solver full_solver;
+
+/* Bytes that a solution of a point contact takes at its peak, about: counted, but for the factors, whose fill
+ * grows as N log N. */
+double full_solver_bytes(const ehd_grid *grid);
 
 /* Grid-sized memory and FFT plans; one object a thread. EHD_MEMORY. */
 ehd_status full_solver_create(

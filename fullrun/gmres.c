@@ -8,6 +8,8 @@
  * keeps the band away from singular. */
 #include "fullrun/gmres.h"
 
+#include "common/program/program.h"
+
 #include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
@@ -31,7 +33,7 @@ struct gmres_workspace {
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
-    double *window; // [2 near_field + 3, 2 near_field + 4] a row's values by node around it
+    double *window; // [lines, columns of a reach] a row's values by node around it
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
@@ -56,12 +58,23 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
     return NULL;
 }
 
+/* What reach_of says. */
+static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
+    return grid->inner_lines > 1 ? 4 * 3 : 2 * near_field + 4;
+}
+
+double gmres_workspace_bytes(const ehd_grid *grid) {
+    const double vectors = MOST_ITERATIONS + 1 + 11;
+
+    return vectors * sizeof(double) +
+           (double)entries_of_row(grid, 1) * (sizeof(double) + sizeof(int));
+}
+
 gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field) {
     gmres_workspace *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     size_t size = self->size = grid->num_inner + 1;
-    // a row holds its stencil widened by the near field
-    size_t window = (2 * near_field + 4) * (grid->inner_lines > 1 ? 2 * near_field + 3 : 1);
+    size_t window = entries_of_row(grid, near_field);
     self->capacity = size * window;
     self->krylov = malloc((MOST_ITERATIONS + 1) * size * sizeof(double));
     self->vector = malloc(size * sizeof(double));
@@ -109,19 +122,21 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
     y[num_passive] = system->closure_approach * x[num_passive] + system->closure_load * sum;
 }
 
-/* Columns and lines around a row's node that its stencil, widened by the near field, reaches. */
+/* Columns and lines around a row's node that count in the band: those that its stencil reaches, on a line
+ * widened by the near field. Across lines a wider row would cost more in the factors than it saves in
+ * iterations. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
 
 static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field) {
-    const ptrdiff_t width = (ptrdiff_t)grid_width(grid), beyond = grid->inner_lines > 1;
+    const bool line_contact = grid->inner_lines == 1;
+    const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
     const ptrdiff_t column = (ptrdiff_t)node % width, line = (ptrdiff_t)node / width;
     const ptrdiff_t first_line = (ptrdiff_t)grid_first_line(grid);
     const ptrdiff_t last_line = first_line + (ptrdiff_t)grid->inner_lines - 1;
-    const ptrdiff_t across = beyond ? near_field + beyond : 0;
-    const reach wanted = {column - 2 - near_field, column + 1 + near_field, line - across,
-                          line + across};
+    const ptrdiff_t along = line_contact ? near_field : 0, across = line_contact ? 0 : 1;
+    const reach wanted = {column - 2 - along, column + 1 + along, line - across, line + across};
 
     return (reach){wanted.first_column < 1 ? 1 : wanted.first_column,
                    wanted.last_column > width - 2 ? width - 2 : wanted.last_column,
@@ -324,7 +339,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     double start = cblas_dnrm2((int)size, first, 1);
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
     h.right[0] = start;
-    while (k < MOST_ITERATIONS && fabs(h.right[k]) > tolerance * start) {
+    while (k < MOST_ITERATIONS && fabs(h.right[k]) > tolerance * start && !program_interrupted()) {
         precondition(work->vector, work->krylov + k * work->size, system, numeric, control);
         apply_jacobian(work->krylov + (k + 1) * work->size, work->vector, system);
         extend_krylov(work, &h, k, size);

@@ -32,7 +32,7 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
         length = snprintf(reason, JUDGE_REASON,
                           "found the exit boundary outside the domain, expected it before X = %g "
                           "(grid.x_max)",
-                          grid_x(grid, grid->num_inner));
+                          grid_x(grid, grid->inner_x));
     // also of an iteration that failed, because this is then likely why
     if (full_beyond_law(state, contact))
         length += snprintf(reason + length, JUDGE_REASON - (size_t)length,

@@ -6,6 +6,7 @@
 #include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
 #include "fullrun/full_solver.h"
@@ -17,6 +18,7 @@
 #include <string.h>
 
 enum { KEY_START = 0x200, KEY_TOLERANCE, KEY_FORMULAS, KEY_REPEAT, KEY_RESUME };
+enum { WORK_PARTS = 1000 };
 
 typedef struct fullrun_options {
     const char *start; // NULL: cold
@@ -132,6 +134,23 @@ static ehd_status load_start(full_state *state, ehd_contact *start, double *film
 
 // ---- the solution
 
+/* Says what a point contact will take before it is taken. EHD_MEMORY: more than there is. */
+static ehd_status check_memory(const program *self, const ehd_contact *contact, ehd_error *error) {
+    const double megabyte = 1e6, large = 1000;
+    double needed = full_solver_bytes(&contact->grid) / megabyte;
+    double there = program_memory() / megabyte;
+
+    if (contact->kind->dimensions == 1) return EHD_OK;
+    if (needed > there)
+        return ehd_fail(error, EHD_MEMORY,
+                        "%s: grid: found %zu nodes, which take about %.0f MB, expected at most "
+                        "%.0f MB, which are free",
+                        self->arguments[0], contact->grid.num_inner, needed, there);
+    (needed > large ? program_note : program_detail)(self, "%zu nodes take about %.0f MB",
+                                                     contact->grid.num_inner, needed);
+    return EHD_OK;
+}
+
 static run_result make_result(const full_info *info, const full_state *state,
                               const ehd_contact *contact, bool with_fields) {
     contact_scalars scalars = full_evaluate_scalars(state, contact);
@@ -189,12 +208,44 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-static ehd_status solve(full_info *info, full_state *state, const ehd_contact *contact,
-                        const ehd_contact *start, const fullrun_options *options,
-                        ehd_error *error) {
-    const full_settings settings = make_settings(options);
+/* What stands on stderr while a long solution goes on. */
+typedef struct long_work {
+    progress shown;
+    const ehd_grid *grid; // of the contact
+} long_work;
+
+/* Part of the work behind the solver on a grid, the next coarser one, and so on. */
+static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
+    const double growth = 1.4; // measured, of time with the nodes
+    return pow((double)grid->num_inner / (double)finest->num_inner, growth);
+}
+
+static void show_work(void *context, const ehd_grid *grid, size_t iteration, double residual) {
+    const double usual = 8; // iterations on a grid
+    const ehd_grid coarser = full_coarser_grid(grid);
+    long_work *self = context;
+    double before = work_up_to(&coarser, self->grid), after = work_up_to(grid, self->grid);
+    double part = fmin((double)iteration / usual, 1);
+    size_t done = (size_t)fmin(WORK_PARTS * (before + part * (after - before)), WORK_PARTS - 1);
+    char text[96];
+
+    snprintf(text, sizeof text, "%zu by %zu nodes, iteration %zu, residual %.1e", grid->inner_x,
+             grid->inner_lines, iteration, residual);
+    progress_show(&self->shown, done, text);
+}
+
+static ehd_status solve(full_info *info, full_state *state, const program *caller,
+                        const ehd_contact *contact, const ehd_contact *start,
+                        const fullrun_options *options, ehd_error *error) {
+    long_work work = {.grid = &contact->grid};
+    full_settings settings = make_settings(options);
     full_solver *solver = NULL;
     full_state first = {0};
+
+    progress_start(&work.shown, caller, WORK_PARTS);
+    work.shown.last_shown = work.shown.started; // nothing where it is done soon
+    settings.watcher = contact->kind->dimensions > 1 ? show_work : NULL;
+    settings.watcher_context = &work;
     ehd_status status =
         full_solver_create(&solver, contact->kind, &contact->grid, &settings, error);
 
@@ -205,6 +256,7 @@ static ehd_status solve(full_info *info, full_state *state, const ehd_contact *c
     }
     full_state_free(&first);
     full_solver_free(solver);
+    if (work.shown.last_shown > work.shown.started) progress_finish(&work.shown);
     return status;
 }
 
@@ -287,13 +339,15 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     artefact *file = NULL;
     double start_film = NAN;
     double *exits = NULL;
-    ehd_status status = full_state_init(&state, &contact->grid, error);
+    ehd_status status = check_memory(self, contact, error);
 
+    if (!status) status = full_state_init(&state, &contact->grid, error);
     if (!status && options->start)
         status = load_start(&state, &start, &start_film, options->start, error);
     if (!status) status = result_create(&file, self, contact, text, inputs, error);
     if (!status)
-        status = solve(&info, &state, contact, options->start ? &start : NULL, options, error);
+        status =
+            solve(&info, &state, self, contact, options->start ? &start : NULL, options, error);
     if (status) goto done;
 
     if (contact->kind->dimensions > 1) {
@@ -308,7 +362,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     result.exits = exits;
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
-    if (!result.status && given->output_resolution != 0 && contact->kind->dimensions == 1)
+    if (!result.status && given->output_resolution != 0)
         status = tell_resolution(file, self, &state, contact, error);
     if (!status) status = result_write(&file, &result, contact, error);
     if (!status && result.status)

@@ -6,12 +6,28 @@
 #include <math.h>
 #include <stdlib.h>
 
-// ---- the inlet
+/* The line Y = 0 of a solution: of a line contact all of it. */
+typedef struct central_line {
+    const double *pressure, *film; // [num_nodes], boundary nodes included
+    size_t num_nodes;
+    size_t centre; // node at X = 0 or the first behind it
+    size_t exit;   // first node behind the pressurised zone
+} central_line;
 
-/* Node at X = 0 or the first behind it. */
-static size_t central_node(const ehd_grid *grid) {
-    return (size_t)ceil(-grid->x_min / grid->step) + 1;
+static central_line central_line_of(const full_state *state, const ehd_grid *grid) {
+    size_t first = grid_central_line(grid), width = grid_width(grid);
+    central_line line = {.pressure = state->pressure + first,
+                         .film = state->film + first,
+                         .num_nodes = width,
+                         .centre = (size_t)ceil(-grid->x_min / grid->step) + 1,
+                         .exit = width - 1};
+
+    while (line.exit > line.centre && !full_has_pressure(state, first + line.exit - 1))
+        line.exit--;
+    return line;
 }
+
+// ---- the inlet
 
 /* Viscous pressure, the integral of dP / viscosity ratio from the inlet on: between two nodes the
  * logarithm of the viscosity is linear in P, for it may grow by decades from one to the next. */
@@ -29,13 +45,13 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
 /* Pressure that an inlet from minus infinity would have at x_min, where the grid's is zero: the integral
  * of lambda (H - H_exit) / H^3. The film there is the gap and the deflection by the load as a whole, which
  * is -ln|X| / 2 and a constant. With X = x_min / s, by the midpoint rule in s. */
-static double missing_pressure(const full_state *state, const ehd_contact *contact) {
+static double missing_pressure(const central_line *line, const ehd_contact *contact) {
     const int num_intervals = 200;
-    double start = grid_x(&contact->grid, 0), flux = state->film[state->exit], sum = 0;
+    double start = grid_x(&contact->grid, 0), flux = line->film[line->exit], sum = 0;
 
     for (int i = 0; i < num_intervals; i++) {
         double s = (i + 0.5) / num_intervals, x = start / s;
-        double film = state->film[0] + contact_gap(x, 0) - contact_gap(start, 0) + 0.5 * log(s);
+        double film = line->film[0] + contact_gap(x, 0) - contact_gap(start, 0) + 0.5 * log(s);
         sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
     }
     return sum / num_intervals;
@@ -43,11 +59,12 @@ static double missing_pressure(const full_state *state, const ehd_contact *conta
 
 /* The film is what lets the inlet build up the viscous pressure of the centre, and follows from
  * lambda over it with the exponent 8/11 (Ertel and Grubin); what the inlet lacks counts as missing there. */
-static double inlet_effect(const full_state *state, const ehd_contact *contact,
+static double inlet_effect(const central_line *line, const ehd_contact *contact,
                            const double *viscous) {
     const double film_exponent = 8. / 11;
 
-    return film_exponent * missing_pressure(state, contact) / viscous[central_node(&contact->grid)];
+    if (contact->kind->dimensions > 1) return NAN;
+    return film_exponent * missing_pressure(line, contact) / viscous[line->centre];
 }
 
 static size_t count_inlet(const double *viscous, size_t centre) {
@@ -58,28 +75,28 @@ static size_t count_inlet(const double *viscous, size_t centre) {
     return count;
 }
 
-static ehd_status estimate_inlet(full_resolution *self, const full_state *state,
+static ehd_status estimate_inlet(full_resolution *self, const central_line *line,
                                  const ehd_contact *contact, ehd_error *error) {
-    size_t num_nodes = contact->grid.num_nodes;
+    size_t num_nodes = line->num_nodes;
     double *memory = malloc(5 * num_nodes * sizeof *memory);
     if (!memory)
         return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes", num_nodes);
     double *log_viscosity = memory, *viscous = memory + num_nodes, *unused = memory + 2 * num_nodes;
 
     lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
-                       &contact->lubricant, contact->hertz_pressure, state->pressure, num_nodes);
-    viscous_pressure(viscous, log_viscosity, state->pressure, num_nodes);
-    self->inlet_effect = inlet_effect(state, contact, viscous);
-    self->inlet_nodes = count_inlet(viscous, central_node(&contact->grid));
+                       &contact->lubricant, contact->hertz_pressure, line->pressure, num_nodes);
+    viscous_pressure(viscous, log_viscosity, line->pressure, num_nodes);
+    self->inlet_effect = inlet_effect(line, contact, viscous);
+    self->inlet_nodes = count_inlet(viscous, line->centre);
     free(memory);
     return EHD_OK;
 }
 
 // ---- spike and outlet
 
-static size_t count_spike(const full_state *state) {
-    const double *pressure = state->pressure;
-    size_t peak = state->exit - 1, count = 0;
+static size_t count_spike(const central_line *line) {
+    const double *pressure = line->pressure;
+    size_t peak = line->exit - 1, count = 0;
 
     while (peak > 0 && pressure[peak - 1] > pressure[peak])
         peak--;
@@ -88,34 +105,46 @@ static size_t count_spike(const full_state *state) {
         valley--;
     if (valley == 0) return 0; // that was the only maximum
     double half = (pressure[peak] + pressure[valley]) / 2;
-    for (size_t k = valley; k < state->exit; k++)
+    for (size_t k = valley; k < line->exit; k++)
         count += pressure[k] > half;
     return count;
 }
 
-static size_t count_outlet(const full_state *state, const ehd_grid *grid) {
-    size_t thinnest = central_node(grid);
+static size_t count_outlet(const central_line *line) {
+    size_t thinnest = line->centre;
 
-    for (size_t k = thinnest; k < state->exit; k++)
-        if (state->film[k] < state->film[thinnest]) thinnest = k;
-    return state->exit - thinnest;
+    for (size_t k = thinnest; k < line->exit; k++)
+        if (line->film[k] < line->film[thinnest]) thinnest = k;
+    return line->exit - thinnest;
 }
 
 // ---- the step
 
+/* Node of a grid at the place of an inner node of one whose step is `stride` times as long. */
+static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_t node,
+                             size_t stride) {
+    size_t column = node % grid_width(coarse), line = 0;
+
+    if (grid->inner_lines > 1)
+        line = (size_t)lround((grid_y(coarse, node) - grid_y(grid, 0)) / grid->step);
+    return line * grid_width(grid) + stride * (column - 1) + 1;
+}
+
 /* The solution at every `stride`-th of its inner nodes. */
 static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_state *solution,
-                           size_t stride) {
-    coarse->exit = (solution->exit + 2 * stride - 2) / stride;
-    for (size_t k = 1; k <= grid->num_inner; k++)
-        coarse->pressure[k] = solution->pressure[stride * (k - 1) + 1];
+                           const ehd_grid *fine, size_t stride) {
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
+        coarse->pressure[k] = solution->pressure[node_of_coarse(fine, grid, k, stride)];
+    }
+    full_state_set_zone(coarse, grid, (solution->exit + 2 * stride - 2) / stride);
     coarse->rigid_approach = solution->rigid_approach;
 }
 
 /* H_c of the same contact on a grid whose step is `stride` times the solution's, NaN where that does not
  * converge. */
 static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const full_state *solution,
-                               size_t stride, ehd_error *error) {
+                               const ehd_grid *fine, size_t stride, ehd_error *error) {
     full_settings settings = full_default_settings();
     full_solver *solver = NULL;
     full_state state = {0};
@@ -127,7 +156,7 @@ static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const fu
     ehd_status status = full_solver_create(&solver, coarse->kind, &coarse->grid, &settings, error);
     if (!status) status = full_state_init(&state, &coarse->grid, error);
     if (!status) {
-        restrict_state(&state, &coarse->grid, solution, stride);
+        restrict_state(&state, &coarse->grid, solution, fine, stride);
         status = full_solve(&info, &state, solver, coarse, NULL, error);
     }
     if (!status && info.status == EHD_OK)
@@ -153,12 +182,14 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     double film[3] = {full_evaluate_scalars(state, contact).central_film_thickness, NAN, NAN};
     ehd_contact coarse = *contact;
 
-    self->spike_nodes = count_spike(state);
-    self->outlet_nodes = count_outlet(state, &contact->grid);
-    ehd_status status = estimate_inlet(self, state, contact, error);
+    const central_line line = central_line_of(state, &contact->grid);
+
+    self->spike_nodes = count_spike(&line);
+    self->outlet_nodes = count_outlet(&line);
+    ehd_status status = estimate_inlet(self, &line, contact, error);
     for (size_t g = 1; g < 3 && !status; g++) {
         coarse.grid = full_coarser_grid(&coarse.grid);
-        status = solve_coarse(&film[g], &coarse, state, (size_t)1 << g, error);
+        status = solve_coarse(&film[g], &coarse, state, &contact->grid, (size_t)1 << g, error);
         if (isnan(film[g])) break;
     }
     if (!status) extrapolate(self, film);

@@ -3,11 +3,6 @@
 
 #include <math.h>
 
-/* First node of the line Y = 0. */
-static size_t central_line(const ehd_grid *grid) {
-    return (grid_first_line(grid) + (grid->half ? 0 : grid->inner_lines / 2)) * grid_width(grid);
-}
-
 /* Value at X = 0 of a line: nodal where a node lies there, else by the cubic through the four nodes around. */
 static double central_value(const double *values, const ehd_grid *grid) {
     double place = -grid->x_min / grid->step + 1; // in nodes
@@ -23,7 +18,7 @@ static double central_value(const double *values, const ehd_grid *grid) {
 
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
-    size_t line = central_line(grid), exit = state->exit;
+    size_t line = grid_central_line(grid), exit = state->exit;
     double least = INFINITY, sum = 0;
 
     for (size_t r = 0; r < grid->num_inner; r++) {

@@ -136,15 +136,18 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
     ATTRIBUTE("inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "estimated relative change of the central film with an inlet of any length, not from "
-              "x_min on; of the full model, when stationary, like the five that follow"),
+              "x_min on, of a line contact; of the full model, when stationary, like the five that "
+              "follow"),
     ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "estimated relative change of the central film with ever smaller steps of x; not "
               "where a grid of twice the step has no solution"),
     ATTRIBUTE("observed_order", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "order of convergence of the central film over this grid and those of twice and four "
               "times the step; not where there is none"),
-    ATTRIBUTE("inlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
-              "nodes where the viscous pressure builds up, from 10 to 90 % of it"),
+    ATTRIBUTE(
+        "inlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "nodes where the viscous pressure builds up, from 10 to 90 % of it; like the two that "
+        "follow at Y = 0"),
     ATTRIBUTE("spike_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "nodes above half the height of the pressure spike, 0 where there is none"),
     ATTRIBUTE("outlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,

@@ -79,25 +79,6 @@ static double point_alpha_p_H(double moes_M, double moes_L) {
     return moes_L / M_PI * cbrt(1.5 * moes_M);
 }
 
-/* Central film of the circular contact by the fit of Nijenbanning, Venner and Moes (Wear 176, 1994), from
- * the four asymptotes; in Moes units, then H = that / (3 M/2)^(2/3). */
-static double point_central_film(double moes_M, double moes_L) {
-    const double rigid_iso = 145 * pow(1 + pow(0.796, 15. / 14), -15. / 7) / (moes_M * moes_M);
-    const double elastic_iso = 3.18 * pow(1.63, -14. / 25) * pow(moes_M, -2. / 15);
-    const double rigid_piezo = 1.29 * pow(1.691, -2. / 3) * pow(moes_L, 2. / 3);
-    const double elastic_piezo =
-        1.48 * pow(1.63, -7. / 20) * pow(moes_M, -1. / 12) * pow(moes_L, 0.75);
-    const double zero_load = 1.8;
-    double iso = pow(rigid_iso, 1.5) + pow(pow(elastic_iso, -4) + pow(zero_load, -4), -3. / 8);
-    double s = 1.5, piezo = 0;
-
-    if (moes_L > 0) {
-        s = 1.5 * (1 + exp(-1.2 * elastic_iso / elastic_piezo));
-        piezo = pow(pow(rigid_piezo, -8) + pow(elastic_piezo, -8), -s / 8);
-    }
-    return pow(pow(iso, 2 * s / 3) + piezo, 1 / s) / pow(1.5 * moes_M, 2. / 3);
-}
-
 /* The point kernel falls to zero at a distance: its approach is that of far away. */
 static double point_approach_shift(double half_width, double length) {
     (void)half_width;
@@ -120,7 +101,7 @@ const contact_kind contact_point = {
     .kernel = point_kernel,
     .lambda = point_lambda,
     .alpha_p_H = point_alpha_p_H,
-    .central_film = point_central_film,
+    .central_film = film_nijenbanning,
     .approach_shift = point_approach_shift,
     .physical_M = point_physical_M,
     .half_width = point_half_width,
@@ -162,6 +143,10 @@ size_t grid_first_line(const ehd_grid *grid) {
 
 size_t grid_lines(const ehd_grid *grid) {
     return grid_first_line(grid) + grid->inner_lines + (grid->inner_lines > 1);
+}
+
+size_t grid_central_line(const ehd_grid *grid) {
+    return (grid_first_line(grid) + (grid->half ? 0 : grid->inner_lines / 2)) * grid_width(grid);
 }
 
 double grid_x(const ehd_grid *grid, size_t node) {

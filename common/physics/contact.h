@@ -62,6 +62,9 @@ size_t grid_width(const ehd_grid *grid);
 size_t grid_lines(const ehd_grid *grid);
 size_t grid_first_line(const ehd_grid *grid);
 
+/* First node of the line Y = 0. */
+size_t grid_central_line(const ehd_grid *grid);
+
 /* Inner nodes are numbered on their own too, by rows of the Reynolds equation: 0 … num_inner - 1. */
 size_t grid_node_of_row(const ehd_grid *grid, size_t row);
 size_t grid_row_of_node(const ehd_grid *grid, size_t node);

@@ -19,6 +19,28 @@ double film_moes(double moes_M, double moes_L) {
     return M_PI / (8 * moes_M) * pow(pow(iso, s) + pow(piezo, s), 1 / s);
 }
 
+double film_nijenbanning(double moes_M, double moes_L) {
+    const double rigid_iso = 145 * pow(1.796, -15. / 7) / (moes_M * moes_M);
+    const double elastic_iso = 3.18 * pow(1.63, -14. / 25) * pow(moes_M, -2. / 15);
+    const double rigid_piezo = 1.29 * pow(1.691, -2. / 3) * pow(moes_L, 2. / 3);
+    const double elastic_piezo =
+        1.48 * pow(1.63, -7. / 20) * pow(moes_M, -1. / 12) * pow(moes_L, 0.75);
+    const double zero_load = 1.8;
+    double iso = pow(rigid_iso, 1.5) + pow(pow(elastic_iso, -4) + pow(zero_load, -4), -3. / 8);
+    double s = 1.5, piezo = 0;
+
+    if (moes_L > 0) {
+        s = 1.5 * (1 + exp(-1.2 * elastic_iso / elastic_piezo));
+        piezo = pow(pow(rigid_piezo, -8) + pow(elastic_piezo, -8), -s / 8);
+    }
+    return pow(pow(iso, 2 * s / 3) + piezo, 1 / s) / pow(1.5 * moes_M, 2. / 3);
+}
+
+static double nijenbanning(const film_formula *self, const film_numbers *numbers) {
+    (void)self;
+    return film_nijenbanning(numbers->moes_M, numbers->moes_L);
+}
+
 static double moes(const film_formula *self, const film_numbers *numbers) {
     (void)self;
     return film_moes(numbers->moes_M, numbers->moes_L);
@@ -33,19 +55,20 @@ static double power_law(const film_formula *self, const film_numbers *numbers) {
 
 // clang-format off
 const film_formula film_formulas[] = {
-    // columns: name, source, of the minimum, factor, powers of U, G, W, function
-    {"ertel-grubin", "Grubin, Central Research Institute TsNIITMASH, book 30, Moscow 1949, after Ertel", false,
+    // columns: name, source, dimensions, of the minimum, factor, powers of U, G, W, function
+    {"ertel-grubin", "Grubin, Central Research Institute TsNIITMASH, book 30, Moscow 1949, after Ertel", 1, false,
      1.95, 8. / 11, 8. / 11, -1. / 11, power_law},
-    {"dowson-toyoda", "Dowson and Toyoda, 5th Leeds-Lyon Symposium on Tribology, 1979", false,
+    {"dowson-toyoda", "Dowson and Toyoda, 5th Leeds-Lyon Symposium on Tribology, 1979", 1, false,
      3.06, 0.69, 0.56, -0.10, power_law},
-    {"pan-hamrock-central", "Pan and Hamrock, J. Tribology 111, 1989", false,
+    {"pan-hamrock-central", "Pan and Hamrock, J. Tribology 111, 1989", 1, false,
      2.922, 0.692, 0.470, -0.166, power_law},
-    {"moes", "Moes, Wear 159, 1992", false, 0, 0, 0, 0, moes},
-    {"dowson-higginson", "Dowson and Higginson, exponents of Dowson, Proc. IMechE 182 (3A), 1968", true,
+    {"moes", "Moes, Wear 159, 1992", 1, false, 0, 0, 0, 0, moes},
+    {"dowson-higginson", "Dowson and Higginson, exponents of Dowson, Proc. IMechE 182 (3A), 1968", 1, true,
      2.65, 0.70, 0.54, -0.13, power_law},
-    {"pan-hamrock-minimum", "Pan and Hamrock, J. Tribology 111, 1989", true,
+    {"pan-hamrock-minimum", "Pan and Hamrock, J. Tribology 111, 1989", 1, true,
      1.714, 0.694, 0.568, -0.128, power_law},
-    {NULL, NULL, false, 0, 0, 0, 0, NULL}};
+    {"nijenbanning", "Nijenbanning, Venner and Moes, Wear 176, 1994", 2, false, 0, 0, 0, 0, nijenbanning},
+    {NULL, NULL, 0, false, 0, 0, 0, 0, NULL}};
 // clang-format on
 
 film_numbers film_numbers_of(const ehd_contact *contact) {
@@ -55,7 +78,8 @@ film_numbers film_numbers_of(const ehd_contact *contact) {
     const double ratio = contact->hertz_pressure / modulus;
     film_numbers numbers = {.moes_M = contact->moes_M};
 
-    numbers.moes_L = contact->alpha_p_H / sqrt(contact->moes_M / (2 * M_PI));
+    numbers.moes_L = contact->alpha_p_H / contact->kind->alpha_p_H(contact->moes_M, 1);
+    if (contact->kind->dimensions > 1) return numbers;
     if (!(contact->alpha_p_H > 0)) return numbers;
     numbers.load = 2 * M_PI * ratio * ratio;
     numbers.speed = pow(numbers.load / contact->moes_M, 2) / 2;

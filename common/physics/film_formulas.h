@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Published film formulas of the stationary line contact, as H = h R/a^2. */
+/* Published film formulas of the stationary contact, as H = h R/a^2. */
 #ifndef EHD_FILM_FORMULAS_H
 #define EHD_FILM_FORMULAS_H
 
@@ -9,6 +9,7 @@
 /* A contact by the numbers that formulas are written in. */
 typedef struct film_numbers {
     double moes_M, moes_L;
+    // of a line contact
     double speed;    // U = eta0 u_m/(E'R)
     double material; // G = alpha E', 0: isoviscous
     double load;     // W = w/(E'R)
@@ -20,6 +21,7 @@ typedef struct film_formula film_formula;
 struct film_formula {
     const char *name;
     const char *source; // authors, year, place
+    int dimensions;     // of the contact's kind: 1 for a line, 2 for a point
     bool of_minimum;    // of the smallest film, not of that at the centre
     double factor, speed_power, material_power, load_power;
     double (*film)(const film_formula *self, const film_numbers *numbers); // H
@@ -30,6 +32,10 @@ extern const film_formula film_formulas[]; // ends with a row whose name is NULL
 /* Central film by the function fit of Moes (1992), from the four asymptotes rigid or elastic, isoviscous or
  * piezoviscous. It is the film where the pressure is flat: at the end of the rigid isoviscous contact. */
 double film_moes(double moes_M, double moes_L);
+
+/* Central film of the circular contact by the function fit of Nijenbanning, Venner and Moes (1994), from the four
+ * asymptotes; in Moes units, then H = that / (3 M/2)^(2/3). */
+double film_nijenbanning(double moes_M, double moes_L);
 
 /* The numbers of a contact as it is now. Its film depends on two alone, M and alpha p_H, and most formulas respect
  * that (optimum similarity); the third, E', enters that of Pan and Hamrock, by 1 % for 20 % of E'. Only a physical

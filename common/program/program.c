@@ -6,11 +6,13 @@
 #include <fftw3.h>
 #include <gsl/gsl_version.h>
 #include <locale.h>
+#include <math.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -52,6 +54,27 @@ static void on_signal(int number) {
     (void)number;
     if (interrupted) _exit(EHD_INTERRUPTED);
     interrupted = 1;
+}
+
+/* "MemAvailable: 123 kB" of the system, in bytes. */
+static double free_memory(void) {
+    FILE *file = fopen("/proc/meminfo", "r");
+    double bytes = INFINITY, kilobytes;
+    char line[128];
+
+    while (file && fgets(line, sizeof line, file))
+        if (sscanf(line, "MemAvailable: %lf kB", &kilobytes) == 1) bytes = 1024 * kilobytes;
+    if (file) fclose(file);
+    return bytes;
+}
+
+double program_memory(void) {
+    struct rlimit limit;
+    double bytes = free_memory();
+
+    if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+        bytes = fmin(bytes, (double)limit.rlim_cur);
+    return bytes;
 }
 
 bool program_interrupted(void) {

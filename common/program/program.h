@@ -72,6 +72,10 @@ void progress_finish(progress *progress);
 /* True after SIGINT or SIGTERM; a second signal ends the process at once with 130. */
 bool program_interrupted(void);
 
+/* Bytes that this process can still take: what the system has free, within the limit on it; infinite where
+ * the system does not say. */
+double program_memory(void);
+
 /* Monotonic seconds. */
 double program_seconds(void);
 

@@ -12,9 +12,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 static const double LEAST_RATIO = 10, MOST_EXPONENT = 1.3;
 
@@ -117,41 +114,15 @@ static cold_record solve_cold(double step, size_t repeats) {
     return record;
 }
 
-/* Solves in a process of its own, so that the peak memory is that of this size alone; a step of zero
- * solves nothing and shows what the program itself takes. */
-static cold_record solve_apart(double *megabytes, double step, size_t repeats) {
-    cold_record record = {0};
-    struct rusage usage;
-    int ends[2], status;
+/* A step of zero solves nothing and shows what the program itself takes. */
+typedef struct cold_task {
+    double step;
+    size_t repeats;
+} cold_task;
 
-    if (pipe(ends)) abort();
-    fflush(stdout);
-    pid_t child = fork();
-    if (child < 0) abort();
-    if (child == 0) {
-        if (step > 0) record = solve_cold(step, repeats);
-        _exit(write(ends[1], &record, sizeof record) == sizeof record ? 0 : 1);
-    }
-    close(ends[1]);
-    if (read(ends[0], &record, sizeof record) != sizeof record) exit(1);
-    close(ends[0]);
-    if (wait4(child, &status, 0, &usage) != child || status != 0) exit(1);
-    *megabytes = (double)usage.ru_maxrss / 1024;
-    return record;
-}
-
-/* Slope of ln(value) over ln(nodes) by least squares. */
-static double exponent(const double *nodes, const double *values, size_t count) {
-    double sx = 0, sy = 0, sxx = 0, sxy = 0, n = (double)count;
-
-    for (size_t i = 0; i < count; i++) {
-        double x = log(nodes[i]), y = log(values[i]);
-        sx += x;
-        sy += y;
-        sxx += x * x;
-        sxy += x * y;
-    }
-    return (n * sxy - sx * sy) / (n * sxx - sx * sx);
+static void run_cold(void *result, const void *given) {
+    const cold_task *task = given;
+    if (task->step > 0) *(cold_record *)result = solve_cold(task->step, task->repeats);
 }
 
 static int bench_growth(size_t repeats) {
@@ -159,11 +130,13 @@ static int bench_growth(size_t repeats) {
     double nodes[NUM_SIZES], seconds[NUM_SIZES], megabytes[NUM_SIZES], idle;
     char text[SPREAD_TEXT];
 
-    solve_apart(&idle, 0, 0);
+    cold_record record = {0};
+    run_apart(&record, sizeof record, &idle, run_cold, &(cold_task){0, 0});
     for (size_t i = 0; i < NUM_SIZES; i++) {
         double step = 0.005 / (double)(1 << i);
         nodes[i] = 6 / step + 1;
-        cold_record record = solve_apart(&megabytes[i], step, repeats);
+        const cold_task task = {step, repeats};
+        run_apart(&record, sizeof record, &megabytes[i], run_cold, &task);
         seconds[i] = record.seconds.median;
         megabytes[i] -= idle;
         printf("cold solve, n = %5.0f: %s ms, %zu Newton, %zu GMRES, peak memory %.1f MB "
@@ -171,8 +144,8 @@ static int bench_growth(size_t repeats) {
                nodes[i], spread_text(text, &record.seconds, 1e-3, 1), record.newton, record.gmres,
                megabytes[i], idle);
     }
-    double time_exponent = exponent(nodes, seconds, NUM_SIZES);
-    double memory_exponent = exponent(nodes, megabytes, NUM_SIZES);
+    double time_exponent = growth_exponent(nodes, seconds, NUM_SIZES);
+    double memory_exponent = growth_exponent(nodes, megabytes, NUM_SIZES);
     printf("growth with n: time n^%.2f, memory n^%.2f (at most n^%g)\n", time_exponent,
            memory_exponent, MOST_EXPONENT);
     return time_exponent <= MOST_EXPONENT && memory_exponent <= MOST_EXPONENT ? 0 : 1;

@@ -45,6 +45,9 @@ section "row selection: 160 of 3001 rows, two bases of 160 (goal: joint at most 
 section "full solve: against the dense Newton (goal: 10 times), growth with n (goal: n^1.3)"
 "$BENCH/bench_full" || failed=1
 
+section "full solve of a point contact: in products of 2000 rows (goal: 46 converged, 14.1 to truncation)"
+"$BENCH/bench_point" || failed=1
+
 section "training: 120 points of the lower loaded region, $(nproc) processors (goal: 20 s)"
 chain "$low/plan.yml" 110 176 low
 export OPENBLAS_NUM_THREADS=1

@@ -353,3 +353,36 @@ small_oscillator() {
     run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
     [[ $status == 0 && ! $output =~ measure.sh ]]
 }
+
+# dump M L H...: what h5dump says of one point on grids of these central films in Moes units
+dump() {
+    local M=$1 L=$2 film
+    shift 2
+    for film; do
+        printf 'HDF5 "x.h5" {\nDATASET "/moes_M" {\n   DATA {\n      %s\n   }\n}\n' "$M"
+        printf 'DATASET "/moes_L" {\n      %s\n}\nDATASET "/status" {\n      0\n}\n' "$L"
+        awk -v M="$M" -v film="$film" 'BEGIN {
+            printf "DATASET \"/central_film_thickness\" {\n      %.12g\n}\n", film / (1.5 * M) ^ (2 / 3) }'
+    done
+}
+
+@test "the point film table: extrapolation and fit" {
+    copy_scene point-film
+    # 4 + 0.1 h^2 with steps of 4, 2 and 1 is 4 without a step
+    dump 20 10 5.6 4.4 4.1 | awk -f film.awk >exact.csv
+    tail -n 1 exact.csv | awk -F, '{ exit !($6 > 1.9999 && $6 < 2.0001 && $7 > 3.9999 && $7 < 4.0001) }'
+    # by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
+    tail -n 1 exact.csv | awk -F, '{ exit !($8 > 4.26480 && $8 < 4.26482) }'
+    # what is far off is counted, and there is no table without a solution
+    dump 20 10 3.6 3.4 3.3 | awk -f film.awk >off.csv
+    run -0 awk -f table.awk off.csv
+    [[ $output == *"1 points, 0 without a solution; largest difference 25.0 %, 1 beyond 10 %"* ]]
+    dump 20 10 4.4 4.3 4.25 | sed '$!b; s/.*/DATASET "\/status" {\n      1\n}/' | awk -f film.awk >lost.csv
+    run -1 awk -f table.awk lost.csv
+
+    run_make CELLS='48 96 192' M=10 L='2.5, 5'
+    [ "$status" -eq 0 ]
+    [[ $output == *"2 points, 0 without a solution; largest difference "*", 0 beyond 10 %"* ]]
+    run_make -n CELLS='48 96 192' M=10 L='2.5, 5'
+    [[ ! $output =~ bin/$programs ]]
+}

@@ -6,7 +6,7 @@
 
 #include "fullrun/full_solver.h"
 
-/* The exact Jacobian, with the kernel's own values instead of an FFT, in O(n^2) time and memory, then
+/* The exact Jacobian of a line or of a whole point contact, with the kernel's own values instead of an FFT, in O(n^2) time and memory, then
  * dgesv in O(n^3). The tolerance is not used. EHD_MEMORY, EHD_NOT_CONVERGED where it is singular. */
 full_linear_solver dense_solve;
 

@@ -25,16 +25,34 @@ scene sample_scene(const char *lubricant, const char *density, double moes_M, do
     return given;
 }
 
-ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
-                           double step) {
-    scene given = sample_scene(lubricant, density, moes_M, moes_L);
+static ehd_contact contact_of(const scene *given) {
     ehd_contact contact;
     ehd_error error;
 
-    given.step = step;
-    if (contact_init(&contact, &given, &error)) {
+    if (contact_init(&contact, given, &error)) {
         fprintf(stderr, "%s\n", error.text);
         abort();
     }
     return contact;
+}
+
+ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
+                           double step) {
+    scene given = sample_scene(lubricant, density, moes_M, moes_L);
+
+    given.step = step;
+    return contact_of(&given);
+}
+
+ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
+                         size_t cells, bool half) {
+    scene given = sample_scene(lubricant, density, moes_M, moes_L);
+
+    snprintf(given.contact, sizeof given.contact, "point");
+    given.step = 6 / (double)cells;
+    given.x_min = -4.5 + given.step;
+    given.x_max = 1.5 - given.step;
+    given.y_max = 3 - given.step;
+    given.half = half;
+    return contact_of(&given);
 }

@@ -13,4 +13,9 @@ scene sample_scene(const char *lubricant, const char *density, double moes_M, do
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
+/* The point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5, Y in -3 … 3, whose
+ * ends are boundary nodes, with so many cells along and across; of an even number. */
+ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
+                         size_t cells, bool half);
+
 #endif

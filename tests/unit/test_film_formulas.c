@@ -92,6 +92,7 @@ static void the_modulus_hardly_matters(void **unused) {
     (void)unused;
 
     for (const film_formula *formula = film_formulas; formula->name; formula++) {
+        if (formula->dimensions > 1) continue;
         bool sees_it = strncmp(formula->name, "pan-hamrock", 11) == 0;
         double known = film_of(formula->name, &soft), unknown = film_of(formula->name, &bare);
         check_close(film_of(formula->name, &bare_steel), film_of(formula->name, &steel), 1e-12, 0);
@@ -136,8 +137,9 @@ static void isoviscous_contact(void **unused) {
     (void)unused;
 
     for (const film_formula *formula = film_formulas; formula->name; formula++)
-        check_close(film_of(formula->name, &contact),
-                    strcmp(formula->name, "moes") == 0 ? film_moes(20, 0) : 0, 1e-14, 0);
+        if (formula->dimensions == 1)
+            check_close(film_of(formula->name, &contact),
+                        strcmp(formula->name, "moes") == 0 ? film_moes(20, 0) : 0, 1e-14, 0);
 }
 
 // ---- theory

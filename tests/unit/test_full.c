@@ -3,47 +3,12 @@
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/dense.h"
+#include "tests/unit/problem.h"
 #include "tests/unit/sample.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A contact with what it takes to solve it. */
-typedef struct problem {
-    ehd_contact contact;
-    full_solver *solver;
-    full_state state;
-    full_info info;
-} problem;
-
-static void problem_init(problem *self, const ehd_contact *contact, const full_settings *settings) {
-    self->contact = *contact;
-    assert_int_equal(
-        full_solver_create(&self->solver, contact->kind, &contact->grid, settings, NULL), EHD_OK);
-    assert_int_equal(full_state_init(&self->state, &contact->grid, NULL), EHD_OK);
-}
-
-static void problem_free(problem *self) {
-    full_state_free(&self->state);
-    self->solver = full_solver_free(self->solver);
-}
-
-static void problem_solve_cold(problem *self, const ehd_contact *contact,
-                               const full_settings *settings) {
-    problem_init(self, contact, settings);
-    assert_int_equal(full_solve_cold(&self->info, &self->state, self->solver, contact, NULL),
-                     EHD_OK);
-    assert_int_equal(self->info.status, EHD_OK);
-}
-
-static void check_same_state(const problem *actual, const problem *expected) {
-    size_t n = expected->contact.grid.num_nodes;
-    assert_int_equal(actual->state.exit, expected->state.exit);
-    check_close(actual->state.rigid_approach, expected->state.rigid_approach, 1e-9, 0);
-    check_close_array(actual->state.pressure, expected->state.pressure, n, 0, 1e-9);
-    check_close_array(actual->state.film, expected->state.film, n, 1e-9, 1e-10);
-}
 
 static const struct {
     const char *lubricant, *density;
@@ -79,25 +44,6 @@ static void iterative_equals_dense(void **state) {
         problem_free(&ours);
         problem_free(&reference);
     }
-}
-
-/* What one call of the linear solvers is given: the step must be the same, not only where it ends. */
-static ehd_status compare_linear_solvers(full_system *system, double tolerance, size_t *iterations,
-                                         ehd_error *error) {
-    size_t n = system->grid->num_nodes;
-    double *dense = malloc(n * sizeof *dense), largest = 0;
-
-    assert_non_null(dense);
-    assert_int_equal(dense_solve(system, tolerance, iterations, error), EHD_OK);
-    memcpy(dense, system->step, n * sizeof *dense);
-    double approach = system->step_approach;
-    for (size_t k = 0; k < n; k++)
-        largest = fmax(largest, fabs(dense[k]));
-    assert_int_equal(full_solve_gmres(system, 1e-11, iterations, error), EHD_OK);
-    check_close_array(system->step, dense, n, 0, 1e-6 * largest);
-    check_close(system->step_approach, approach, 1e-6, 1e-6 * largest);
-    free(dense);
-    return EHD_OK;
 }
 
 static void every_step_equals_dense(void **state) {
@@ -142,33 +88,6 @@ static void near_field_preconditions(void **state) {
 
 // ---- what a solution is
 
-/* Reynolds rows of a solution, evaluated apart from the solver. */
-static void evaluate_rows(reynolds_row *rows, const problem *solved) {
-    const ehd_grid *grid = &solved->contact.grid;
-    size_t n = grid->num_nodes;
-    double *memory = malloc(4 * n * sizeof *memory);
-    reynolds_stencil *stencils = malloc(grid->num_inner * sizeof *stencils);
-
-    assert_true(memory && stencils);
-    int compressible = solved->contact.lubricant.density != NULL;
-    reynolds_fluid fluid = {memory, memory + n, compressible ? memory + 2 * n : NULL,
-                            compressible ? memory + 3 * n : NULL};
-    for (size_t r = 0; r < grid->num_inner; r++)
-        stencils[r] = reynolds_stencil_at(grid, r + 1);
-    reynolds_fluid_evaluate(&fluid, &solved->contact, solved->state.pressure, n);
-    reynolds_rows(rows, grid->step, 1, NULL, stencils, grid->num_inner, &fluid,
-                  solved->state.pressure, solved->state.film);
-    free(stencils);
-    free(memory);
-}
-
-static double row_size(const reynolds_row *row) {
-    double largest = 0;
-    for (int a = 0; a < NUM_STENCIL; a++)
-        largest = fmax(largest, fmax(fabs(row->by_pressure[a]), fabs(row->by_film[a])));
-    return largest;
-}
-
 /* The film from pressure and approach, by direct summation. */
 static void check_film(const problem *solved) {
     const ehd_grid *grid = &solved->contact.grid;
@@ -196,7 +115,7 @@ static void solution_satisfies_the_problem(void **state) {
         problem_solve_cold(&solved, &contact, &settings);
         size_t exit = solved.state.exit;
         const double *pressure = solved.state.pressure;
-        evaluate_rows(rows, &solved);
+        problem_rows(rows, &solved);
         check_film(&solved);
         // pressurised: f = 0 and P >= 0; cavitated: P = 0 and Lambda = -f >= 0
         for (size_t k = 1; k < exit; k++) {

@@ -1,0 +1,456 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The point contact: kernel, deflection and rows across, and the full model's solutions. */
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+#include "tests/unit/dense.h"
+#include "tests/unit/problem.h"
+#include "tests/unit/sample.h"
+
+#include <gsl/gsl_integration.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void *allocate(size_t count, size_t size) {
+    void *memory = calloc(count, size);
+    assert_non_null(memory);
+    return memory;
+}
+
+/* Numbers in 0 … 1, the same at every run. */
+static void fill_random(double *values, size_t count) {
+    unsigned long long seed = 5;
+    for (size_t k = 0; k < count; k++) {
+        seed = seed * 6364136223846793005ull + 1442695040888963407ull;
+        values[k] = (double)(seed >> 11) * 0x1p-53;
+    }
+}
+
+// ---- deflection
+
+/* 1/r integrated along x over a cell, at a distance y: what is left to integrate over y. */
+static double strip(double y, void *parameters) {
+    const double *ends = parameters;
+    return 2 / (M_PI * M_PI) * (asinh(ends[1] / fabs(y)) - asinh(ends[0] / fabs(y)));
+}
+
+static double integral_over_cell(double x, double y, double step) {
+    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(500);
+    double ends[2] = {x - step / 2, x + step / 2}, sum = 0, part, estimate;
+    gsl_function integrand = {strip, ends};
+    double places[] = {y - step / 2, fmin(fmax(0, y - step / 2), y + step / 2), y + step / 2};
+
+    assert_non_null(workspace);
+    for (int i = 0; i < 2; i++) { // the logarithm at y = 0 lies at an end
+        if (places[i + 1] <= places[i]) continue;
+        gsl_integration_qags(&integrand, places[i], places[i + 1], 1e-15, 1e-12, 500, workspace,
+                             &part, &estimate);
+        sum += part;
+    }
+    gsl_integration_workspace_free(workspace);
+    return sum;
+}
+
+static void kernel_is_the_integral_over_a_cell(void **state) {
+    (void)state;
+    const double step = 0.05;
+    static const double places[][2] = {{0, 0}, {1, 0}, {0, 1}, {1, 1}, {3, 2}, {2, 3}, {40, 7}};
+
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        double x = places[i][0] * step, y = places[i][1] * step;
+        check_close(contact_point.kernel(x, y, step), integral_over_cell(x, y, step), 1e-11, 0);
+    }
+    // a square under its own centre: 8 triangles of (step/2) asinh(1)
+    check_close(contact_point.kernel(0, 0, step), 8 / (M_PI * M_PI) * step * asinh(1), 1e-14, 0);
+    // a cell far away is a force on a point
+    check_close(contact_point.kernel(4, 3, step), 2 / (M_PI * M_PI) * step * step / 5, 1e-5, 0);
+}
+
+static void check_fft(size_t cells, bool half) {
+    const ehd_contact contact = sample_point("barus", "incompressible", 20, 5, cells, half);
+    const ehd_grid *grid = &contact.grid;
+    size_t n = grid->num_nodes;
+    ehd_deflection *deflection = deflection_create(contact.kind, grid);
+    double *pressure = allocate(3 * n, sizeof *pressure), *delta = pressure + n;
+    double *direct = delta + n, largest = 0;
+
+    assert_non_null(deflection);
+    fill_random(pressure, n);
+    for (size_t k = 0; k < n; k++) {
+        for (size_t j = 0; j < n; j++) {
+            double x = grid_x(grid, k) - grid_x(grid, j), y = grid_y(grid, j);
+            direct[k] += pressure[j] * contact.kind->kernel(x, grid_y(grid, k) - y, grid->step);
+            if (half && y > 0) // and the mirror image
+                direct[k] += pressure[j] * contact.kind->kernel(x, grid_y(grid, k) + y, grid->step);
+        }
+        largest = fmax(largest, fabs(direct[k]));
+    }
+    deflection_apply(delta, deflection, pressure);
+    check_close_array(delta, direct, n, 0, 1e-12 * largest);
+    deflection_apply(pressure, deflection, pressure); // in place
+    check_close_array(pressure, delta, n, 0, 0);
+    free(pressure);
+    deflection_free(deflection);
+}
+
+static void fft_equals_direct_sum(void **state) {
+    (void)state;
+    check_fft(16, false);
+    check_fft(16, true);
+    check_fft(26, false);
+    check_fft(38, true);
+}
+
+/* Hertz: Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns the largest
+ * deviation. */
+static double hertz_deviation(size_t cells, bool half) {
+    const ehd_contact contact = sample_point("barus", "incompressible", 20, 5, cells, half);
+    const ehd_grid *grid = &contact.grid;
+    ehd_deflection *deflection = deflection_create(contact.kind, grid);
+    double *values = allocate(grid->num_nodes, sizeof *values), worst = 0;
+
+    assert_non_null(deflection);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        values[k] = sqrt(fmax(0, 1 - 2 * grid_gap(grid, k)));
+    deflection_apply(values, deflection, values);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        double r2 = 2 * grid_gap(grid, k), exact = 1 - r2 / 2;
+        if (r2 > 1) exact = ((2 - r2) * asin(1 / sqrt(r2)) + sqrt(r2 - 1)) / M_PI;
+        worst = fmax(worst, fabs(values[k] - exact));
+    }
+    free(values);
+    deflection_free(deflection);
+    return worst;
+}
+
+static void hertz_pressure_gives_hertz_deflection(void **state) {
+    (void)state;
+    double coarse = hertz_deviation(64, false), fine = hertz_deviation(256, false);
+    // the steep edge, which cuts through the cells, leaves about the first order
+    assert_true(coarse < 2.5e-3 && fine < coarse / 3.5);
+    check_close(hertz_deviation(64, true), coarse, 1e-9, 0);
+}
+
+static void deflection_without_memory(void **state) {
+    (void)state;
+    const ehd_grid grid = grid_of(-1, 0.1, 21, 11, true);
+    ehd_deflection *deflection;
+    size_t call = 0;
+    bool failed;
+    do {
+        allocation_fail_at(call);
+        deflection = deflection_create(&contact_point, &grid);
+        failed = allocation_failed();
+        if (failed) assert_null(deflection);
+    } while (failed && call++ < 100);
+    assert_true(call >= 3 && call < 100);
+    assert_non_null(deflection);
+    deflection_free(deflection);
+}
+
+// ---- rows
+
+/* A few nodes with everything that rows depend on. */
+typedef struct patch {
+    ehd_contact contact;
+    double *pressure, *film, *memory; // [num_nodes], [num_nodes], [4, num_nodes]
+    reynolds_stencil *stencils;       // [num_inner]
+    reynolds_row *rows;               // [num_inner]
+} patch;
+
+static void patch_init(patch *self, const ehd_contact *contact, size_t inner_lines, bool half) {
+    self->contact = *contact;
+    self->contact.grid = grid_of(-1, 0.1, 5, inner_lines, half);
+    const ehd_grid *grid = &self->contact.grid;
+    self->pressure = allocate(6 * grid->num_nodes, sizeof(double));
+    self->film = self->pressure + grid->num_nodes;
+    self->memory = self->film + grid->num_nodes;
+    self->stencils = allocate(grid->num_inner, sizeof *self->stencils);
+    self->rows = allocate(grid->num_inner, sizeof *self->rows);
+    for (size_t r = 0; r < grid->num_inner; r++)
+        self->stencils[r] = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
+}
+
+static void patch_free(patch *self) {
+    free(self->pressure);
+    free(self->stencils);
+    free(self->rows);
+}
+
+static void patch_evaluate(patch *self) {
+    const ehd_grid *grid = &self->contact.grid;
+    size_t n = grid->num_nodes;
+    bool compressible = self->contact.lubricant.density != NULL;
+    reynolds_fluid fluid = {self->memory, self->memory + n,
+                            compressible ? self->memory + 2 * n : NULL,
+                            compressible ? self->memory + 3 * n : NULL};
+
+    reynolds_fluid_evaluate(&fluid, &self->contact, self->pressure, n);
+    reynolds_rows(self->rows, grid->step, 0.8, NULL, self->stencils, grid->num_inner, &fluid,
+                  self->pressure, self->film);
+}
+
+/* A row's derivative with respect to the value at a node, which a mirrored stencil may hold twice. */
+static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
+    double sum = 0;
+    for (int a = 0; a < NUM_STENCIL; a++)
+        if (stencil->node[a] == node) sum += by[a];
+    return sum;
+}
+
+/* All derivatives with respect to `values`, which are those that `member` of the rows holds. */
+static void check_derivatives(patch *self, double *values, bool of_film) {
+    const ehd_grid *grid = &self->contact.grid;
+    double *up = allocate(2 * grid->num_inner, sizeof *up), *down = up + grid->num_inner;
+
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        const double kept = values[k], h = 1e-5 * kept;
+        values[k] = kept + h;
+        patch_evaluate(self);
+        for (size_t r = 0; r < grid->num_inner; r++)
+            up[r] = self->rows[r].residual;
+        values[k] = kept - h;
+        patch_evaluate(self);
+        for (size_t r = 0; r < grid->num_inner; r++)
+            down[r] = self->rows[r].residual;
+        values[k] = kept;
+        patch_evaluate(self);
+        for (size_t r = 0; r < grid->num_inner; r++) {
+            const reynolds_row *row = &self->rows[r];
+            const double *by = of_film ? row->by_film : row->by_pressure;
+            check_close(by_node(by, &self->stencils[r], k), (up[r] - down[r]) / (2 * h), 1e-6,
+                        1e-7 * row_size(row));
+        }
+    }
+    free(up);
+}
+
+static void row_derivatives(void **state) {
+    (void)state;
+    static const char *const lubricants[] = {"barus", "roelands", "no1"};
+    static const char *const densities[] = {"incompressible", "dowson-higginson"};
+
+    for (int i = 0; i < 12; i++) {
+        const ehd_contact contact =
+            sample_point(lubricants[i % 3], densities[i / 3 % 2], 10, 6, 16, false);
+        patch few;
+        patch_init(&few, &contact, i < 6 ? 4 : 3, i >= 6);
+        for (size_t k = 0; k < few.contact.grid.num_nodes; k++) {
+            few.pressure[k] = 0.5 + 0.3 * sin(2. * (double)k);
+            few.film[k] = 0.4 + 0.1 * cos(3. * (double)k);
+        }
+        check_derivatives(&few, few.pressure, false);
+        check_derivatives(&few, few.film, true);
+        patch_free(&few);
+    }
+}
+
+/* Pressure and gap that do not vary across: each line's rows are those of a line contact. */
+static void rows_without_variation_across_are_the_line_s(void **state) {
+    (void)state;
+    const ehd_contact contact = sample_point("barus", "dowson-higginson", 10, 6, 16, false);
+    patch line, lines;
+
+    for (int half = 0; half < 2; half++) {
+        patch_init(&line, &contact, 1, false);
+        patch_init(&lines, &contact, 3, half != 0);
+        const ehd_grid *grid = &lines.contact.grid;
+        size_t width = grid_width(grid);
+        for (size_t k = 0; k < grid->num_nodes; k++) {
+            lines.pressure[k] = line.pressure[k % width] =
+                0.5 + 0.3 * sin(2. * (double)(k % width));
+            lines.film[k] = line.film[k % width] = 0.4 + 0.1 * cos(3. * (double)(k % width));
+        }
+        patch_evaluate(&line);
+        patch_evaluate(&lines);
+        for (size_t r = 0; r < grid->num_inner; r++) {
+            const reynolds_row *along = &line.rows[r % grid->inner_x], *row = &lines.rows[r];
+            check_close(row->residual, along->residual, 0, 0);
+            for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+                double across =
+                    a == NODE_HERE ? row->by_pressure[NODE_LEFT] + row->by_pressure[NODE_RIGHT] : 0;
+                check_close(row->by_pressure[a] + across, along->by_pressure[a], 1e-13,
+                            1e-13 * row_size(row));
+                check_close(row->by_film[a], along->by_film[a], 0, 0);
+            }
+            check_close(row->by_film[NODE_LEFT], 0, 0, 0);
+            check_close(row->by_film[NODE_RIGHT], 0, 0, 0);
+        }
+        patch_free(&line);
+        patch_free(&lines);
+    }
+}
+
+// ---- solutions
+
+static const struct {
+    const char *lubricant, *density;
+    double moes_M, moes_L;
+} cases[] = {{"barus", "incompressible", 20, 10},
+             {"barus", "dowson-higginson", 10, 0},
+             {"roelands", "dowson-higginson", 50, 5},
+             {"no1", "incompressible", 20, 5}};
+enum { NUM_CASES = sizeof cases / sizeof *cases };
+
+static ehd_contact contact_of_case(int i, size_t cells, bool half) {
+    return sample_point(cases[i].lubricant, cases[i].density, cases[i].moes_M, cases[i].moes_L,
+                        cells, half);
+}
+
+static ehd_status compare_exactly(full_system *system, double tolerance, size_t *iterations,
+                                  ehd_error *error) {
+    (void)tolerance; // of an inexact Newton step
+    return compare_linear_solvers(system, 1e-11, iterations, error);
+}
+
+static void every_step_equals_dense(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    settings.solve_linear = compare_exactly;
+    for (int i = 0; i < NUM_CASES; i++) {
+        const ehd_contact contact = contact_of_case(i, 32, false);
+        problem both;
+        problem_solve_cold(&both, &contact, &settings);
+        problem_free(&both);
+    }
+}
+
+static void inexact_newton_ends_where_dense_does(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings(), dense = settings;
+    dense.solve_linear = dense_solve;
+    for (int i = 0; i < NUM_CASES; i++) {
+        const ehd_contact contact = contact_of_case(i, 32, false);
+        problem ours, reference;
+        problem_solve_cold(&ours, &contact, &settings);
+        problem_solve_cold(&reference, &contact, &dense);
+        check_same_state(&ours, &reference);
+        problem_free(&ours);
+        problem_free(&reference);
+    }
+}
+
+static void half_equals_whole(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < NUM_CASES; i++) {
+        const ehd_contact one = contact_of_case(i, 48, true), both = contact_of_case(i, 48, false);
+        const ehd_grid *grid = &one.grid, whole = grid_whole(grid);
+        problem half, all;
+        assert_true(grid_same(&whole, &both.grid));
+        problem_solve_cold(&half, &one, &settings);
+        problem_solve_cold(&all, &both, &settings);
+        check_close(half.state.rigid_approach, all.state.rigid_approach, 1e-9, 0);
+        for (size_t r = 0; r < whole.num_inner; r++) {
+            size_t k = grid_node_of_row(grid, grid_row_of_whole(grid, r));
+            size_t node = grid_node_of_row(&whole, r);
+            check_close(fabs(grid_y(&whole, node)), grid_y(grid, k), 0, 1e-12);
+            check_close(half.state.pressure[k], all.state.pressure[node], 0, 1e-9);
+            check_close(half.state.film[k], all.state.film[node], 1e-9, 0);
+        }
+        contact_scalars a = full_evaluate_scalars(&half.state, &one);
+        contact_scalars b = full_evaluate_scalars(&all.state, &both);
+        check_close(a.load, b.load, 1e-9, 0);
+        check_close(a.minimum_film_thickness, b.minimum_film_thickness, 1e-9, 0);
+        check_close(a.exit_position, b.exit_position, 1e-12, 0);
+        problem_free(&half);
+        problem_free(&all);
+    }
+}
+
+/* Pressurised: f = 0, P >= 0; else P = 0, Lambda = -f >= 0; everywhere a film, and the load. */
+static void solution_satisfies_the_problem(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < 2 * NUM_CASES; i++) {
+        const ehd_contact contact = contact_of_case(i / 2, 48, i % 2 == 0);
+        const ehd_grid *grid = &contact.grid;
+        reynolds_row *rows = allocate(grid->num_inner, sizeof *rows);
+        size_t count = 0;
+        double sum = 0;
+        problem solved;
+
+        problem_solve_cold(&solved, &contact, &settings);
+        problem_rows(rows, &solved);
+        for (size_t r = 0; r < grid->num_inner; r++) {
+            size_t k = grid_node_of_row(grid, r);
+            double pressure = solved.state.pressure[k];
+            assert_true(solved.state.film[k] > 0);
+            sum += pressure * (grid->half && r >= grid->inner_x ? 2 : 1);
+            if (full_has_pressure(&solved.state, k)) {
+                assert_true(pressure >= -1e-9);
+                check_close(rows[r].residual, 0, 0, 1e-9 * row_size(&rows[r]));
+                count++;
+            } else {
+                check_close(pressure, 0, 0, 0);
+                assert_true(rows[r].residual <= 1e-8 * row_size(&rows[r]));
+            }
+        }
+        assert_true(count > grid->num_inner / 2 && count < grid->num_inner);
+        check_close(sum * grid->step * grid->step, 2 * M_PI / 3, 1e-9, 0);
+        assert_true(solved.info.complementarity <= 1e-9);
+        assert_false(full_is_cut(&solved.state, grid));
+        problem_free(&solved);
+        free(rows);
+    }
+}
+
+/* The converged digits of Venner and Lubrecht's multigrid program, in Moes units (model.md, section 6). */
+static void digits_of_the_multigrid_program(void **state) {
+    (void)state;
+    const ehd_contact contact = sample_point("barus", "incompressible", 20, 10, 64, true);
+    const full_settings settings = full_default_settings();
+    const double unit = pow(30, 2. / 3);
+    problem solved;
+
+    problem_solve_cold(&solved, &contact, &settings);
+    contact_scalars scalars = full_evaluate_scalars(&solved.state, &contact);
+    check_close(scalars.central_film_thickness * unit, 4.652, 0, 6e-4);
+    check_close(scalars.minimum_film_thickness * unit, 2.885, 0, 6e-4);
+    problem_free(&solved);
+}
+
+/* Largest difference from the Hertz pressure inside of the dry contact's steep edge. */
+static double deviation_from_hertz(double moes_M) {
+    const ehd_contact contact = sample_point("barus", "incompressible", moes_M, 0, 96, true);
+    const full_settings settings = full_default_settings();
+    const ehd_grid *grid = &contact.grid;
+    double worst = 0;
+    problem solved;
+
+    problem_solve_cold(&solved, &contact, &settings);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        double r2 = 2 * grid_gap(grid, k);
+        if (r2 < 0.64) worst = fmax(worst, fabs(solved.state.pressure[k] - sqrt(1 - r2)));
+    }
+    problem_free(&solved);
+    return worst;
+}
+
+/* Without piezoviscosity and with a thinner and thinner film the pressure becomes the dry one. */
+static void thin_films_approach_hertz(void **state) {
+    (void)state;
+    double thick = deviation_from_hertz(10), thin = deviation_from_hertz(50),
+           thinner = deviation_from_hertz(200);
+    print_message("deviation from Hertz: %g, %g, %g\n", thick, thin, thinner);
+    assert_true(thin < 0.5 * thick && thinner < 0.5 * thin);
+    assert_true(thinner < 0.06);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(kernel_is_the_integral_over_a_cell),
+        cmocka_unit_test(fft_equals_direct_sum),
+        cmocka_unit_test(hertz_pressure_gives_hertz_deflection),
+        cmocka_unit_test(deflection_without_memory),
+        cmocka_unit_test(row_derivatives),
+        cmocka_unit_test(rows_without_variation_across_are_the_line_s),
+        cmocka_unit_test(every_step_equals_dense),
+        cmocka_unit_test(inexact_newton_ends_where_dense_does),
+        cmocka_unit_test(half_equals_whole),
+        cmocka_unit_test(solution_satisfies_the_problem),
+        cmocka_unit_test(digits_of_the_multigrid_program),
+        cmocka_unit_test(thin_films_approach_hertz),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
