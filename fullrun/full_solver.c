@@ -478,6 +478,15 @@ static void evaluate(full_info *info, full_solver *self, const ehd_contact *cont
     info->residual = scale_rows(self, state, &contact->closure);
 }
 
+// scaled residual of a point contact that rounding alone may leave on a fine grid
+static const double MOST_ROUNDING = 1e-10;
+
+/* Whether the residual is below the tolerance or, on a grid too fine for that, no longer becomes smaller. */
+static bool is_solved(const full_solver *self, double residual, double last_residual) {
+    if (residual < self->settings.tolerance) return true;
+    return self->kind->dimensions > 1 && residual < MOST_ROUNDING && residual > 0.5 * last_residual;
+}
+
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
                          const ehd_contact *contact, const reynolds_squeeze *squeeze,
                          ehd_error *error) {
@@ -488,7 +497,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
 
     memset(self->flips, 0, self->grid.num_nodes * sizeof *self->flips);
     for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
-        double before = program_seconds();
+        double before = program_seconds(), last_residual = info->residual;
         evaluate(info, self, contact, squeeze, state);
         if (!isfinite(info->residual)) {
             info->reason = "residual not finite";
@@ -498,7 +507,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         if (iteration > 0 &&
             adapt_zone(&watch, &settled, self, state, contact, squeeze, info->residual)) {
             evaluate(info, self, contact, squeeze, state);
-        } else if (iteration > 0 && info->residual < self->settings.tolerance) {
+        } else if (iteration > 0 && is_solved(self, info->residual, last_residual)) {
             if (!film_is_positive(self, state)) {
                 info->reason = "a film that is not positive";
                 return EHD_OK;
