@@ -47,7 +47,7 @@ struct reduced_solver {
     size_t num_runs;
     double *cut; // [num_cut, num_pressure] the cut table for table_exit, which Jacobians take
     size_t *table_exit;     // [num_lines]; 0: none yet
-    double *block;          // for reduced_model_change_cut
+    double *block;          // [num_rows + 1, CUT_BLOCK] left sides of the system's rows
     size_t *wanted, *moved; // [num_lines] exits asked for, and where they go
     exit_watch *watches;    // [num_lines]
     double *cut_value;      // [num_cut] the exit's cut table times z, which everything else takes
@@ -156,7 +156,8 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
                                  const reduced_settings *settings, ehd_error *error) {
     size_t most_rows = model->num_rows + model->num_deformation + 1;
     size_t num_lines = model->num_lines;
-    size_t block_size = num_lines > 1 ? CUT_BLOCK * (model->num_cut + model->num_pressure) : 1;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t block_size = CUT_BLOCK * (model->num_rows + 1);
     reduced_solver *self = calloc(1, sizeof *self);
 
     *solver = NULL;
@@ -175,7 +176,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->wanted = calloc(num_lines, sizeof *self->wanted);
     self->moved = calloc(num_lines, sizeof *self->moved);
     self->watches = calloc(num_lines, sizeof *self->watches);
-    self->cut = malloc(model->num_cut * model->num_pressure * sizeof(double));
+    self->cut = malloc((coupled ? 1 : model->num_cut * model->num_pressure) * sizeof(double));
     self->cut_value = malloc(model->num_cut * sizeof(double));
     self->step_cut = malloc(model->num_cut * sizeof(double));
     self->pressure = malloc(model->num_needed * sizeof(double));
@@ -237,16 +238,23 @@ static void move_exit(reduced_solver *self, const size_t *exit) {
         self->runs, model, model->checkpoint_exit + self->checkpoint * num_lines, exit);
 }
 
-/* Brings the cut table to the exit, always from the exit's checkpoint: its bits then depend on the exit
- * alone, and rounding errors do not add up over thousands of steps in time. */
+static const double *checkpoint_table(const reduced_solver *self) {
+    const reduced_model *model = self->model;
+
+    return model->checkpoint_cut + self->checkpoint * model->num_cut * model->num_pressure;
+}
+
+/* Brings the cut table of an independent basis to the exit, always from the exit's checkpoint: its bits then depend on
+ * the exit alone, and rounding errors do not add up over thousands of steps in time. Of a coupled one the rows of the
+ * Jacobian are brought there instead, of which there are fewer (add_runs). */
 static void make_cut_table(reduced_solver *self) {
     const reduced_model *model = self->model;
     size_t size = model->num_cut * model->num_pressure, bytes = model->num_lines * sizeof(size_t);
 
     if (memcmp(self->table_exit, self->exit, bytes) == 0) return;
-    memcpy(self->cut, model->checkpoint_cut + self->checkpoint * size, size * sizeof(double));
+    memcpy(self->cut, checkpoint_table(self), size * sizeof(double));
     if (self->num_runs > 0)
-        reduced_model_change_cut(self->cut, model, self->runs, self->num_runs, self->block);
+        reduced_model_change_cut(self->cut, model, self->runs, self->num_runs, NULL);
     memcpy(self->table_exit, self->exit, bytes);
 }
 
@@ -575,7 +583,8 @@ static void add_rows(double *restrict target, const double factors[NUM_LINE_STEN
     }
 }
 
-/* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases. */
+/* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases, those of the coupled film at the
+ * exit's checkpoint. */
 static void fill_reynolds_row(double *target, const reduced_solver *self, size_t r) {
     const reduced_model *model = self->model;
     const reynolds_stencil *stencil = &model->stencils[r];
@@ -584,7 +593,7 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     size_t offset = coupled ? 0 : model->num_pressure;
-    const double *film = coupled ? self->cut : model->needed_film;
+    const double *film = coupled ? checkpoint_table(self) : model->needed_film;
 
     double by_pressure[NUM_LINE_STENCIL] = {0}, by_film[NUM_LINE_STENCIL] = {0};
     const double *pressures[NUM_LINE_STENCIL], *films[NUM_LINE_STENCIL];
@@ -633,26 +642,75 @@ static size_t fill_right(reduced_solver *self, const double *z, const size_t *li
     return count + 1;
 }
 
-/* Matrix of eq. (38) for the rows of the present system, at the present exit. */
-static void fill_matrix(reduced_solver *self, const contact_closure *closure,
-                        double closure_weight) {
+/* What a band node's pressure makes of the system's rows: the load balance last, [num_system + 1]. */
+static void weigh_left(double *left, size_t stride, const reduced_solver *self, size_t place,
+                       double sign, double load_weight) {
     const reduced_model *model = self->model;
-    size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
-    const double *load = self->cut + (model->num_cut - 1) * num_pressure;
+    const double *by_node = model->left + place * model->num_cut;
 
-    make_cut_table(self);
-    for (; count < self->num_system; count++)
-        fill_reynolds_row(self->matrix + count * n, self, self->system_row[count]);
+    for (size_t i = 0; i < self->num_system; i++) {
+        size_t r = self->system_row[i];
+        const reynolds_stencil *stencil = &model->stencils[r];
+        double sum = 0;
+        for (int a = 0; a < NUM_STENCIL; a++)
+            if (stencil->node[a] != NO_NODE)
+                sum += self->rows[r].by_film[a] * by_node[stencil->node[a]];
+        left[i * stride] = sign * model->row_weight[r] * sum;
+    }
+    left[self->num_system * stride] = sign * load_weight * by_node[model->num_cut - 1];
+}
+
+/* Brings the rows of a coupled basis from the exit's checkpoint to the exit: eq. (36) with the stencils applied to its
+ * left sides first. */
+static void add_runs(reduced_solver *self, double load_weight) {
+    const reduced_model *model = self->model;
+
+    for (size_t r = 0; r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        for (size_t i = 0; i < run->count; i += CUT_BLOCK) {
+            size_t rank = run->count - i < CUT_BLOCK ? run->count - i : CUT_BLOCK;
+            for (size_t k = 0; k < rank; k++)
+                weigh_left(self->block + k, rank, self, run->first + i + k, run->sign, load_weight);
+            cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)self->num_system + 1,
+                        (int)model->num_pressure, (int)rank, 1, self->block, (int)rank,
+                        model->band_pressure + (run->first + i) * model->num_pressure,
+                        (int)model->num_pressure, 1, self->matrix, (int)model->num_unknowns);
+        }
+    }
+}
+
+/* The projected elasticity of an independent basis, from row `count` on; returns the row behind. */
+static size_t fill_elasticity(reduced_solver *self, size_t count) {
+    const reduced_model *model = self->model;
+    size_t n = model->num_unknowns, num_pressure = model->num_pressure;
+
     for (size_t j = 0; j < model->num_deformation; j++, count++) {
         double *row = self->matrix + count * n;
         memset(row, 0, n * sizeof(double));
         add_row(row, -1, self->cut + j * num_pressure, num_pressure);
         row[num_pressure + j] = 1;
     }
+    return count;
+}
+
+/* Matrix of eq. (38) for the rows of the present system, at the present exit. */
+static void fill_matrix(reduced_solver *self, const contact_closure *closure,
+                        double closure_weight) {
+    const reduced_model *model = self->model;
+    size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+
+    if (!coupled) make_cut_table(self);
+    const double *load =
+        (coupled ? checkpoint_table(self) : self->cut) + (model->num_cut - 1) * num_pressure;
+    for (; count < self->num_system; count++)
+        fill_reynolds_row(self->matrix + count * n, self, self->system_row[count]);
+    count = fill_elasticity(self, count);
     double *row = self->matrix + count * n;
     memset(row, 0, n * sizeof(double));
     add_row(row, closure_weight * closure->by_load, load, num_pressure);
     row[n - 1] = closure_weight * closure->by_approach;
+    if (coupled) add_runs(self, closure_weight * closure->by_load);
 }
 
 /* Short steps make large rows, among which the closure must not get lost. */
@@ -949,8 +1007,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
 static double central_change(reduced_solver *self) {
     const reduced_model *model = self->model;
     size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
-    const double *checkpoint =
-        model->checkpoint_cut + self->checkpoint * model->num_cut * num_pressure;
+    const double *checkpoint = checkpoint_table(self);
     double change = self->step[model->num_unknowns - 1];
 
     expand_runs(self, self->step);
@@ -1079,17 +1136,31 @@ double reduced_left_residual(const reduced_solver *self) {
     return sqrt(sum);
 }
 
+/* dH/dz at a needed node, times a factor, added to a row of the film's coordinates. */
+static void add_film_row(double *target, double factor, const reduced_solver *self, size_t q) {
+    const reduced_model *model = self->model;
+    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
+
+    if (model->deformation == DEFORMATION_INDEPENDENT) {
+        add_row(target, factor, model->needed_film + q * num_deformation, num_deformation);
+        return;
+    }
+    add_row(target, factor, checkpoint_table(self) + q * num_pressure, num_pressure);
+    for (size_t r = 0; r < self->num_runs; r++)
+        for (size_t n = 0, k = self->runs[r].first; n < self->runs[r].count; n++, k++)
+            add_row(target, factor * self->runs[r].sign * model->left[k * model->num_cut + q],
+                    model->band_pressure + k * num_pressure, num_pressure);
+}
+
 double reduced_central_sensitivity(reduced_solver *self) {
     const reduced_model *model = self->model;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
-    size_t width = coupled ? model->num_pressure : model->num_deformation;
     double *gradient = self->start, *film = gradient + (coupled ? 0 : model->num_pressure);
-    const double *table = coupled ? self->cut : model->needed_film;
 
     memset(gradient, 0, model->num_unknowns * sizeof(double));
     for (size_t i = 0; i < 4; i++)
         if (model->centre_weight[i] != 0)
-            add_row(film, model->centre_weight[i], table + model->centre[i] * width, width);
+            add_film_row(film, model->centre_weight[i], self, model->centre[i]);
     gradient[model->num_unknowns - 1] = 1;
     return least_squares_sensitivity(self->least_squares, gradient);
 }
