@@ -668,7 +668,8 @@ static size_t fill_right(reduced_solver *self, const double *z, const size_t *li
     return count + 1;
 }
 
-/* What a band node's pressure makes of the system's rows: the load balance last, [num_system + 1]. */
+/* What a band node's pressure makes of the system's rows: the load balance last, [num_system + 1]. The products are
+ * rounded as fill_reynolds_row does, so that a node that is taken away leaves nothing of itself. */
 static void weigh_left(double *left, size_t stride, const reduced_solver *self, size_t place,
                        double sign, double load_weight) {
     const reduced_model *model = self->model;
@@ -677,11 +678,11 @@ static void weigh_left(double *left, size_t stride, const reduced_solver *self, 
     for (size_t i = 0; i < self->num_system; i++) {
         size_t r = self->system_row[i];
         const reynolds_stencil *stencil = &model->stencils[r];
-        double sum = 0;
+        double weight = model->row_weight[r], sum = 0;
         for (int a = 0; a < NUM_STENCIL; a++)
             if (stencil->node[a] != NO_NODE)
-                sum += self->rows[r].by_film[a] * by_node[stencil->node[a]];
-        left[i * stride] = sign * model->row_weight[r] * sum;
+                sum += weight * self->rows[r].by_film[a] * by_node[stencil->node[a]];
+        left[i * stride] = sign * sum;
     }
     left[self->num_system * stride] = sign * load_weight * by_node[model->num_cut - 1];
 }
