@@ -58,12 +58,13 @@ static double film_before_band(const reduced_model *model, size_t q, const doubl
 /* What the pressure between the band's begin and the exit deflects at a node. */
 static double band_deflection(const indicator *self, size_t node, const size_t *exit) {
     const reduced_model *model = self->model;
+    const grid_place at = reduced_model_place(model, node);
     double deflection = 0;
 
     for (size_t l = 0; l < model->num_lines; l++) {
         const band_line *line = &model->lines[l];
         deflection =
-            reduced_model_deflect(deflection, model, node, l, line->begin, exit[l] - line->begin,
+            reduced_model_deflect(deflection, model, at, l, line->begin, exit[l] - line->begin,
                                   self->band_pressure + line->offset);
     }
     return deflection;

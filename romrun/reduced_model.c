@@ -124,12 +124,15 @@ static size_t distance(size_t a, size_t b) {
     return a > b ? a - b : b - a;
 }
 
-double reduced_model_deflect(double sum, const reduced_model *model, size_t node, size_t line,
+grid_place reduced_model_place(const reduced_model *model, size_t node) {
+    return (grid_place){reduced_model_line(model, node), reduced_model_column(model, node)};
+}
+
+double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
                              size_t first, size_t count, const double *pressure) {
-    size_t width = grid_width(&model->grid), own = reduced_model_line(model, node);
-    size_t column = reduced_model_column(model, node);
-    const double *kernel = model->kernel + distance(own, line) * width;
-    const double *mirrored = model->kernel + (own + line) * width;
+    size_t width = grid_width(&model->grid), column = at.column;
+    const double *kernel = model->kernel + distance(at.line, line) * width;
+    const double *mirrored = model->kernel + (at.line + line) * width;
 
     for (size_t i = 0; i < count; i++)
         sum += kernel[distance(column, first + i)] * pressure[i];
@@ -599,7 +602,8 @@ static void fill_left_coupled(reduced_model *model) {
         for (size_t c = line->begin; c < line->end; c++) {
             double *left = model->left + (line->offset + c - line->begin) * model->num_cut;
             for (size_t q = 0; q < model->num_needed; q++)
-                left[q] = reduced_model_deflect(0, model, model->needed_node[q], l, c, 1, &unit);
+                left[q] = reduced_model_deflect(
+                    0, model, reduced_model_place(model, model->needed_node[q]), l, c, 1, &unit);
             left[model->num_needed] = load_weight(&model->grid, l * grid_width(&model->grid) + c);
         }
     }
@@ -653,15 +657,16 @@ void reduced_model_change_cut(double *cut, const reduced_model *model, const cut
 /* The same for the deflections at the band's nodes (coupled). */
 static void change_band(double *band, const reduced_model *model, const cut_run *runs,
                         size_t num_runs) {
-    size_t num_pressure = model->num_pressure, width = grid_width(&model->grid);
+    size_t num_pressure = model->num_pressure;
 
     for (size_t r = 0; r < num_runs; r++)
         for (size_t i = 0; i < runs[r].count; i++)
             for (size_t l = 0; l < model->num_lines; l++)
                 for (size_t c = model->lines[l].begin; c < model->lines[l].end; c++) {
                     size_t place = model->lines[l].offset + c - model->lines[l].begin;
-                    double influence = reduced_model_deflect(0, model, l * width + c, runs[r].line,
-                                                             runs[r].column + i, 1, &runs[r].sign);
+                    double influence =
+                        reduced_model_deflect(0, model, (grid_place){l, c}, runs[r].line,
+                                              runs[r].column + i, 1, &runs[r].sign);
                     cblas_daxpy((int)num_pressure, influence,
                                 model->band_pressure + (runs[r].first + i) * num_pressure, 1,
                                 band + place * num_pressure, 1);

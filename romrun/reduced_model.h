@@ -193,8 +193,14 @@ size_t reduced_central_line(const ehd_grid *grid);
 size_t reduced_model_line(const reduced_model *model, size_t node);
 size_t reduced_model_column(const reduced_model *model, size_t node);
 
+/* Where a node lies. */
+typedef struct grid_place {
+    size_t line, column;
+} grid_place;
+grid_place reduced_model_place(const reduced_model *model, size_t node);
+
 /* `sum` plus what `count` neighbouring nodes of a line from column `first` on deflect at a node. */
-double reduced_model_deflect(double sum, const reduced_model *model, size_t node, size_t line,
+double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
                              size_t first, size_t count, const double *pressure);
 
 #endif

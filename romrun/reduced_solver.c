@@ -350,15 +350,13 @@ static size_t band_place(const reduced_model *model, size_t node) {
 
 /* `film` with what a run of band nodes deflects at a node. */
 static double deflect_run(double film, const reduced_solver *self, const cut_run *run,
-                          size_t node) {
+                          grid_place at) {
     const double *pressure = self->band_pressure + run->first;
     const reduced_model *model = self->model;
 
     if (run->sign > 0)
-        return reduced_model_deflect(film, model, node, run->line, run->column, run->count,
-                                     pressure);
-    return film -
-           reduced_model_deflect(0, model, node, run->line, run->column, run->count, pressure);
+        return reduced_model_deflect(film, model, at, run->line, run->column, run->count, pressure);
+    return film - reduced_model_deflect(0, model, at, run->line, run->column, run->count, pressure);
 }
 
 /* H at one band node at the solver's exit. For the coupled basis the exit's checkpoint gives the deflection of what
@@ -376,8 +374,9 @@ static double band_film(const reduced_solver *self, const double *z, size_t node
                        model->checkpoint_band +
                            (self->checkpoint * model->num_band + place) * num_pressure,
                        1, z, 1);
+    const grid_place at = reduced_model_place(model, node);
     for (size_t r = 0; r < self->num_runs; r++)
-        film = deflect_run(film, self, &self->runs[r], node);
+        film = deflect_run(film, self, &self->runs[r], at);
     return film;
 }
 
@@ -514,7 +513,34 @@ static void expand_around(reduced_solver *self, const double *z, size_t window) 
     }
 }
 
-/* Where the exits should be, into self->wanted. */
+/* Whether the exit is looked for on a line: on inner lines `spacing` apart, and the last one. */
+static bool is_looked_at(const reduced_solver *self, size_t line) {
+    const ehd_grid *grid = &self->model->grid;
+    size_t spacing = (size_t)(self->settings.exit_spacing / grid->step);
+    size_t inner = line - grid_first_line(grid);
+
+    if (self->model->lines[line].end == self->model->lines[line].begin) return false;
+    return spacing < 2 || inner % spacing == 0 || inner + 1 == grid->inner_lines;
+}
+
+/* Exits of the lines between those that are looked at. */
+static void fill_between(size_t *exits, const reduced_solver *self) {
+    const ehd_grid *grid = &self->model->grid;
+    size_t first = grid_first_line(grid), before = first;
+
+    for (size_t l = first + 1; l < first + grid->inner_lines; l++) {
+        if (!is_looked_at(self, l)) continue;
+        double slope = ((double)exits[l] - (double)exits[before]) / (double)(l - before);
+        for (size_t i = before + 1; i < l; i++) {
+            const band_line *band = &self->model->lines[i];
+            size_t exit = (size_t)lround((double)exits[before] + slope * (double)(i - before));
+            exits[i] = exit < band->least ? band->least : exit > band->most ? band->most : exit;
+        }
+        before = l;
+    }
+}
+
+/* Where the exits should be, into self->wanted; on lines that are not looked at, where they are. */
 static void find_exits(reduced_solver *self, const reduced_state *state, const ehd_contact *contact,
                        const reduced_squeeze *squeeze) {
     const reduced_model *model = self->model;
@@ -527,7 +553,7 @@ static void find_exits(reduced_solver *self, const reduced_state *state, const e
     }
     expand_around(self, state->coordinates, window);
     for (size_t l = 0; l < model->num_lines; l++)
-        self->wanted[l] = model->lines[l].end > model->lines[l].begin
+        self->wanted[l] = is_looked_at(self, l)
                               ? exit_by_signs(self, state->coordinates, l, window, contact, squeeze)
                               : self->exit[l];
 }
@@ -642,7 +668,8 @@ static size_t fill_right(reduced_solver *self, const double *z, const size_t *li
     return count + 1;
 }
 
-/* What a band node's pressure makes of the system's rows: the load balance last, [num_system + 1]. */
+/* What a band node's pressure makes of the system's rows: the load balance last, [num_system + 1]. The products are
+ * rounded as fill_reynolds_row does, so that a node that is taken away leaves nothing of itself. */
 static void weigh_left(double *left, size_t stride, const reduced_solver *self, size_t place,
                        double sign, double load_weight) {
     const reduced_model *model = self->model;
@@ -651,11 +678,11 @@ static void weigh_left(double *left, size_t stride, const reduced_solver *self, 
     for (size_t i = 0; i < self->num_system; i++) {
         size_t r = self->system_row[i];
         const reynolds_stencil *stencil = &model->stencils[r];
-        double sum = 0;
+        double weight = model->row_weight[r], sum = 0;
         for (int a = 0; a < NUM_STENCIL; a++)
             if (stencil->node[a] != NO_NODE)
-                sum += self->rows[r].by_film[a] * by_node[stencil->node[a]];
-        left[i * stride] = sign * model->row_weight[r] * sum;
+                sum += weight * self->rows[r].by_film[a] * by_node[stencil->node[a]];
+        left[i * stride] = sign * sum;
     }
     left[self->num_system * stride] = sign * load_weight * by_node[model->num_cut - 1];
 }
@@ -853,6 +880,7 @@ static bool adapt_exits(reduced_info *info, reduced_solver *self, reduced_state 
     find_exits(self, state, contact, squeeze);
     for (size_t l = 0; l < model->num_lines; l++)
         self->moved[l] = watch_exit(&self->watches[l], change, self->exit[l], self->wanted[l]);
+    if (model->num_lines > 1) fill_between(self->moved, self);
     bool moved = memcmp(self->moved, self->exit, model->num_lines * sizeof *self->moved) != 0;
     reduced_state_set_exits(state, model, self->moved);
     info->seconds_exit += program_seconds() - start;

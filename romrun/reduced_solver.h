@@ -17,7 +17,10 @@ typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
 
 typedef struct reduced_settings {
     double tolerance; // relative change of the central film that another iteration would make; 1e-8
-    size_t max_iterations;               // 40
+    size_t max_iterations; // 40
+    // half widths between the lines of a point contact on which the exit is looked for, with the lines in between
+    // interpolated (paper, section 3.3); 0, as set, all lines: it takes more iterations than it saves time
+    double exit_spacing;
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;

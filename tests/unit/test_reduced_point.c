@@ -302,6 +302,62 @@ static void exit_lines_are_found(void **state) {
     reduced_basis_free(&basis);
 }
 
+/* Looked for on every other line the exit lies in the middle in between, and the film hardly differs. */
+static void exits_between_lines_are_interpolated(void **state) {
+    (void)state;
+    const size_t s = 6;
+    const reduced_states *states = &half_basis.states;
+    reduced_settings settings = strict;
+    problem reduced;
+
+    settings.exit_spacing = 2 * half.set.grid.step;
+    problem_init(&reduced, &half_basis, NULL, 0);
+    reduced.solver = reduced_solver_free(reduced.solver);
+    assert_int_equal(reduced_solver_create(&reduced.solver, &reduced.model, &settings, NULL),
+                     EHD_OK);
+    memcpy(reduced.state.coordinates, states->coordinates + s * states->num_unknowns,
+           states->num_unknowns * sizeof(double));
+    reduced_state_set_exits(&reduced.state, &reduced.model, states->exit + s * states->num_lines);
+    solve(&reduced, &half.contacts[s]);
+    for (size_t l = 1; l + 1 < half.set.grid.inner_lines; l += 2) {
+        const band_line *band = &reduced.model.lines[l];
+        const size_t *exit = reduced.state.exits + l;
+        double middle = (double)(exit[-1] + exit[1]) / 2;
+        middle = fmin(fmax(middle, (double)band->least), (double)band->most);
+        assert_int_equal(*exit, (size_t)lround(middle));
+    }
+    check_close(reduced.info.scalars.central_film_thickness, half.set.central_film_thickness[s],
+                1e-3, 0);
+    problem_free(&reduced);
+}
+
+/* Neighbours of one M are a line: between those of two a fit must not take them for a plane. */
+static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
+    (void)state;
+    reduced_states *states;
+    problem reduced;
+
+    problem_init(&reduced, &half_basis, NULL, 0);
+    states = &reduced.model.states;
+    size_t n = states->num_unknowns;
+    for (size_t s = 0; s < states->num_states; s++) {
+        states->moes_M[s] = s % 2 ? 20 : 40; // six of one M, far from the others
+        states->alpha_p_H[s] = 8 + 0.1 * (double)(s / 2);
+    }
+    for (double M = 20.1; M < 20.6; M += 0.1) {
+        double least = INFINITY, most = -INFINITY;
+        reduced_guess(&reduced.state, &reduced.model, M, 8.23);
+        for (size_t s = 1; s < states->num_states; s += 2) {
+            least = fmin(least, states->coordinates[s * n]);
+            most = fmax(most, states->coordinates[s * n]);
+        }
+        double extent = most - least;
+        assert_true(reduced.state.coordinates[0] > least - extent &&
+                    reduced.state.coordinates[0] < most + extent);
+    }
+    problem_free(&reduced);
+}
+
 /* Each line's exits lie in its band with the nodes that rows there and beside need. */
 static void the_band_has_what_rows_at_exits_need(void **state) {
     (void)state;
@@ -333,6 +389,8 @@ int main(void) {
         cmocka_unit_test(a_basis_with_the_solution_finds_it),
         cmocka_unit_test(cut_tables_equal_plain_sums),
         cmocka_unit_test(exit_lines_are_found),
+        cmocka_unit_test(exits_between_lines_are_interpolated),
+        cmocka_unit_test(a_start_beside_a_row_of_neighbours_is_near_it),
         cmocka_unit_test(the_band_has_what_rows_at_exits_need),
     };
 
