@@ -110,7 +110,7 @@ PYTHON
     pid=$!
     # where it was faster than the signal there is nothing to go on with
     wait_for_states cut.h5.partial 2 && kill -INT $pid || true
-    wait $pid || snapgen plan.yml -o cut.h5 --jobs 1 --resume
+    wait $pid || [ -e cut.h5 ] || snapgen plan.yml -o cut.h5 --jobs 1 --resume
     same_data other.h5 cut.h5
 }
 
