@@ -133,8 +133,7 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
     ehd_status status = ehdrom_solver_create(&solver, model, error);
 
     position->num_failures = 0;
-    if (!status)
-        status = samples_init(&taken, num_scenes, ehdrom_describe(model).num_inner + 2, error);
+    if (!status) status = samples_init(&taken, num_scenes, ehdrom_describe(model).num_nodes, error);
     for (size_t i = 0; i < num_scenes && !status; i++)
         status = program_interrupted() ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")
                                        : measure_scene(position, &taken, solver, &scenes[i], error);

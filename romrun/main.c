@@ -168,12 +168,15 @@ static void print_deviation(const char *name, double reduced, double full) {
                (reduced / full - 1) * 1e3);
 }
 
-/* Largest difference of two fields over the inner nodes. */
-static double field_difference(const double *nodes, const double *inner, size_t num_inner) {
+/* Largest difference of a field on the nodes of a grid and one on the inner nodes of the whole of it. */
+static double field_difference(const double *nodes, const double *inner, const ehd_grid *grid) {
+    size_t num_inner = grid_whole(grid).num_inner;
     double largest = 0;
 
-    for (size_t i = 0; i < num_inner; i++)
-        largest = fmax(largest, fabs(nodes[i + 1] - inner[i]));
+    for (size_t i = 0; i < num_inner; i++) {
+        size_t node = grid_node_of_row(grid, grid_row_of_whole(grid, i));
+        largest = fmax(largest, fabs(nodes[node] - inner[i]));
+    }
     return largest;
 }
 
@@ -195,7 +198,8 @@ static ehd_status check_same_scene(double moes_M, double alpha_p_H, double hertz
 
 static void compare(const run_result *result, const stored_result *stored, const char *path,
                     const ehd_contact *contact) {
-    size_t num_inner = contact->grid.num_inner;
+    const ehd_grid *grid = &contact->grid;
+    size_t num_inner = grid_whole(grid).num_inner;
 
     printf("against %s:\n", path);
     print_deviation("central film thickness", result->central_film_thickness,
@@ -206,10 +210,10 @@ static void compare(const run_result *result, const stored_result *stored, const
     print_deviation("exit position", result->exit_position, stored->exit_position);
     if (result->pressure && stored->pressure && stored->num_inner == num_inner)
         printf("  %-24s %.2e of the Hertz pressure\n", "largest pressure error",
-               field_difference(result->pressure, stored->pressure, num_inner));
+               field_difference(result->pressure, stored->pressure, grid));
     if (result->film && stored->film && stored->num_inner == num_inner)
         printf("  %-24s %.2e\n", "largest film error",
-               field_difference(result->film, stored->film, num_inner));
+               field_difference(result->film, stored->film, grid));
 }
 
 // ---- the solution

@@ -108,7 +108,7 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
 
     size_t count = artefact_length(*file, "state");
     // equal settings give equal axes, unless somebody else wrote the file
-    if (count > set->num_points || artefact_length(*file, "x") != set->grid.num_inner)
+    if (count > set->num_points || artefact_length(*file, "x") != set->grid.inner_x)
         status = ehd_fail(error, EHD_DATA,
                           "%s.partial: found axes of other lengths, expected those of the plan",
                           caller->output);

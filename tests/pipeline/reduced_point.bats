@@ -70,6 +70,22 @@ PYTHON
     romrun scene.yml --model m.h5 --pressure-modes 8 --rows 40 >/dev/null || [ $? -eq 4 ]
 }
 
+@test "it is calibrated and compared by fields" {
+    fullrun scene.yml -o full.h5
+    romrun scene.yml --model m.h5 --set output.fields=true --against full.h5 >out.txt
+    cat out.txt
+    awk '/largest pressure error/ { found = $4 < 0.2 && $4 > 0 } END { exit !found }' out.txt
+    cat >check.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    vary: {moes.M: [9, 13, 17], moes.L: [3.7, 5]}
+YAML
+    romrun --calibrate check.yml --model m.h5 -o calibrated.h5
+    romrun --trade --model calibrated.h5 >trade.txt
+    grep -q "12  *0  *60" trade.txt
+    romrun scene.yml --model calibrated.h5 --accuracy 5e-2 || [ $? -eq 4 ]
+}
+
 @test "the full model verifies it" {
     romrun scene.yml --model m.h5 --verify >out.txt
     cat out.txt
