@@ -100,6 +100,9 @@ all: $(PROGRAMS) $(LIB) ## build all programs (the default)
 demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
 	@$(MAKE) -C scenes/stationary-line demo BIN=$(abspath $(BIN))
 
+demo-point: $(PROGRAMS) ## the same with a stationary point contact
+	@$(MAKE) -C scenes/point-stationary demo BIN=$(abspath $(BIN))
+
 # Needs the programs too: the pipeline tests run them.
 check: $(PROGRAMS) $(TESTS) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
@@ -173,7 +176,7 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps demo check check-long bench costs figures trade man install format lint clean help FORCE
+.PHONY: all deps demo demo-point check check-long bench costs figures trade man install format lint clean help FORCE
 
 # ---- What has to be installed
 

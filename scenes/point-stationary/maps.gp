@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Pressure on the left and film on the right as contour maps of the contact, full model above, reduced below; white: the
-# exit line. Loaded with picture (without its ending) and case (path without -KIND.map), case_title, model.
+# exit line. Loaded with picture (without its ending), width of the PNG (or not) and case (path without -KIND.map), case_title, model.
+if (!exists("width")) width = 1200
 do for [ending in "png svg"] {
     if (ending eq "png") {
-        set terminal pngcairo size 1200, 1080 font "sans,14" background "white"
+        set terminal pngcairo size width, width * 0.9 font "sans,".(width / 85) background "white"
     } else {
         set terminal svg size 1200, 1080 font "sans,14" background "white"
     }
