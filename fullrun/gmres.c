@@ -347,6 +347,10 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
         k++;
     }
     *iterations = k;
+    if (program_interrupted()) { // a system that is not solved makes a step of other bits
+        umfpack_di_free_numeric(&numeric);
+        return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
+    }
 
     // back substitution, then dz = M^-1 (V y)
     for (size_t i = k; i-- > 0;) {
