@@ -55,16 +55,19 @@ ehd_status test_weight_identity(double *weight, const reduced_basis *basis,
 /* Squares of the norms, at grid nodes, over the states seen so far. */
 typedef struct row_squares {
     const reduced_model *model;
+    reduced_solver *solver;
     double *sum;   // [num_nodes]
     size_t *count; // [num_nodes] of states in which the row was before the exit
     size_t num_states;
 } row_squares;
 
-static void add_squares(void *context, double *matrix, double *right, const size_t *rows,
-                        size_t num_rows) {
+/* In the place of a least-squares solver: looks at the Reynolds rows and goes no further. */
+static ehd_status add_squares(double *step, void *context, const double *matrix,
+                              const double *right, size_t num_equations, size_t num_unknowns) {
     row_squares *self = context;
-    const size_t num_unknowns = self->model->num_unknowns;
-    (void)right;
+    size_t num_rows;
+    const size_t *rows = reduced_system_rows(&num_rows, self->solver);
+    (void)step, (void)right, (void)num_equations;
 
     for (size_t i = 0; i < num_rows; i++) {
         const size_t node = self->model->row_node[rows[i]];
@@ -74,6 +77,7 @@ static void add_squares(void *context, double *matrix, double *right, const size
         self->sum[node] += norm * norm;
         self->count[node]++;
     }
+    return EHD_NOT_CONVERGED;
 }
 
 static const ehd_contact *contact_of(const reduced_states *states, size_t s,
@@ -92,13 +96,12 @@ static const ehd_contact *contact_of(const reduced_states *states, size_t s,
 static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts,
                                size_t num_contacts, ehd_error *error) {
     const reduced_states *states = &squares->model->states;
-    const reduced_settings none = {.max_iterations = 0};
-    reduced_solver *solver = NULL;
+    const reduced_settings once = {
+        .max_iterations = 1, .solve_linear = add_squares, .linear_context = squares};
     reduced_state state = {0};
-    ehd_status status = reduced_solver_create(&solver, squares->model, &none, error);
+    ehd_status status = reduced_solver_create(&squares->solver, squares->model, &once, error);
 
     if (!status) status = reduced_state_init(&state, squares->model, error);
-    if (!status) reduced_solver_transform(solver, add_squares, squares);
     for (size_t s = 0; s < states->num_states && !status; s++) {
         const ehd_contact *contact = contact_of(states, s, contacts, num_contacts);
         reduced_info ignored;
@@ -107,14 +110,14 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
         reduced_state_set_exits(&state, squares->model, states->exit + s * states->num_lines);
         memcpy(state.coordinates, states->coordinates + s * states->num_unknowns,
                states->num_unknowns * sizeof(double));
-        status = reduced_solve(&ignored, &state, solver, contact, NULL, error);
+        status = reduced_solve(&ignored, &state, squares->solver, contact, NULL, error);
     }
     if (!status && squares->num_states == 0)
         status = ehd_fail(error, EHD_DATA,
                           "--plan: found none of the stationary training points, expected the plan "
                           "that they were solved for");
     reduced_state_free(&state);
-    reduced_solver_free(solver);
+    reduced_solver_free(squares->solver);
     return status;
 }
 
@@ -138,8 +141,9 @@ ehd_status test_weight_row_norm(double *weight, const reduced_basis *basis,
                                 ehd_error *error) {
     const size_t num_nodes = basis->grid.num_nodes;
     reduced_model model = {0};
-    row_squares squares = {&model, calloc(num_nodes, sizeof(double)),
-                           calloc(num_nodes, sizeof(size_t)), 0};
+    row_squares squares = {.model = &model,
+                           .sum = calloc(num_nodes, sizeof(double)),
+                           .count = calloc(num_nodes, sizeof(size_t))};
     ehd_status status = squares.sum && squares.count
                             ? reduced_model_build(&model, basis, NULL, 0, error)
                             : ehd_fail(error, EHD_MEMORY, "row norms: found no memory");

@@ -76,6 +76,8 @@ static void combine_states(reduced_state *state, const reduced_model *model,
                            const neighbour *nearest, const double *weights, size_t count) {
     const reduced_states *states = &model->states;
     size_t n = model->num_unknowns;
+    size_t central = grid_central_line(&model->grid) / grid_width(&model->grid);
+
     memset(state->coordinates, 0, n * sizeof(double));
     for (size_t i = 0; i < count; i++) {
         const double *source = states->coordinates + nearest[i].state * n;
@@ -88,7 +90,7 @@ static void combine_states(reduced_state *state, const reduced_model *model,
         for (size_t i = 0; i < count; i++)
             exit += weights[i] * (double)states->exit[nearest[i].state * states->num_lines + l];
         exit = fmin(fmax(exit, (double)line->least), (double)line->most);
-        if (l == reduced_central_line(&model->grid)) state->exit = (size_t)lround(exit);
+        if (l == central) state->exit = (size_t)lround(exit);
         if (state->exits) state->exits[l] = (size_t)lround(exit);
     }
 }

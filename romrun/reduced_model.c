@@ -108,10 +108,6 @@ void reduced_model_free(reduced_model *model) {
 
 // ---- lines and columns
 
-size_t reduced_central_line(const ehd_grid *grid) {
-    return grid->half ? 0 : (grid_lines(grid) - 1) / 2;
-}
-
 size_t reduced_model_line(const reduced_model *model, size_t node) {
     return model->num_lines > 1 ? node / grid_width(&model->grid) : 0;
 }
@@ -149,7 +145,7 @@ static void centre_nodes(size_t nodes[4], double weights[4], const ehd_grid *gri
     double place = -grid->x_min / grid->step + 1;
     size_t k = (size_t)floor(place + 1e-6);
     double t = place - (double)k;
-    size_t before = reduced_central_line(grid) * grid_width(grid);
+    size_t before = grid_central_line(grid);
 
     for (size_t i = 0; i < 4; i++)
         nodes[i] = before + k - 1 + i;

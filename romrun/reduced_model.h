@@ -186,9 +186,6 @@ void reduced_model_change_cut(
     const reduced_model *model, const cut_run *runs, size_t num_runs,
     double *work); // [CUT_BLOCK, num_cut + num_pressure]; not touched on a line contact
 
-/* The line of a grid on which Y = 0. */
-size_t reduced_central_line(const ehd_grid *grid);
-
 /* Line of a grid node, and its column in it. */
 size_t reduced_model_line(const reduced_model *model, size_t node);
 size_t reduced_model_column(const reduced_model *model, size_t node);

@@ -30,8 +30,6 @@ struct reduced_solver {
     reduced_settings settings;
     reduced_observer *observer;
     void *observer_context;
-    reduced_transform *transform;
-    void *transform_context;
     least_squares *least_squares;
     least_squares *kept; // factors of an earlier Jacobian
     double *kept_matrix; // [num_rows + num_deformation + 1, num_unknowns] that Jacobian
@@ -90,7 +88,7 @@ const size_t *reduced_state_exits(const reduced_state *state) {
 
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model,
                              const size_t *exits) {
-    state->exit = exits[reduced_central_line(&model->grid)];
+    state->exit = exits[grid_central_line(&model->grid) / grid_width(&model->grid)];
     if (state->exits) memmove(state->exits, exits, model->num_lines * sizeof *exits);
 }
 
@@ -216,9 +214,9 @@ void reduced_solver_observe(reduced_solver *self, reduced_observer *observer, vo
     self->observer_context = context;
 }
 
-void reduced_solver_transform(reduced_solver *self, reduced_transform *transform, void *context) {
-    self->transform = transform;
-    self->transform_context = context;
+const size_t *reduced_system_rows(size_t *num_rows, const reduced_solver *self) {
+    *num_rows = self->num_system;
+    return self->system_row;
 }
 
 // ---- the exit's cut
@@ -560,11 +558,11 @@ static void find_exits(reduced_solver *self, const reduced_state *state, const e
 
 // ---- one iteration
 
-/* The selected rows before the exit. */
 static bool is_row_alive(const reduced_solver *self, size_t r) {
     return self->alive[self->model->stencils[r].node[NODE_HERE]];
 }
 
+/* The selected rows before the exit. */
 static void list_system_rows(reduced_solver *self) {
     self->num_system = 0;
     for (size_t r = 0; r < self->model->num_rows; r++)
@@ -909,9 +907,6 @@ static size_t build_system(reduced_info *info, reduced_solver *self, const reduc
     size_t num_rows = fill_right(self, state->coordinates, self->system_row, self->num_system,
                                  &contact->closure, weight);
 
-    if (self->transform && !squeeze)
-        self->transform(self->transform_context, self->matrix, self->right, self->system_row,
-                        self->num_system);
     info->residual = cblas_dnrm2((int)num_rows, self->right, 1);
     info->seconds_rows += program_seconds() - start;
     return num_rows;

@@ -7,8 +7,9 @@
 #include "romrun/reduced_model.h"
 #include <stdbool.h>
 
-/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|. Entry of
- * reduced_settings, so that tests and benches can put another method in. EHD_NOT_CONVERGED: no solution. */
+/* Solves the least-squares problem of an iteration, step = argmin |matrix step + right|: the model's rows before the
+ * exit in their order, weighted, then the linear equations. Entry of reduced_settings, so that tests and research can
+ * put another method or other weights in. EHD_NOT_CONVERGED: no solution. */
 typedef ehd_status reduced_linear_solver(double *step, // out: [num_unknowns]
                                          void *context,
                                          const double *matrix, // [num_rows, num_unknowns]
@@ -93,15 +94,8 @@ void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance); // 
 
 void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer, void *context);
 
-/* Called with every least-squares problem of a stationary solution before it is solved: its Reynolds rows, weighted,
- * which the function may scale or combine. For research on weights. */
-typedef void reduced_transform(void *context,
-                               double *matrix,     // [num_rows, num_unknowns]
-                               double *right,      // [num_rows]
-                               const size_t *rows, // [num_rows] of the model's
-                               size_t num_rows);
-
-void reduced_solver_transform(reduced_solver *solver, reduced_transform *transform, void *context);
+/* The model's rows in the least-squares problem of the present iteration, in their order. */
+const size_t *reduced_system_rows(size_t *num_rows, const reduced_solver *solver);
 
 /* Newton from the state given. Not converged is an outcome in info->status, not an error. */
 ehd_status reduced_solve(

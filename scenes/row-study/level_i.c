@@ -15,6 +15,7 @@
 #include "fullrun/continuation.h"
 #include "fullrun/full_solver.h"
 #include "romrun/basis_file.h"
+#include "romrun/least_squares.h"
 #include "romrun/reduced_solver.h"
 #include "romrun/trade.h"
 #include "snapgen/training_set.h"
@@ -146,14 +147,14 @@ static void band_factor(band *self, size_t count) {
          "band: found it singular");
 }
 
-static void apply_inverse(void *context, double *matrix, double *right, const size_t *rows,
-                          size_t num_rows) {
+/* Before the exit lie the first rows of all, so that row r is the model's. */
+static void apply_inverse(void *context, double *matrix, double *right, size_t num_rows) {
     band *self = context;
     const size_t num_unknowns = self->model->num_unknowns;
 
     band_factor(self, num_rows);
     for (size_t r = 0; r < num_rows; r++) {
-        const double weight = self->model->row_weight[rows[r]];
+        const double weight = self->model->row_weight[r];
         for (size_t j = 0; j < num_unknowns; j++)
             self->columns[j * num_rows + r] = matrix[r * num_unknowns + j] / weight;
         self->columns[num_unknowns * num_rows + r] = right[r] / weight;
@@ -169,10 +170,8 @@ static void apply_inverse(void *context, double *matrix, double *right, const si
     }
 }
 
-static void make_unit_rows(void *context, double *matrix, double *right, const size_t *rows,
-                           size_t num_rows) {
+static void make_unit_rows(void *context, double *matrix, double *right, size_t num_rows) {
     const reduced_model *model = context;
-    (void)rows;
 
     for (size_t r = 0; r < num_rows; r++) {
         double *row = matrix + r * model->num_unknowns;
@@ -205,25 +204,53 @@ static double *solve_full(const training_set *set) {
     return film;
 }
 
+/* What is done to the Reynolds rows of a least-squares problem, weighted by D, and to their right side. */
+typedef void row_change(void *context, double *matrix, double *right, size_t num_rows);
+
 /* One way to weight: name, and what is done to the rows. */
 typedef struct variant {
     const char *name;
-    reduced_transform *transform; // NULL: D of the basis
+    row_change *change; // NULL: D of the basis
     void *context;
     band *band; // filled at each start, where there is one
 } variant;
 
+/* A linear solver that changes the rows first. */
+typedef struct changed_rows {
+    const variant *way;
+    least_squares *workspace;
+    double *matrix, *right; // [num_rows + 1, num_unknowns], [num_rows + 1]
+} changed_rows;
+
+static ehd_status solve_changed(double *step, void *context, const double *matrix,
+                                const double *right, size_t num_rows, size_t num_unknowns) {
+    changed_rows *self = context;
+
+    memcpy(self->matrix, matrix, num_rows * num_unknowns * sizeof(double));
+    memcpy(self->right, right, num_rows * sizeof(double));
+    if (self->way->change) // but for the closure
+        self->way->change(self->way->context, self->matrix, self->right, num_rows - 1);
+    return least_squares_solve(step, self->workspace, self->matrix, self->right, num_rows);
+}
+
 static void measure(const variant *way, const reduced_model *model, const training_set *set,
                     const bool *inside, const double *film) {
-    const reduced_settings settings = reduced_default_settings();
+    const size_t most_rows = model->num_rows + 1;
+    changed_rows rows = {.way = way,
+                         .workspace = least_squares_create(most_rows, model->num_unknowns),
+                         .matrix = claim(most_rows * model->num_unknowns),
+                         .right = claim(most_rows)};
+    reduced_settings settings = reduced_default_settings();
     double *deviations = claim(set->num_points);
     size_t num_solved = 0, num_failed = 0, most = 0, all = 0;
     double seconds = 0;
     reduced_state state = {.coordinates = claim(model->num_unknowns)};
     reduced_solver *solver;
 
-    need(!reduced_solver_create(&solver, model, &settings, NULL), "memory: found none");
-    if (way->transform) reduced_solver_transform(solver, way->transform, way->context);
+    settings.solve_linear = solve_changed;
+    settings.linear_context = &rows;
+    need(rows.workspace && !reduced_solver_create(&solver, model, &settings, NULL),
+         "memory: found none");
     for (size_t i = 0; i < set->num_points; i++) {
         const ehd_contact *contact = &set->contacts[i];
         reduced_info info;
@@ -247,6 +274,9 @@ static void measure(const variant *way, const reduced_model *model, const traini
            1e3 * seconds / (double)num_solved, num_failed);
     free(deviations);
     free(state.coordinates);
+    free(rows.matrix);
+    free(rows.right);
+    least_squares_free(rows.workspace);
     reduced_solver_free(solver);
 }
 
