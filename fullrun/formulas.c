@@ -79,7 +79,7 @@ static film_numbers numbers_at(double *film_scale, const time_series *series, si
 
     histories_at(values, histories, series->time[i]);
     values[VARY_LOAD] = series->load[i];
-    const contact_frame frame = frame_at(series->time[i], values, NAN);
+    const contact_frame frame = frame_at(reference->kind, series->time[i], values, NAN);
     frame_contact(&contact, &frame, reference);
     *film_scale = frame.film_scale;
     return film_numbers_of(&contact);

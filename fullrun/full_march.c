@@ -46,9 +46,12 @@ full_march *full_march_free(full_march *self) {
 
 /* Central film at a hundredth of the speed and the same alpha p_H. */
 static double dry_start_film(const ehd_contact *reference) {
-    double slow = 10; // M grows with the root of it
+    const contact_kind *kind = reference->kind;
+    const double slowness = 100;
+    double moes_M = kind->moes_M(reference->lambda / slowness);
+    double moes_L = reference->alpha_p_H / kind->alpha_p_H(moes_M, 1);
 
-    return reference->kind->central_film(slow * reference->moes_M, reference->moes_L / sqrt(slow));
+    return kind->central_film(moes_M, moes_L);
 }
 
 ehd_status full_march_create(full_march **created, const ehd_contact *reference,
@@ -146,7 +149,7 @@ static ehd_status walk_to_approach(full_info *info, full_march *self, contact_fr
         if (status) break;
         load = full_evaluate_scalars(state, &contact).load;
         if (info->status == EHD_OK && load > 0.5 && load < 2) {
-            if (fabs(load - 1) > settled) *frame = frame_of_load(frame, load);
+            if (fabs(load - 1) > settled) *frame = frame_of_load(self->reference.kind, frame, load);
             done = next;
             stride *= 2;
             full_state_copy(last, state, &self->reference.grid);

@@ -313,7 +313,7 @@ static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditi
                                [VARY_RADIUS] = conditions->radius,
                                [VARY_MODULUS] = conditions->modulus};
 
-    return frame_at(self->time + step, values, conditions->approach);
+    return frame_at(self->reference.kind, self->time + step, values, conditions->approach);
 }
 
 static ehd_status check_conditions(const ehdrom_conditions *conditions,

@@ -44,8 +44,9 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
     }
     target->steps[target->num_steps++] = (recorded_step){
         .frame = step->frame,
-        .loaded = isnan(step->frame.approach) ? step->frame
-                                              : frame_of_load(&step->frame, step->scalars.load),
+        .loaded = isnan(step->frame.approach)
+                      ? step->frame
+                      : frame_of_load(target->reference->kind, &step->frame, step->scalars.load),
         .step = step->step,
         // what the march has then forgotten
         .jump = index > 0 && self->run.state.last_step == 0,

@@ -131,7 +131,7 @@ static void judge(march_step *outcome, reduced_march *self, size_t exit,
 
     self->loaded = isnan(frame->approach)
                        ? *frame // where load balance is one row of a least-squares problem
-                       : frame_of_load(frame, outcome->scalars.load);
+                       : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status) return;
     frame_contact(&contact, &self->loaded, &self->reference);
     double rate = self->ring.num_earlier > 0 ? frame_rate(&self->loaded, &self->last_loaded) : 0;
@@ -176,7 +176,8 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
         status = solve(info, self, &contact, NULL, error);
         if (status || info->status == EHD_NOT_CONVERGED) return status;
         if (fabs(info->scalars.load - 1) < 1e-10) return EHD_OK;
-        *frame = frame_of_load(frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
+        *frame =
+            frame_of_load(self->reference.kind, frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
     }
     info->status = EHD_NOT_CONVERGED;
     info->reason = "approach out of reach";

@@ -46,7 +46,7 @@ static void keep(kept_states *self, size_t place, const kept_state *state, const
 
 void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
                           size_t exit, const double *pressure, const double *film) {
-    contact_frame frame = frame_of_load(&step->frame, step->scalars.load);
+    contact_frame frame = frame_of_load(reference->kind, &step->frame, step->scalars.load);
     ehd_contact contact;
     frame_contact(&contact, &frame, reference);
     const kept_state state = {.time = step->frame.time,

@@ -23,6 +23,10 @@ static double line_lambda(double moes_M) {
     return 3 * M_PI * M_PI / (8 * moes_M * moes_M);
 }
 
+static double line_moes_M(double lambda) {
+    return sqrt(3 * M_PI * M_PI / (8 * lambda));
+}
+
 static double line_alpha_p_H(double moes_M, double moes_L) {
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
@@ -47,6 +51,7 @@ const contact_kind contact_line = {
     .load = M_PI_2,
     .kernel = line_kernel,
     .lambda = line_lambda,
+    .moes_M = line_moes_M,
     .alpha_p_H = line_alpha_p_H,
     .central_film = film_moes,
     .approach_shift = line_approach_shift,
@@ -75,6 +80,10 @@ static double point_lambda(double moes_M) {
     return cbrt(128 * M_PI * M_PI * M_PI / (3 * pow(moes_M, 4)));
 }
 
+static double point_moes_M(double lambda) {
+    return pow(128 * M_PI * M_PI * M_PI / (3 * lambda * lambda * lambda), 0.25);
+}
+
 static double point_alpha_p_H(double moes_M, double moes_L) {
     return moes_L / M_PI * cbrt(1.5 * moes_M);
 }
@@ -100,6 +109,7 @@ const contact_kind contact_point = {
     .load = 2 * M_PI / 3,
     .kernel = point_kernel,
     .lambda = point_lambda,
+    .moes_M = point_moes_M,
     .alpha_p_H = point_alpha_p_H,
     .central_film = film_nijenbanning,
     .approach_shift = point_approach_shift,

@@ -17,6 +17,7 @@ typedef struct contact_kind {
     // deflection at a distance (along, across) from a cell of unit pressure, `step` wide
     double (*kernel)(double x, double y, double step);
     double (*lambda)(double moes_M);                      // the steady contact's speed parameter
+    double (*moes_M)(double lambda);                      // and back
     double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
     double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
     // what the kernel's constant adds to the approach of a contact `half_width` times the reference's, a

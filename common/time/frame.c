@@ -7,7 +7,8 @@
 
 static const double MOST_MOES_M = 1e5;
 
-contact_frame frame_at(double time, const double *values, double approach) {
+contact_frame frame_at(const contact_kind *kind, double time, const double *values,
+                       double approach) {
     contact_frame frame = {.time = time,
                            .load = values[VARY_LOAD],
                            .speed = values[VARY_SPEED],
@@ -15,19 +16,20 @@ contact_frame frame_at(double time, const double *values, double approach) {
                            .modulus = values[VARY_MODULUS],
                            .approach = approach};
 
-    frame.half_width = sqrt(frame.load * frame.radius / frame.modulus);
-    frame.hertz_pressure = frame.load / frame.half_width;
+    frame.half_width =
+        kind->half_width(frame.load, frame.radius, frame.modulus) / kind->half_width(1, 1, 1);
+    frame.hertz_pressure = frame.load / pow(frame.half_width, kind->dimensions);
     frame.film_scale = frame.half_width * frame.half_width / frame.radius;
     return frame;
 }
 
-contact_frame frame_of_load(const contact_frame *frame, double ratio) {
+contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio) {
     const double values[NUM_VARY] = {[VARY_LOAD] = frame->load * ratio,
                                      [VARY_SPEED] = frame->speed,
                                      [VARY_RADIUS] = frame->radius,
                                      [VARY_MODULUS] = frame->modulus};
 
-    return ratio == 1 ? *frame : frame_at(frame->time, values, frame->approach);
+    return ratio == 1 ? *frame : frame_at(kind, frame->time, values, frame->approach);
 }
 
 static double approach_shift(const contact_frame *frame, const ehd_contact *reference) {
@@ -41,18 +43,18 @@ static contact_closure approach_closure(const contact_frame *frame, const ehd_co
 }
 
 void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_contact *reference) {
-    double width = frame->half_width, slowness;
+    const contact_kind *kind = reference->kind;
+    double width = frame->half_width;
 
     *contact = *reference;
     contact->lambda *= frame->radius * frame->radius / (frame->hertz_pressure * width * width);
     contact->entrainment = frame->speed / width;
     contact->hertz_pressure *= frame->hertz_pressure;
     contact->alpha_p_H *= frame->hertz_pressure;
-    // the stationary contact of the same lambda / U
-    slowness = reference->lambda / (contact->lambda * contact->entrainment);
-    contact->moes_M = fmin(reference->moes_M * sqrt(slowness), MOST_MOES_M);
-    contact->moes_L =
-        reference->moes_L * frame->hertz_pressure * sqrt(reference->moes_M / contact->moes_M);
+    // the stationary contact of the same lambda U
+    contact->moes_M = fmin(kind->moes_M(contact->lambda * contact->entrainment), MOST_MOES_M);
+    contact->moes_L = reference->moes_L * frame->hertz_pressure *
+                      kind->alpha_p_H(reference->moes_M, 1) / kind->alpha_p_H(contact->moes_M, 1);
     contact->half_width *= width;
     contact->radius *= frame->radius;
     contact->load *= frame->load;

@@ -21,7 +21,8 @@ typedef struct contact_frame {
 
 /* `values`: load, speed, radius, modulus (VARY_… of scene.h) relative to the reference; `approach` NaN
  * where the load is given. */
-contact_frame frame_at(double time, const double *values, double approach);
+contact_frame frame_at(const contact_kind *kind, double time, const double *values,
+                       double approach);
 
 /* The reference contact as it is in the frame: lambda, Hertz pressure, U, Moes numbers, closure. Moes M
  * grows beyond all bounds as the speed goes to zero and is cut at 1e5. */
@@ -38,7 +39,7 @@ double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 
 /* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach is
  * given, a frame is scaled by an expected load, and `ratio` is the solution's. */
-contact_frame frame_of_load(const contact_frame *frame, double ratio);
+contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
 /* How fast a contact changes between two frames: |d ln a/dT| + |d(u/u_ref)/dT|. */
 double frame_rate(const contact_frame *now, const contact_frame *before);

@@ -39,14 +39,14 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     return settings;
 }
 
-contact_frame march_frame(const march_settings *settings, const ehd_histories *histories,
-                          double time, double load) {
+contact_frame march_frame(const march_settings *settings, const contact_kind *kind,
+                          const ehd_histories *histories, double time, double load) {
     double values[NUM_VARY];
 
     histories_at(values, histories, time);
-    if (!settings->approach_given) return frame_at(time, values, NAN);
+    if (!settings->approach_given) return frame_at(kind, time, values, NAN);
     values[VARY_LOAD] = load;
-    return frame_at(time, values, values[VARY_APPROACH] * settings->reference_approach);
+    return frame_at(kind, time, values, values[VARY_APPROACH] * settings->reference_approach);
 }
 
 static void watch_trust(march *self, const march_step *outcome) {
@@ -63,7 +63,7 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
 
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     march_settings *settings = &self->settings;
-    contact_frame frame = march_frame(settings, self->histories, 0, 1);
+    contact_frame frame = march_frame(settings, self->reference->kind, self->histories, 0, 1);
     ehd_status status = march_check_start(frame.speed, settings->approach_given, error);
 
     if (!status) status = self->solver.start(outcome, self->solver.self, &frame, error);
@@ -71,7 +71,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
         isnan(settings->reference_approach)) {
         settings->reference_approach =
             frame_to_reference(&outcome->scalars, &outcome->frame, self->reference).rigid_approach;
-        frame = march_frame(settings, self->histories, 0, 1);
+        frame = march_frame(settings, self->reference->kind, self->histories, 0, 1);
         if (frame.approach != settings->reference_approach)
             status = self->solver.start(outcome, self->solver.self, &frame, error);
     }
@@ -162,7 +162,7 @@ static ehd_status advance(march *self, ehd_error *error) {
     double time = next_time(&is_kink, &jump, self), step = time - state->time;
     march_step outcome;
 
-    contact_frame frame = march_frame(&self->settings, self->histories, time,
+    contact_frame frame = march_frame(&self->settings, self->reference->kind, self->histories, time,
                                       march_expected_load(state->load, state->load_rate, step));
     ehd_status status = self->solver.attempt(&outcome, self->solver.self, &frame, step, error);
     if (status) return status;

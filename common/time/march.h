@@ -90,8 +90,8 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
                                  double reference_approach);
 
 /* The frame at `time`, scaled by `load` where the approach is given (and by the history where not). */
-contact_frame march_frame(const march_settings *settings, const ehd_histories *histories,
-                          double time, double load);
+contact_frame march_frame(const march_settings *settings, const contact_kind *kind,
+                          const ehd_histories *histories, double time, double load);
 
 /* At rest there is no stationary contact whose load an approach could lead to: EHD_DATA. */
 ehd_status march_check_start(double speed, bool approach_given, ehd_error *error);

@@ -134,12 +134,12 @@ static void ring_gives_the_formula_of_its_times(void **state) {
 
 // ---- frame
 
-static contact_frame frame_of(double load, double speed, double radius, double modulus,
-                              double approach) {
+static contact_frame frame_of(const contact_kind *kind, double load, double speed, double radius,
+                              double modulus, double approach) {
     const double values[NUM_VARY] = {
         [VARY_LOAD] = load, [VARY_SPEED] = speed, [VARY_RADIUS] = radius, [VARY_MODULUS] = modulus};
 
-    return frame_at(0.5, values, approach);
+    return frame_at(kind, 0.5, values, approach);
 }
 
 /* Factors on load, speed, radius and modulus. */
@@ -148,15 +148,22 @@ static const double factors[][4] = {{1, 1, 1, 1},     {1.5, 1, 1, 1},     {1, 0.
                                     {4, 0.1, 3, 1.7}, {2, 1.2, 1.5, 3.0}, {0.2, 2, 0.8, 0.9}};
 enum { NUM_FACTORS = sizeof factors / sizeof *factors };
 
-static contact_frame frame_of_case(size_t i) {
-    return frame_of(factors[i][0], factors[i][1], factors[i][2], factors[i][3], NAN);
+static contact_frame frame_of_case(const contact_kind *kind, size_t i) {
+    return frame_of(kind, factors[i][0], factors[i][1], factors[i][2], factors[i][3], NAN);
 }
 
-static scene physical_scene(double load, double speed, double radius, double modulus) {
+static scene physical_scene(const contact_kind *kind, double load, double speed, double radius,
+                            double modulus) {
     scene given = sample_scene("barus", "incompressible", 10, 5);
 
+    snprintf(given.contact, sizeof given.contact, "%s", kind->name);
+    if (kind->dimensions > 1) {
+        given.y_max = 2;
+        given.half = 1;
+        given.step = 0.1;
+    }
     given.moes_M = given.moes_L = NAN;
-    given.load = 1e5 * load;
+    given.load = (kind->dimensions > 1 ? 20 : 1e5) * load;
     given.speed = 1.2 * speed;
     given.radius = 0.012 * radius;
     given.modulus = 2.2e11 * modulus;
@@ -164,8 +171,8 @@ static scene physical_scene(double load, double speed, double radius, double mod
     return given;
 }
 
-static ehd_contact physical_contact(const double *factor) {
-    scene given = physical_scene(factor[0], factor[1], factor[2], factor[3]);
+static ehd_contact physical_contact(const contact_kind *kind, const double *factor) {
+    scene given = physical_scene(kind, factor[0], factor[1], factor[2], factor[3]);
     ehd_contact contact;
     ehd_error error = {""};
 
@@ -173,13 +180,11 @@ static ehd_contact physical_contact(const double *factor) {
     return contact;
 }
 
-/* A frame that stands still is the stationary contact of its load, speed, radius and modulus. */
-static void frame_is_the_contact_of_its_values(void **state) {
-    (void)state;
-    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1});
+static void compare_frames(const contact_kind *kind) {
+    ehd_contact reference = physical_contact(kind, (double[]){1, 1, 1, 1});
     for (size_t i = 0; i < NUM_FACTORS; i++) {
-        ehd_contact expected = physical_contact(factors[i]), contact;
-        contact_frame frame = frame_of_case(i);
+        ehd_contact expected = physical_contact(kind, factors[i]), contact;
+        contact_frame frame = frame_of_case(kind, i);
         frame_contact(&contact, &frame, &reference);
         check_close(contact.half_width, expected.half_width, 1e-13, 0);
         check_close(contact.radius, expected.radius, 1e-13, 0);
@@ -198,11 +203,18 @@ static void frame_is_the_contact_of_its_values(void **state) {
     }
 }
 
+/* A frame that stands still is the stationary contact of its load, speed, radius and modulus. */
+static void frame_is_the_contact_of_its_values(void **state) {
+    (void)state;
+    compare_frames(&contact_line);
+    compare_frames(&contact_point);
+}
+
 /* At rest M has no bound and is cut; everything stays finite. */
 static void frame_at_rest_is_finite(void **state) {
     (void)state;
-    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1}), contact;
-    contact_frame frame = frame_of(1.2, 0, 1, 1, NAN);
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
+    contact_frame frame = frame_of(&contact_line, 1.2, 0, 1, 1, NAN);
     frame_contact(&contact, &frame, &reference);
     check_close(contact.entrainment, 0, 0, 0);
     check_close(contact.moes_M, 1e5, 0, 0);
@@ -225,9 +237,9 @@ static double film_by_hand(double x, const double *place, const double *pressure
 static void scalars_of_a_frame_are_physical(void **state) {
     (void)state;
     enum { COUNT = 81 };
-    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1});
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});
     for (size_t i = 0; i < NUM_FACTORS; i++) {
-        contact_frame frame = frame_of_case(i);
+        contact_frame frame = frame_of_case(&contact_line, i);
         double a = sqrt(factors[i][0] * factors[i][2] / factors[i][3]), step = 0.03;
         double hertz = sqrt(factors[i][0] * factors[i][3] / factors[i][2]);
         double place[COUNT], pressure[COUNT], own = -0.7, sum = 0;
@@ -264,10 +276,10 @@ static void scalars_of_a_frame_are_physical(void **state) {
  * logarithm of the half width make the approach. */
 static void approach_of_dry_contacts(void **state) {
     (void)state;
-    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1});
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});
     for (size_t i = 0; i < 2 * NUM_FACTORS; i++) {
         const double *f = factors[i % NUM_FACTORS];
-        contact_frame frame = frame_of_case(i % NUM_FACTORS);
+        contact_frame frame = frame_of_case(&contact_line, i % NUM_FACTORS);
         double a = sqrt(f[0] * f[2] / f[3]);
         contact_scalars dry = {.rigid_approach = -(0.25 + log(2) / 2), .load = 1};
         reference.approach_length = i < NUM_FACTORS ? 1 : 12;
@@ -281,10 +293,10 @@ static void approach_of_dry_contacts(void **state) {
 /* What the closure by an approach asks for is what frame_to_reference reports. */
 static void approach_closure_is_the_reported_approach(void **state) {
     (void)state;
-    ehd_contact reference = physical_contact((double[]){1, 1, 1, 1}), contact;
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
     for (size_t i = 0; i < NUM_FACTORS; i++) {
         const double *f = factors[i];
-        contact_frame frame = frame_of(f[0], f[1], f[2], f[3], -0.9);
+        contact_frame frame = frame_of(&contact_line, f[0], f[1], f[2], f[3], -0.9);
         contact_scalars current = {.load = 1.3};
         frame_contact(&contact, &frame, &reference);
         current.rigid_approach =
@@ -382,7 +394,7 @@ static void change_of_frame_keeps_the_physical_film(void **state) {
     for (int d = 0; d < 2; d++)
         for (size_t i = 0; i < NUM_FACTORS; i++)
             for (size_t j = 0; j < NUM_FACTORS; j++) {
-                contact_frame then = frame_of_case(i), now = frame_of_case(j);
+                contact_frame then = frame_of_case(&contact_line, i), now = frame_of_case(&contact_line, j);
                 double coarse =
                     carry_error(densities[d], 0.04, &then, &now, factors[i], factors[j]);
                 double fine = carry_error(densities[d], 0.02, &then, &now, factors[i], factors[j]);
@@ -394,7 +406,7 @@ static void change_of_frame_keeps_the_physical_film(void **state) {
 /* The same frame: every node is met, and the mass is rho H to the last digits. */
 static void same_frame_changes_nothing(void **state) {
     (void)state;
-    contact_frame frame = frame_of(1.4, 1, 0.8, 1.2, NAN);
+    contact_frame frame = frame_of(&contact_line, 1.4, 1, 0.8, 1.2, NAN);
     carried self;
     carried_init(&self, "dowson-higginson", 0.05, &frame);
     const ehd_grid *grid = &self.reference.grid;
@@ -413,7 +425,8 @@ static void same_frame_changes_nothing(void **state) {
 /* Beyond the grid: the film of the pressure itself, which a wider grid has as nodes. */
 static void growing_contact_looks_beyond_the_grid(void **state) {
     (void)state;
-    contact_frame then = frame_of(1, 1, 1, 1, NAN), now = frame_of(2.25, 1, 1, 1, NAN);
+    contact_frame then = frame_of(&contact_line, 1, 1, 1, 1, NAN),
+                  now = frame_of(&contact_line, 2.25, 1, 1, 1, NAN);
     carried self;
     carried_init(&self, "dowson-higginson", 0.05, &then);
     const ehd_grid *grid = &self.reference.grid;
@@ -524,7 +537,7 @@ static void wanted_factors(double *factor, double time) {
 static contact_frame wanted_frame(double time) {
     double factor[4];
     wanted_factors(factor, time);
-    contact_frame frame = frame_of(factor[0], factor[1], factor[2], factor[3], NAN);
+    contact_frame frame = frame_of(&contact_line, factor[0], factor[1], factor[2], factor[3], NAN);
     frame.time = time;
     return frame;
 }

@@ -50,7 +50,7 @@ static void fill_full(earlier_state *full, const earlier_film *reduced, const re
 }
 
 static contact_frame frame_under(double load, double radius, double time) {
-    return frame_at(time, (double[]){load, 1, radius, 1}, NAN);
+    return frame_at(&contact_line, time, (double[]){load, 1, radius, 1}, NAN);
 }
 
 /* Compares both at all nodes whose places lie after `from`, in a frame that is `now`. */

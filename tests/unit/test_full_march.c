@@ -405,8 +405,8 @@ static void attempts_can_be_repeated(void **state) {
     const double time = first.march.state.time;
     march_step one, other, again;
     ehd_error error = {""};
-    contact_frame near = march_frame(&first.march.settings, first.histories, time + 0.01, 1);
-    contact_frame far = march_frame(&first.march.settings, first.histories, time + 0.1, 1);
+    contact_frame near = march_frame(&first.march.settings, &contact_line, first.histories, time + 0.01, 1);
+    contact_frame far = march_frame(&first.march.settings, &contact_line, first.histories, time + 0.1, 1);
     assert_int_equal(solver->attempt(&one, solver->self, &near, 0.01, &error), EHD_OK);
     assert_int_equal(solver->attempt(&other, solver->self, &far, 0.1, &error), EHD_OK);
     assert_int_equal(solver->attempt(&again, solver->self, &near, 0.01, &error), EHD_OK);

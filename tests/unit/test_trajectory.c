@@ -234,7 +234,7 @@ static void consider_all(kept_states *kept, const ehd_contact *reference, size_t
         const double values[NUM_VARY] = {
             [VARY_LOAD] = load[k] / part, [VARY_SPEED] = 1, [VARY_RADIUS] = 1, [VARY_MODULUS] = 1};
         double time = count > 1 ? (double)k / (double)(count - 1) : 0;
-        const march_step step = {.frame = frame_at(time, values, NAN),
+        const march_step step = {.frame = frame_at(reference->kind, time, values, NAN),
                                  .step = k > 0 ? 1 / (double)(count - 1) : 0,
                                  .scalars = {.load = part},
                                  .iterations = k};
