@@ -1,21 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/reduced_model.h"
+#include "romrun/reduced_cut.h"
 
 #include "common/physics/deflection.h"
 
 #include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 const char *const deformation_names[] = {"independent", "coupled", NULL};
 
-static const double EXIT_MARGIN = 0.1;              // beyond the trained exits, half widths
-static const double MINIMUM_MARGIN = 0.05;          // before the trained film minima, half widths
-static const double CHECKPOINT_DISTANCE = 0.02;     // half widths
-static const size_t CHECKPOINT_MEMORY = 400u << 20; // bytes, of a point contact
+static const double EXIT_MARGIN = 0.1;     // beyond the trained exits, half widths
+static const double MINIMUM_MARGIN = 0.05; // before the trained film minima, half widths
 
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation) {
     return num_pressure + num_deformation + 1;
@@ -116,10 +113,6 @@ size_t reduced_model_column(const reduced_model *model, size_t node) {
     return model->num_lines > 1 ? node % grid_width(&model->grid) : node;
 }
 
-static size_t distance(size_t a, size_t b) {
-    return a > b ? a - b : b - a;
-}
-
 grid_place reduced_model_place(const reduced_model *model, size_t node) {
     return (grid_place){reduced_model_line(model, node), reduced_model_column(model, node)};
 }
@@ -127,14 +120,14 @@ grid_place reduced_model_place(const reduced_model *model, size_t node) {
 double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
                              size_t first, size_t count, const double *pressure) {
     size_t width = grid_width(&model->grid), column = at.column;
-    const double *kernel = model->kernel + distance(at.line, line) * width;
+    const double *kernel = model->kernel + index_distance(at.line, line) * width;
     const double *mirrored = model->kernel + (at.line + line) * width;
 
     for (size_t i = 0; i < count; i++)
-        sum += kernel[distance(column, first + i)] * pressure[i];
+        sum += kernel[index_distance(column, first + i)] * pressure[i];
     if (model->grid.half && line > 0)
         for (size_t i = 0; i < count; i++)
-            sum += mirrored[distance(column, first + i)] * pressure[i];
+            sum += mirrored[index_distance(column, first + i)] * pressure[i];
     return sum;
 }
 
@@ -289,7 +282,7 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
             band_line *line = &model->lines[l];
             line->least = exit[l] < line->least ? exit[l] : line->least;
             line->most = exit[l] > line->most ? exit[l] : line->most;
-            if (distance(l, own) > near || !is_inner_line(&basis->grid, l)) continue;
+            if (index_distance(l, own) > near || !is_inner_line(&basis->grid, l)) continue;
             line->begin = column < line->begin ? column : line->begin;
             model->first_minimum = l < model->first_minimum ? l : model->first_minimum;
             model->last_minimum = l > model->last_minimum ? l : model->last_minimum;
@@ -605,188 +598,15 @@ static void fill_left_coupled(reduced_model *model) {
     }
 }
 
-size_t reduced_model_runs(cut_run *runs, const reduced_model *model, const size_t *from,
-                          const size_t *to) {
-    size_t count = 0;
-
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
-        size_t first = from[l] < to[l] ? from[l] : to[l];
-        if (from[l] != to[l])
-            runs[count++] = (cut_run){line->offset + first - line->begin, distance(from[l], to[l]),
-                                      l, first, to[l] > from[l] ? 1 : -1};
-    }
-    return count;
-}
-
-/* cut += left^T right over `rank` nodes of the band. */
-static void add_to_cut(double *cut, const reduced_model *model, const double *left,
-                       const double *right, size_t rank) {
-    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
-                (int)model->num_pressure, (int)rank, 1, left, (int)model->num_cut, right,
-                (int)model->num_pressure, 1, cut, (int)model->num_pressure);
-}
-
-void reduced_model_change_cut(double *cut, const reduced_model *model, const cut_run *runs,
-                              size_t num_runs, double *work) {
-    size_t num_cut = model->num_cut, num_pressure = model->num_pressure, rank = 0;
-    double *left = work, *right = work + CUT_BLOCK * num_cut;
-
-    if (num_runs == 1 && runs->sign > 0) {
-        add_to_cut(cut, model, model->left + runs->first * num_cut,
-                   model->band_pressure + runs->first * num_pressure, runs->count);
-        return;
-    }
-    for (size_t r = 0; r < num_runs; r++)
-        for (size_t i = runs[r].first; i < runs[r].first + runs[r].count; i++) {
-            memcpy(left + rank * num_cut, model->left + i * num_cut, num_cut * sizeof(double));
-            for (size_t j = 0; j < num_pressure; j++)
-                right[rank * num_pressure + j] =
-                    runs[r].sign * model->band_pressure[i * num_pressure + j];
-            if (++rank < CUT_BLOCK) continue;
-            add_to_cut(cut, model, left, right, rank);
-            rank = 0;
-        }
-    if (rank > 0) add_to_cut(cut, model, left, right, rank);
-}
-
-/* The same for the deflections at the band's nodes (coupled). */
-static void change_band(double *band, const reduced_model *model, const cut_run *runs,
-                        size_t num_runs) {
-    size_t num_pressure = model->num_pressure;
-
-    for (size_t r = 0; r < num_runs; r++)
-        for (size_t i = 0; i < runs[r].count; i++)
-            for (size_t l = 0; l < model->num_lines; l++)
-                for (size_t c = model->lines[l].begin; c < model->lines[l].end; c++) {
-                    size_t place = model->lines[l].offset + c - model->lines[l].begin;
-                    double influence =
-                        reduced_model_deflect(0, model, (grid_place){l, c}, runs[r].line,
-                                              runs[r].column + i, 1, &runs[r].sign);
-                    cblas_daxpy((int)num_pressure, influence,
-                                model->band_pressure + (runs[r].first + i) * num_pressure, 1,
-                                band + place * num_pressure, 1);
-                }
-}
-
-static size_t exits_apart(const reduced_model *model, const size_t *a, const size_t *b) {
-    size_t sum = 0;
-
-    for (size_t l = 0; l < model->num_lines; l++)
-        sum += distance(a[l], b[l]);
-    return sum;
-}
-
-/* The nearest of the first `count` checkpoints. */
-static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit, size_t count) {
-    size_t best = 0, least = SIZE_MAX;
-
-    for (size_t c = 0; c < count; c++) {
-        size_t apart = exits_apart(model, exit, model->checkpoint_exit + c * model->num_lines);
-        if (apart >= least) continue;
-        least = apart;
-        best = c;
-    }
-    return best;
-}
-
-/* Each checkpoint from the nearest one before it, the first from where the band begins. */
-static ehd_status fill_checkpoints(reduced_model *model, ehd_error *error) {
-    size_t cut_size = model->num_cut * model->num_pressure;
-    size_t band_size = model->num_band * model->num_pressure;
-    cut_run *runs = malloc(model->num_lines * sizeof *runs);
-    size_t *begin = malloc(model->num_lines * sizeof *begin);
-    double *work = malloc(CUT_BLOCK * (model->num_cut + model->num_pressure) * sizeof *work);
-    bool enough = runs && begin && work;
-
-    for (size_t l = 0; enough && l < model->num_lines; l++)
-        begin[l] = model->lines[l].begin;
-    for (size_t c = 0; enough && c < model->num_checkpoints; c++) {
-        const size_t *exit = model->checkpoint_exit + c * model->num_lines;
-        size_t near = nearest_checkpoint(model, exit, c);
-        const size_t *from = c > 0 ? model->checkpoint_exit + near * model->num_lines : begin;
-        const double *cut = c > 0 ? model->checkpoint_cut + near * cut_size : model->cut_base;
-        size_t num_runs = reduced_model_runs(runs, model, from, exit);
-        memcpy(model->checkpoint_cut + c * cut_size, cut, cut_size * sizeof(double));
-        reduced_model_change_cut(model->checkpoint_cut + c * cut_size, model, runs, num_runs, work);
-        if (!model->checkpoint_band) continue;
-        const double *band = c > 0 ? model->checkpoint_band + near * band_size : model->band_film;
-        memcpy(model->checkpoint_band + c * band_size, band, band_size * sizeof(double));
-        change_band(model->checkpoint_band + c * band_size, model, runs, num_runs);
-    }
-    free(runs);
-    free(begin);
-    free(work);
-    return enough ? EHD_OK
-                  : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-}
-
-size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit) {
-    if (model->num_lines == 1) return (exit[0] - model->least_exit) / model->checkpoint_stride;
-    return nearest_checkpoint(model, exit, model->num_checkpoints);
-}
-
-// ---- checkpoints
-
-/* Of a line contact every some nodes. */
-static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
-    model->checkpoint_stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
-    model->num_checkpoints = (model->most_exit - model->least_exit) / model->checkpoint_stride + 1;
-    model->checkpoint_exit = malloc(model->num_checkpoints * sizeof *model->checkpoint_exit);
-    if (!model->checkpoint_exit)
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    for (size_t c = 0; c < model->num_checkpoints; c++)
-        model->checkpoint_exit[c] = model->least_exit + c * model->checkpoint_stride;
-    return EHD_OK;
-}
-
-/* Of a point contact the exit lines of training, the one farthest from all before next, as long as there are
- * different ones and the tables stay within their memory. */
-static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
-    const reduced_states *states = &model->states;
-    size_t table = (model->num_cut + model->num_band) * model->num_pressure * sizeof(double);
-    size_t most = CHECKPOINT_MEMORY / table + 1, num_lines = model->num_lines, next = 0;
-
-    if (most > states->num_states) most = states->num_states;
-    model->checkpoint_exit = malloc(most * num_lines * sizeof *model->checkpoint_exit);
-    if (!model->checkpoint_exit)
-        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    for (model->num_checkpoints = 0; model->num_checkpoints < most;) {
-        size_t farthest = 0;
-        memcpy(model->checkpoint_exit + model->num_checkpoints++ * num_lines,
-               states->exit + next * num_lines, num_lines * sizeof *states->exit);
-        for (size_t s = 0; s < states->num_states; s++) {
-            const size_t *exit = states->exit + s * num_lines;
-            size_t near = nearest_checkpoint(model, exit, model->num_checkpoints);
-            size_t apart = exits_apart(model, exit, model->checkpoint_exit + near * num_lines);
-            if (apart <= farthest) continue;
-            farthest = apart;
-            next = s;
-        }
-        if (farthest == 0) break;
-    }
-    return EHD_OK;
-}
-
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
-    size_t num_pressure = model->num_pressure, centre[4];
-    bool coupled = model->deformation == DEFORMATION_COUPLED;
     const ehd_grid *grid = &model->grid;
-    size_t width = grid_width(grid), kernel_lines = (grid->half ? 2 : 1) * model->num_lines;
-    ehd_status status =
-        model->num_lines > 1 ? spread_checkpoints(model, error) : space_checkpoints(model, error);
+    size_t centre[4], width = grid_width(grid),
+                      kernel_lines = (grid->half ? 2 : 1) * model->num_lines;
 
-    if (status) return status;
     model->stencils = malloc(model->num_rows * sizeof *model->stencils);
     model->needed_gap = malloc(model->num_needed * sizeof(double));
     model->kernel = malloc(kernel_lines * width * sizeof(double));
-    model->checkpoint_cut =
-        malloc(model->num_checkpoints * model->num_cut * num_pressure * sizeof(double));
-    if (coupled)
-        model->checkpoint_band =
-            malloc(model->num_checkpoints * model->num_band * num_pressure * sizeof(double));
-    if (!model->stencils || !model->needed_gap || !model->kernel || !model->checkpoint_cut ||
-        (coupled && !model->checkpoint_band))
+    if (!model->stencils || !model->needed_gap || !model->kernel)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
 
     fill_stencils(model->stencils, &model->grid, model->row_node, model->num_rows,
@@ -800,8 +620,8 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
         for (size_t d = 0; d < width; d++)
             model->kernel[l * width + d] =
                 model->kind->kernel((double)d * grid->step, (double)l * grid->step, grid->step);
-    if (coupled) fill_left_coupled(model);
-    return fill_checkpoints(model, error);
+    if (model->deformation == DEFORMATION_COUPLED) fill_left_coupled(model);
+    return reduced_model_make_checkpoints(model, error);
 }
 
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error) {

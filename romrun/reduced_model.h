@@ -79,13 +79,6 @@ typedef struct band_line {
     size_t least, most; // columns at which the exit may lie
 } band_line;
 
-/* Neighbouring nodes of the band by which two exit lines differ. */
-typedef struct cut_run {
-    size_t first, count; // places in the band
-    size_t line, column; // of the first one
-    double sign;         // 1: they get pressure, -1: they lose it
-} cut_run;
-
 /* What the online solver holds. Everything here is read-only while solving, so that several solvers
  * in several threads may share it. */
 typedef struct reduced_model {
@@ -167,28 +160,14 @@ ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error
 
 void reduced_model_free(reduced_model *model);
 
-/* Checkpoint of an exit line: of a line contact the largest one not behind the exit, else the nearest. */
-size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);
-
-/* By which nodes `to` differs from exit line `from`; at most one run a line. Returns their number. */
-size_t reduced_model_runs(
-    // output:
-    cut_run *runs, // [num_lines]
-    // input:
-    const reduced_model *model, const size_t *from, const size_t *to);
-
-/* Brings a cut table to another exit line: eq. (36) in blocks of rank CUT_BLOCK. */
-enum { CUT_BLOCK = 64 };
-void reduced_model_change_cut(
-    // in and out:
-    double *cut, // [num_cut, num_pressure]
-    // input:
-    const reduced_model *model, const cut_run *runs, size_t num_runs,
-    double *work); // [CUT_BLOCK, num_cut + num_pressure]; not touched on a line contact
-
 /* Line of a grid node, and its column in it. */
 size_t reduced_model_line(const reduced_model *model, size_t node);
 size_t reduced_model_column(const reduced_model *model, size_t node);
+
+/* By how much two lines or columns differ. */
+static inline size_t index_distance(size_t a, size_t b) {
+    return a > b ? a - b : b - a;
+}
 
 /* Where a node lies. */
 typedef struct grid_place {

@@ -4,6 +4,7 @@
 #define EHD_SOLVER_PARTS_H
 
 #include "romrun/least_squares.h"
+#include "romrun/reduced_cut.h"
 #include "romrun/reduced_solver.h"
 
 /* Keeps the exit of a line from cycling: after it has turned round it moves by single nodes, and stays where it

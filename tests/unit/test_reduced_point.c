@@ -2,6 +2,7 @@
 /* The reduced model of a point contact, whose exit is a line. */
 #include "common/physics/deflection.h"
 #include "romrun/fields.h"
+#include "romrun/reduced_cut.h"
 #include "romrun/reduced_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
