@@ -6,6 +6,7 @@
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
 #include "common/program/program.h"
+#include "romrun/accuracy.h"
 #include "romrun/calibrate.h"
 #include "romrun/ehdrom.h"
 #include "romrun/time_compare.h"
@@ -266,20 +267,6 @@ static run_result make_result(const ehdrom_result *solution, const double *press
     return result;
 }
 
-// How far a solution is converged where --accuracy asks for no more
-static const double FULL_CONVERGENCE = 1e-8, PART_OF_ITERATION = 0.02;
-
-/* A calibrated model keeps its promise, or says that it may not. */
-static void hold_to(run_result *result, double accuracy) {
-    if (accuracy == 0 || result->status || isnan(result->indicated_deviation) ||
-        result->indicated_deviation <= accuracy)
-        return;
-    result->status = EHD_UNTRUSTED;
-    snprintf(result->reason, sizeof result->reason,
-             "an indicated deviation of %.2g of the central film, more than the --accuracy of %g",
-             result->indicated_deviation, accuracy);
-}
-
 /* The exit code that the outcome asks for, and its line. */
 static ehd_status judge(const run_result *result, const romrun_options *options, const char *path,
                         ehd_error *error) {
@@ -344,8 +331,7 @@ static ehd_status attempt_at(attempt *self, const ehdrom_sizes *sizes,
 
     if (!status) status = ehdrom_solver_create(&self->solver, self->model, error);
     if (!status && options->accuracy > 0)
-        ehdrom_solver_set_tolerance(self->solver,
-                                    fmax(FULL_CONVERGENCE, PART_OF_ITERATION * options->accuracy));
+        ehdrom_solver_set_tolerance(self->solver, accuracy_tolerance(options->accuracy));
     return status ? status : ehdrom_solve(&self->solution, self->solver, contact, error);
 }
 
@@ -356,7 +342,7 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
     ehd_status status = attempt_at(self, &options->sizes, options, contact, error);
     if (status || options->most.pressure_modes == 0) return status;
     run_result result = make_result(&self->solution, NULL, NULL);
-    hold_to(&result, options->accuracy);
+    accuracy_judge(&result, options->accuracy);
     if (!result.status || memcmp(&options->sizes, &options->most, sizeof options->most) == 0)
         return EHD_OK;
 
@@ -408,7 +394,7 @@ static ehd_status run_stationary(const program *self, romrun_options *options,
         run_result result = make_result(&done.solution, pressure, film);
         ehdrom_exits(exits, done.solver);
         result.exits = exits;
-        hold_to(&result, options->accuracy);
+        if (options->accuracy > 0) accuracy_judge(&result, options->accuracy);
         if (file) status = result_write(&file, &result, contact, error);
         if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
         if (!status && options->verify && result.status != EHD_NOT_CONVERGED)
@@ -497,52 +483,21 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     return status;
 }
 
-/* The fastest sizes that were measured to be good enough, and a note of which and why. */
-static ehd_status choose_from(romrun_options *options, const trade_table *table,
-                              const program *self, bool in_time, ehd_error *error) {
-    const double up = 1.006; // what is shown with three digits can be asked for
-    size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
-    size_t chosen = trade_cheapest(table, options->accuracy, in_time);
-    size_t best = trade_most_accurate(table, in_time);
-    const char *what = in_time ? "trajectories" : "scenes";
-    char name[TRADE_NAME];
-
-    if (num_measured == 0)
-        return ehd_fail(error, EHD_DATA, "%s: found a calibration without %s, expected some",
-                        options->model, what);
-    if (best == table->num_positions)
-        return ehd_fail(error, EHD_DATA,
-                        "--accuracy: found no size of %s that solved enough of the %zu %s of its "
-                        "calibration, expected one",
-                        options->model, num_measured, what);
-    const trade_position *position =
-        &table->positions[chosen < table->num_positions ? chosen : best];
-    const trade_price price = trade_price_of(position, in_time);
-    trade_name(name, &position->sizes);
-    if (chosen == table->num_positions)
-        return ehd_fail(error, EHD_DATA,
-                        "--accuracy: found %g, expected at least %.3g, the best that %s was "
-                        "measured to give (%s)",
-                        options->accuracy, up * price.deviation, options->model, name);
-    const bool indicated = !in_time && position->indicator_factor > 0;
-    options->sizes = position->sizes;
-    options->most = table->positions[best].sizes;
-    program_note(
-        self,
-        "--accuracy %g: %s, the fastest of %zu sizes whose central film was%s at most so far "
-        "off: %.3g on %s%zu %s, in %.3g ms%s",
-        options->accuracy, name, table->num_positions, indicated ? " indicated to be" : "",
-        price.deviation, indicated ? "90 % of " : "", num_measured, what, price.seconds * 1e3,
-        in_time ? " a step" : "");
-    return EHD_OK;
-}
-
+/* By --accuracy, from the table of the calibrated model. */
 static ehd_status choose_sizes(romrun_options *options, const program *self, bool in_time,
                                ehd_error *error) {
     trade_table table;
+    accuracy_choice choice;
     ehd_status status = trade_read(&table, options->model, error);
 
-    if (!status) status = choose_from(options, &table, self, in_time, error);
+    if (!status)
+        status =
+            accuracy_choose(&choice, &table, options->accuracy, in_time, options->model, error);
+    if (!status) {
+        options->sizes = choice.fastest;
+        options->most = choice.most;
+        program_note(self, "--accuracy %g: %s", options->accuracy, choice.note);
+    }
     trade_free(&table);
     return status;
 }

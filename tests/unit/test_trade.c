@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table of sizes of a model: which are measured, how, and which one is taken. */
 #include "common/artefact/artefact.h"
+#include "romrun/accuracy.h"
 #include "romrun/calibration.h"
 #include "romrun/model_file.h"
 #include "romrun/trade_file.h"
@@ -205,6 +206,98 @@ static void the_factor_leaves_a_margin(void **state) {
     check_close(trade_indicator_factor(deviations, bounds, 0), 0, 0, 0);
 }
 
+// ---- what is asked for by --accuracy
+
+static void accuracy_chooses_the_fastest_and_the_best(void **state) {
+    trade_position positions[] = {measured(1e-1, 1, 0), measured(1e-2, 2e-3, 0),
+                                  measured(1e-3, 3e-3, 0), measured(1e-9, 1e-3, 1)};
+    const trade_table table = {9, 0, 4, positions};
+    accuracy_choice choice;
+    (void)state;
+
+    for (size_t i = 0; i < 4; i++)
+        positions[i].sizes = (ehdrom_sizes){10 + i, 0, 20 + i};
+    check_ok(accuracy_choose(&choice, &table, 2e-2, false, "m.h5", &error));
+    assert_memory_equal(&choice.fastest, &positions[1].sizes, sizeof choice.fastest);
+    assert_memory_equal(&choice.most, &positions[2].sizes, sizeof choice.most);
+    assert_string_equal(choice.note,
+                        "11 pressure modes, 21 rows, the fastest of 4 sizes whose central film "
+                        "was at most so far off: 0.01 on 9 scenes, in 2 ms");
+    for (size_t i = 0; i < 4; i++) {
+        positions[i].indicator_factor = 1;
+        positions[i].indicated[PART_90] = i == 3 ? INFINITY : 5e-3;
+    }
+    check_ok(accuracy_choose(&choice, &table, 2e-2, false, "m.h5", &error));
+    assert_string_equal(choice.note,
+                        "11 pressure modes, 21 rows, the fastest of 4 sizes whose central film "
+                        "was indicated to be at most so far off: 0.005 on 90 % of 9 scenes, in 2 "
+                        "ms");
+}
+
+static void accuracy_goes_by_the_steps_in_time(void **state) {
+    trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-2, 2, 0)};
+    const trade_table table = {9, 3, 2, positions}, still = {9, 0, 2, positions};
+    accuracy_choice choice;
+    (void)state;
+
+    positions[0].sizes = (ehdrom_sizes){10, 4, 20};
+    positions[1].sizes = (ehdrom_sizes){12, 5, 24};
+    positions[0].worst_in_time[TRADE_CENTRAL_FILM] = 1;
+    positions[1].worst_in_time[TRADE_CENTRAL_FILM] = 0.25;
+    positions[0].step_seconds = 1e-4;
+    positions[1].step_seconds = 2e-4;
+    check_ok(accuracy_choose(&choice, &table, 0.5, true, "m.h5", &error));
+    assert_string_equal(choice.note,
+                        "12 pressure modes, 5 deformation modes, 24 rows, the fastest of 2 sizes "
+                        "whose central film was at most so far off: 0.25 on 3 trajectories, in "
+                        "0.2 ms a step");
+    assert_int_equal(accuracy_choose(&choice, &still, 0.5, true, "m.h5", &error), EHD_DATA);
+    assert_string_equal(error.text,
+                        "m.h5: found a calibration without trajectories, expected some");
+}
+
+/* The limit that a refusal names is one that can be asked for, whatever its digits. */
+static void accuracy_names_what_it_can_give(void **state) {
+    trade_position position = measured(0, 1, 0);
+    const trade_table table = {9, 0, 1, &position};
+    accuracy_choice choice;
+    (void)state;
+
+    for (double best = 1e-12; best < 0.9; best *= 1.0371) {
+        position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST] = best;
+        assert_int_equal(accuracy_choose(&choice, &table, best / 2, false, "m.h5", &error),
+                         EHD_DATA);
+        double least = strtod(strstr(error.text, "at least ") + strlen("at least "), NULL);
+        check_close(least, best, 0.012, 0);
+        check_ok(accuracy_choose(&choice, &table, least, false, "m.h5", &error));
+    }
+    position.num_failures = 1;
+    assert_int_equal(accuracy_choose(&choice, &table, 1, false, "m.h5", &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "found no size of m.h5 that solved enough of the 9 scenes"));
+}
+
+static void a_promise_is_kept_or_the_result_flagged(void **state) {
+    const struct {
+        double indicated;
+        ehd_status before, after;
+    } cases[] = {{1e-3, EHD_OK, EHD_OK},
+                 {0.99e-3, EHD_OK, EHD_OK},
+                 {1.01e-3, EHD_OK, EHD_UNTRUSTED},
+                 {INFINITY, EHD_OK, EHD_UNTRUSTED},
+                 {NAN, EHD_OK, EHD_OK}, // not calibrated at these sizes
+                 {1, EHD_NOT_CONVERGED, EHD_NOT_CONVERGED}};
+    (void)state;
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        run_result result = {.indicated_deviation = cases[i].indicated, .status = cases[i].before};
+        accuracy_judge(&result, 1e-3);
+        assert_int_equal(result.status, cases[i].after);
+        assert_int_equal(result.reason[0] != '\0', cases[i].after == EHD_UNTRUSTED);
+    }
+    check_close(accuracy_tolerance(1e-2), 2e-4, 1e-12, 0);
+    check_close(accuracy_tolerance(1e-12), 1e-8, 0, 0); // as without --accuracy
+}
+
 // ---- measuring
 
 /* Full solutions of the training itself, some of which are said to be other than they are. */
@@ -388,6 +481,10 @@ int main(void) {
         cmocka_unit_test(in_time_it_may_be_another),
         cmocka_unit_test(an_indicator_takes_the_place_of_the_worst),
         cmocka_unit_test(the_factor_leaves_a_margin),
+        cmocka_unit_test(accuracy_chooses_the_fastest_and_the_best),
+        cmocka_unit_test(accuracy_goes_by_the_steps_in_time),
+        cmocka_unit_test(accuracy_names_what_it_can_give),
+        cmocka_unit_test(a_promise_is_kept_or_the_result_flagged),
         cmocka_unit_test(a_full_model_deviates_by_what_it_is_told),
         cmocka_unit_test(scenes_that_fail_count_as_failures_only),
         cmocka_unit_test(failing_allocations_are_reported),
