@@ -527,19 +527,26 @@ static void kernel_is_the_integral_over_a_cell(void **state) {
 
 static void deflection_without_memory(void **state) {
     (void)state;
-    ehd_grid grid = grid_of(-1, 0.1, 21, 1, false);
-    ehd_deflection *deflection;
-    size_t call = 0;
-    bool failed;
-    do {
-        allocation_fail_at(call);
-        deflection = deflection_create(&contact_line, &grid);
-        failed = allocation_failed();
-        if (failed) assert_null(deflection);
-    } while (failed && call++ < 100);
-    assert_true(call >= 3 && call < 100);
-    assert_non_null(deflection);
-    deflection_free(deflection);
+    const struct {
+        const contact_kind *kind;
+        ehd_grid grid;
+    } cases[] = {{&contact_line, grid_of(-1, 0.1, 21, 1, false)},
+                 {&contact_point, grid_of(-1, 0.1, 21, 11, true)}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_deflection *deflection;
+        size_t call = 0;
+        bool failed;
+        do {
+            allocation_fail_at(call);
+            deflection = deflection_create(cases[i].kind, &cases[i].grid);
+            failed = allocation_failed();
+            if (failed) assert_null(deflection);
+        } while (failed && call++ < 100);
+        assert_true(call >= 3 && call < 100);
+        assert_non_null(deflection);
+        deflection_free(deflection);
+    }
 }
 
 int main(void) {

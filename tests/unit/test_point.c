@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The point contact: kernel, deflection and rows across, and the full model's solutions. */
-#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/dense.h"
 #include "tests/unit/problem.h"
@@ -129,23 +128,6 @@ static void hertz_pressure_gives_hertz_deflection(void **state) {
     // the steep edge, which cuts through the cells, leaves about the first order
     assert_true(coarse < 2.5e-3 && fine < coarse / 3.5);
     check_close(hertz_deviation(64, true), coarse, 1e-9, 0);
-}
-
-static void deflection_without_memory(void **state) {
-    (void)state;
-    const ehd_grid grid = grid_of(-1, 0.1, 21, 11, true);
-    ehd_deflection *deflection;
-    size_t call = 0;
-    bool failed;
-    do {
-        allocation_fail_at(call);
-        deflection = deflection_create(&contact_point, &grid);
-        failed = allocation_failed();
-        if (failed) assert_null(deflection);
-    } while (failed && call++ < 100);
-    assert_true(call >= 3 && call < 100);
-    assert_non_null(deflection);
-    deflection_free(deflection);
 }
 
 // ---- rows
@@ -442,7 +424,6 @@ int main(void) {
         cmocka_unit_test(kernel_is_the_integral_over_a_cell),
         cmocka_unit_test(fft_equals_direct_sum),
         cmocka_unit_test(hertz_pressure_gives_hertz_deflection),
-        cmocka_unit_test(deflection_without_memory),
         cmocka_unit_test(row_derivatives),
         cmocka_unit_test(rows_without_variation_across_are_the_line_s),
         cmocka_unit_test(every_step_equals_dense),
