@@ -43,6 +43,19 @@ groups:
 YAML
 }
 
+# point_scene M X_MIN: the scene of a point contact with 33 nodes across, in the present folder.
+point_scene() {
+    cat >scene.yml <<YAML
+contact: point
+regime: stationary
+moes: {M: $1, L: 5}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {x_min: $2, x_max: 1.5, step: 0.125, y_max: 2}
+YAML
+}
+
 # refused CODE PATTERN COMMAND...: the exit code, and one line on stderr that matches the pattern and is
 # led by the program's name.
 refused() {

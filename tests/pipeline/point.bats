@@ -7,15 +7,7 @@ load common
 # A scene of 37 by 33 nodes and a plan of four points around it.
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
-    cat >scene.yml <<'YAML'
-contact: point
-regime: stationary
-moes: {M: 20, L: 5}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-grid: {x_min: -3, x_max: 1.5, step: 0.125, y_max: 2}
-YAML
+    point_scene 20 -3
     cat >plan.yml <<'YAML'
 groups:
   - scene: scene.yml

@@ -7,15 +7,7 @@ load common
 # A model of 33 by 33 nodes: of the half of them, and with all of what twelve points span.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
-    cat >scene.yml <<'YAML'
-contact: point
-regime: stationary
-moes: {M: 13, L: 5}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-grid: {x_min: -2.5, x_max: 1.5, step: 0.125, y_max: 2}
-YAML
+    point_scene 13 -2.5
     cat >plan.yml <<'YAML'
 groups:
   - scene: scene.yml
