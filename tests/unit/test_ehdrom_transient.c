@@ -3,9 +3,9 @@
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
 #include "romrun/ehdrom.h"
-#include "romrun/model_file.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -100,27 +100,14 @@ static void training_run(training *self) {
 
 /* Writes a model with all rows, and opens it. */
 static ehdrom_model *make_model(const snapshot_set *set, deformation_kind kind, const char *path) {
-    static char *words[] = {"deimselect", NULL};
-    const program writer = {
-        .name = "deimselect", .argc = 1, .argv = words, .force = true, .output = path};
     const bases_settings settings = {{.num_modes = NUM_MODES}, {.num_modes = NUM_MODES}, kind};
-    const double sigmas[NUM_STATES] = {1};
-    const model_origin origin = {.method = "joint",
-                                 .basis_identity = "0123",
-                                 .sigma_min_residual = 1,
-                                 .sigma_min_jacobian = 1,
-                                 .sigma_min_over_exits = 1,
-                                 .sigma_min_by_exit = sigmas};
     reduced_basis basis;
-    reduced_model built;
     pod_basis pressure, deformation;
     ehdrom_model *opened;
 
     check_ok(bases_build(&basis, &pressure, &deformation, set, &settings, &error));
-    check_ok(reduced_model_build(&built, &basis, NULL, 0, &error));
-    check_ok(model_write(&built, &basis, &origin, &writer, "rows: all\n", NULL, &error));
+    whole_model_write(&basis, path);
     check_ok(ehdrom_open(&opened, path, NULL, &error));
-    reduced_model_free(&built);
     reduced_basis_free(&basis);
     pod_free(&pressure);
     pod_free(&deformation);

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/deflection.h"
 #include "romrun/reduced_cut.h"
-#include "romrun/reduced_solver.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
-#include "tests/unit/trained.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <lapacke.h>
 #include <math.h>
@@ -14,7 +13,6 @@
 static trained training;      // 301 nodes, a checkpoint every second node
 static reduced_basis coupled; // all modes that the training spans
 static reduced_basis independent;
-static const reduced_settings strict = {.tolerance = 1e-15, .max_iterations = 40};
 
 static const struct {
     const char *name;
@@ -39,48 +37,14 @@ static int tear_down(void **state) {
 
 // ---- helpers
 
-/* A model with what it takes to solve it. */
-typedef struct problem {
-    reduced_model model;
-    reduced_solver *solver;
-    reduced_state state;
-    reduced_info info;
-} problem;
-
-static void problem_init(problem *self, const reduced_basis *basis, const size_t *rows,
-                         size_t num_rows, const reduced_settings *settings) {
-    ehd_error error = {""};
-
-    if (reduced_model_build(&self->model, basis, rows, num_rows, &error))
-        fail_msg("%s", error.text);
-    if (reduced_solver_create(&self->solver, &self->model, settings, &error))
-        fail_msg("%s", error.text);
-    assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);
-}
-
-static void problem_free(problem *self) {
-    reduced_solver_free(self->solver);
-    reduced_model_free(&self->model);
-    reduced_state_free(&self->state);
-}
-
-static void solve(problem *self, const ehd_contact *contact) {
-    ehd_error error = {""};
-
-    if (reduced_solve(&self->info, &self->state, self->solver, contact, NULL, &error))
-        fail_msg("%s", error.text);
-    assert_string_equal(self->info.reason, "");
-    assert_int_equal(self->info.status, EHD_OK);
-}
-
-static void solve_from_neighbour(problem *self, size_t s) {
+static void solve_from_neighbour(reduced_problem *self, size_t s) {
     reduced_neighbour(&self->state, &self->model, training.set.moes_M[s],
                       training.set.alpha_p_H[s]);
-    solve(self, &training.contacts[s]);
+    reduced_problem_solve(self, &training.contacts[s]);
 }
 
 /* Pressure and film on the whole grid, from the definition: modes cut at the exit, then K. */
-static void full_fields(double *pressure, double *film, const problem *self,
+static void full_fields(double *pressure, double *film, const reduced_problem *self,
                         const reduced_basis *basis) {
     const ehd_grid *grid = &basis->grid;
     const double *z = self->state.coordinates;
@@ -114,8 +78,8 @@ static double *fields(void) {
 }
 
 /* The solution is the full solver's, everywhere. */
-static void check_is_training_state(const problem *self, const reduced_basis *basis, size_t s,
-                                    double tolerance) {
+static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
+                                    size_t s, double tolerance) {
     size_t num_nodes = basis->grid.num_nodes;
     double *pressure = fields(), *film = pressure + num_nodes;
 
@@ -126,34 +90,6 @@ static void check_is_training_state(const problem *self, const reduced_basis *ba
     check_close_array(pressure, training.set.pressure + s * num_nodes, num_nodes, 0, tolerance);
     check_close_array(film, training.film + s * num_nodes, num_nodes, 0, tolerance);
     free(pressure);
-}
-
-/* Every inner node is a mode of its own: the reduced model is the full one. */
-static reduced_basis identity_basis(void) {
-    const snapshot_set *set = &training.set;
-    size_t num_nodes = set->grid.num_nodes, num_inner = set->grid.num_inner;
-    reduced_basis basis = {.kind = set->kind,
-                           .grid = set->grid,
-                           .deformation = DEFORMATION_COUPLED,
-                           .num_pressure = num_inner};
-
-    basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
-    basis.weight = calloc(num_nodes, sizeof(double));
-    assert_int_equal(reduced_states_init(&basis.states, set->num_states, 1, num_inner + 1, NULL),
-                     EHD_OK);
-    for (size_t k = 0; k < num_inner; k++) {
-        basis.pressure[(k + 1) * num_inner + k] = 1;
-        basis.weight[k + 1] = coupled.weight[k + 1];
-    }
-    for (size_t s = 0; s < set->num_states; s++) {
-        double *coordinates = basis.states.coordinates + s * (num_inner + 1);
-        memcpy(coordinates, set->pressure + s * num_nodes + 1, num_inner * sizeof(double));
-        coordinates[num_inner] = set->rigid_approach[s];
-        basis.states.exit[s] = set->exit[s];
-        basis.states.moes_M[s] = set->moes_M[s];
-        basis.states.alpha_p_H[s] = set->alpha_p_H[s];
-    }
-    return basis;
 }
 
 /* A fixed order of 1 … count that is none of the obvious ones. */
@@ -177,15 +113,15 @@ static size_t *shuffled_nodes(size_t count) {
 
 static void full_rank_reproduces_the_full_model(void **state) {
     (void)state;
-    reduced_basis basis = identity_basis();
-    problem reduced;
+    reduced_basis basis = identity_basis(&training.set, coupled.weight);
+    reduced_problem reduced;
 
-    problem_init(&reduced, &basis, NULL, 0, &strict);
+    reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         solve_from_neighbour(&reduced, s);
         check_is_training_state(&reduced, &basis, s, 1e-10);
     }
-    problem_free(&reduced);
+    reduced_problem_free(&reduced);
     reduced_basis_free(&basis);
 }
 
@@ -194,19 +130,19 @@ static void full_rank_reproduces_the_full_model(void **state) {
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        problem reduced;
-        problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict_settings);
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             size_t n = reduced.model.num_unknowns;
             const double *target = kinds[kind].basis->states.coordinates + s * n;
             for (size_t j = 0; j < n; j++)
                 reduced.state.coordinates[j] = target[j] * (1 + (j % 2 ? 1e-3 : -1e-3));
             reduced.state.exit = training.set.exit[s];
-            solve(&reduced, &training.contacts[s]);
+            reduced_problem_solve(&reduced, &training.contacts[s]);
             check_is_training_state(&reduced, kinds[kind].basis, s, 1e-10);
             assert_true(reduced.info.residual < 1e-6);
         }
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
 }
 
@@ -216,10 +152,10 @@ static void all_rows_in_any_order_are_level_i(void **state) {
 
     for (int kind = 0; kind < 2; kind++) {
         reduced_basis small;
-        problem level_i, level_n;
+        reduced_problem level_i, level_n;
         trained_basis(&small, &training, kinds[kind].basis->deformation, 9, kind ? 7 : 0);
-        problem_init(&level_i, &small, NULL, 0, &strict);
-        problem_init(&level_n, &small, nodes, num_inner, &strict);
+        reduced_problem_init(&level_i, &small, NULL, 0, &strict_settings);
+        reduced_problem_init(&level_n, &small, nodes, num_inner, &strict_settings);
         for (size_t s = 0; s < TRAINED_STATES; s += 2) {
             solve_from_neighbour(&level_i, s);
             solve_from_neighbour(&level_n, s);
@@ -231,8 +167,8 @@ static void all_rows_in_any_order_are_level_i(void **state) {
                         level_i.info.scalars.minimum_film_thickness, 1e-12, 0);
             check_close(level_n.info.residual, level_i.info.residual, 1e-9, 1e-15);
         }
-        problem_free(&level_i);
-        problem_free(&level_n);
+        reduced_problem_free(&level_i);
+        reduced_problem_free(&level_n);
         reduced_basis_free(&small);
     }
     free(nodes);
@@ -268,15 +204,15 @@ static ehd_status solve_otherwise(double *step, void *context, const double *mat
 static void another_linear_solver_may_be_put_in(void **state) {
     (void)state;
     other_solver other = {0};
-    reduced_settings settings = strict;
+    reduced_settings settings = strict_settings;
     reduced_basis small;
-    problem own, with_other;
+    reduced_problem own, with_other;
 
     settings.solve_linear = solve_otherwise;
     settings.linear_context = &other;
     trained_basis(&small, &training, DEFORMATION_COUPLED, 9, 0);
-    problem_init(&own, &small, NULL, 0, &strict);
-    problem_init(&with_other, &small, NULL, 0, &settings);
+    reduced_problem_init(&own, &small, NULL, 0, &strict_settings);
+    reduced_problem_init(&with_other, &small, NULL, 0, &settings);
     for (size_t s = 0; s < TRAINED_STATES; s += 3) {
         other = (other_solver){0};
         solve_from_neighbour(&own, s);
@@ -295,8 +231,8 @@ static void another_linear_solver_may_be_put_in(void **state) {
                      EHD_OK);
     assert_int_equal(with_other.info.status, EHD_NOT_CONVERGED);
     assert_int_equal(with_other.info.iterations, 1);
-    problem_free(&own);
-    problem_free(&with_other);
+    reduced_problem_free(&own);
+    reduced_problem_free(&with_other);
     reduced_basis_free(&small);
 }
 
@@ -308,21 +244,21 @@ static void truncated_bases_stay_near(void **state) {
         for (size_t num_pressure = 6; num_pressure <= 10; num_pressure += 2) {
             double worst = 0;
             reduced_basis small;
-            problem reduced;
+            reduced_problem reduced;
             trained_basis(&small, &training, kinds[kind].basis->deformation, num_pressure,
                           kind ? num_pressure : 0);
-            problem_init(&reduced, &small, NULL, 0, &strict);
+            reduced_problem_init(&reduced, &small, NULL, 0, &strict_settings);
             for (size_t s = 0; s < TRAINED_STATES; s++) {
                 double expected = training.set.central_film_thickness[s];
                 reduced_guess(&reduced.state, &reduced.model, training.set.moes_M[s],
                               training.set.alpha_p_H[s]);
-                solve(&reduced, &training.contacts[s]);
+                reduced_problem_solve(&reduced, &training.contacts[s]);
                 worst =
                     fmax(worst, fabs(reduced.info.scalars.central_film_thickness / expected - 1));
             }
             assert_true(worst < before);
             before = worst;
-            problem_free(&reduced);
+            reduced_problem_free(&reduced);
             reduced_basis_free(&small);
         }
         assert_true(before < 1e-2);
@@ -407,15 +343,15 @@ static void moving_the_exit_equals_rebuilding(void **state) {
     check_close(grid_x(&training.set.grid, centre), 0, 0, 1e-12);
     for (int kind = 0; kind < 2; kind++) {
         const reduced_basis *basis = kinds[kind].basis;
-        problem reduced;
-        problem_init(&reduced, basis, NULL, 0, &strict);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, basis, NULL, 0, &strict_settings);
         size_t least = reduced.model.least_exit, most = reduced.model.most_exit, found = 0;
         for (size_t exit = least; exit <= most; exit++) {
             double load = 0;
             reduced_neighbour(&reduced.state, &reduced.model, training.set.moes_M[STATE],
                               training.set.alpha_p_H[STATE]);
             reduced.state.exit = exit;
-            solve(&reduced, &training.contacts[STATE]);
+            reduced_problem_solve(&reduced, &training.contacts[STATE]);
             if (reduced.state.exit == training.set.exit[STATE])
                 check_is_training_state(&reduced, basis, STATE, 1e-10);
             found += reduced.state.exit == training.set.exit[STATE];
@@ -430,7 +366,7 @@ static void moving_the_exit_equals_rebuilding(void **state) {
             check_close(reduced.info.scalars.central_pressure, pressure[centre], 1e-11, 0);
         }
         assert_true(found > (most - least) / 3);
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
     free(pressure);
 }
@@ -441,8 +377,8 @@ static void the_exit_stays_inside_the_tables(void **state) {
     const double moes_M[] = {2, 4, 5, 6, 7, 300};
 
     for (int kind = 0; kind < 2; kind++) {
-        problem reduced;
-        problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict_settings);
         const size_t ends[] = {reduced.model.least_exit, reduced.model.most_exit};
         for (size_t i = 0; i < 12; i++) {
             ehd_contact contact = training.contacts[0];
@@ -454,9 +390,9 @@ static void the_exit_stays_inside_the_tables(void **state) {
                 EHD_OK);
             assert_true(reduced.state.exit >= reduced.model.least_exit);
             assert_true(reduced.state.exit <= reduced.model.most_exit);
-            assert_true(reduced.info.iterations <= strict.max_iterations);
+            assert_true(reduced.info.iterations <= strict_settings.max_iterations);
         }
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
 }
 
@@ -467,8 +403,8 @@ static void minimum_film_is_the_smallest_nodal_film(void **state) {
 
     for (int kind = 0; kind < 2; kind++) {
         const reduced_basis *basis = kinds[kind].basis;
-        problem reduced;
-        problem_init(&reduced, basis, NULL, 0, &strict);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, basis, NULL, 0, &strict_settings);
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             double least = INFINITY;
             solve_from_neighbour(&reduced, s);
@@ -479,7 +415,7 @@ static void minimum_film_is_the_smallest_nodal_film(void **state) {
             check_close(reduced.info.scalars.exit_position,
                         grid_x(&basis->grid, reduced.state.exit), 0, 1e-12);
         }
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
     free(pressure);
 }
@@ -503,7 +439,7 @@ static ehd_status observe_first(void *context, const double *residual, const dou
 }
 
 /* One iteration from z with a given exit: what the observer sees, and where it leads. */
-static void iterate_once(observation *seen, problem *self, const double *z, size_t exit,
+static void iterate_once(observation *seen, reduced_problem *self, const double *z, size_t exit,
                          const ehd_contact *contact) {
     seen->count = 0;
     memcpy(self->state.coordinates, z, self->model.num_unknowns * sizeof(double));
@@ -522,8 +458,8 @@ static void jacobian_equals_finite_differences(void **state) {
 
     for (int kind = 0; kind < 2; kind++) {
         const reduced_basis *basis = kinds[kind].basis;
-        problem reduced;
-        problem_init(&reduced, basis, NULL, 0, &once);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, basis, NULL, 0, &once);
         size_t n = reduced.model.num_unknowns, num_rows = reduced.model.num_rows;
         double *memory = calloc(6 * num_rows + 3 * n, sizeof *memory);
         assert_non_null(memory);
@@ -559,7 +495,7 @@ static void jacobian_equals_finite_differences(void **state) {
             }
         }
         free(memory);
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
 }
 
@@ -567,9 +503,9 @@ static void jacobian_equals_finite_differences(void **state) {
 
 static void guess_at_a_training_point_is_that_state(void **state) {
     (void)state;
-    problem reduced;
+    reduced_problem reduced;
 
-    problem_init(&reduced, &coupled, NULL, 0, &strict);
+    reduced_problem_init(&reduced, &coupled, NULL, 0, &strict_settings);
     size_t n = reduced.model.num_unknowns;
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         const double *expected = coupled.states.coordinates + s * n;
@@ -588,7 +524,7 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
     assert_true(reduced.state.exit >= reduced.model.least_exit);
     assert_true(reduced.state.exit <= reduced.model.most_exit);
-    problem_free(&reduced);
+    reduced_problem_free(&reduced);
 }
 
 static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
@@ -688,7 +624,7 @@ static void survives_failing_allocations(void **state) {
         assert_true(call > 20);
         for (call = 0;; call++) {
             allocation_fail_at(call);
-            ehd_status status = reduced_solver_create(&solver, &model, &strict, NULL);
+            ehd_status status = reduced_solver_create(&solver, &model, &strict_settings, NULL);
             if (!allocation_failed()) break;
             assert_int_equal(status, EHD_MEMORY);
             assert_null(solver);

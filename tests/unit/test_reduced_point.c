@@ -3,9 +3,8 @@
 #include "common/physics/deflection.h"
 #include "romrun/fields.h"
 #include "romrun/reduced_cut.h"
-#include "romrun/reduced_solver.h"
 #include "tests/unit/check.h"
-#include "tests/unit/trained.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +12,6 @@
 
 static trained half, whole;                   // 33 by 33 nodes, and the half of them
 static reduced_basis half_basis, whole_basis; // all modes that the training spans
-static const reduced_settings strict = {.tolerance = 1e-15, .max_iterations = 40};
 
 static const struct {
     const char *name;
@@ -41,42 +39,8 @@ static int tear_down(void **state) {
 
 // ---- helpers
 
-/* A model with what it takes to solve it. */
-typedef struct problem {
-    reduced_model model;
-    reduced_solver *solver;
-    reduced_state state;
-    reduced_info info;
-} problem;
-
-static void problem_init(problem *self, const reduced_basis *basis, const size_t *rows,
-                         size_t num_rows) {
-    ehd_error error = {""};
-
-    if (reduced_model_build(&self->model, basis, rows, num_rows, &error))
-        fail_msg("%s", error.text);
-    if (reduced_solver_create(&self->solver, &self->model, &strict, &error))
-        fail_msg("%s", error.text);
-    assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);
-}
-
-static void problem_free(problem *self) {
-    reduced_solver_free(self->solver);
-    reduced_state_free(&self->state);
-    reduced_model_free(&self->model);
-}
-
-static void solve(problem *self, const ehd_contact *contact) {
-    ehd_error error = {""};
-
-    if (reduced_solve(&self->info, &self->state, self->solver, contact, NULL, &error))
-        fail_msg("%s", error.text);
-    assert_string_equal(self->info.reason, "");
-    assert_int_equal(self->info.status, EHD_OK);
-}
-
 /* The solution is the full solver's, everywhere, and so are its exit line and scalars. */
-static void check_is_training_state(const problem *self, const reduced_basis *basis,
+static void check_is_training_state(const reduced_problem *self, const reduced_basis *basis,
                                     const trained *training, size_t s, double tolerance) {
     const snapshot_set *set = &training->set;
     size_t num_nodes = basis->grid.num_nodes, num_lines = grid_lines(&basis->grid);
@@ -99,36 +63,6 @@ static void check_is_training_state(const problem *self, const reduced_basis *ba
     free(pressure);
 }
 
-/* Every inner node is a mode of its own: the reduced model is the full one. */
-static reduced_basis identity_basis(void) {
-    const snapshot_set *set = &half.set;
-    const ehd_grid *grid = &set->grid;
-    size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, num_lines = grid_lines(grid);
-    reduced_basis basis = {.kind = set->kind,
-                           .grid = *grid,
-                           .deformation = DEFORMATION_COUPLED,
-                           .num_pressure = num_inner};
-
-    basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
-    basis.weight = calloc(num_nodes, sizeof(double));
-    assert_int_equal(
-        reduced_states_init(&basis.states, set->num_states, num_lines, num_inner + 1, NULL),
-        EHD_OK);
-    memcpy(basis.weight, half_basis.weight, num_nodes * sizeof(double));
-    for (size_t r = 0; r < num_inner; r++)
-        basis.pressure[grid_node_of_row(grid, r) * num_inner + r] = 1;
-    memcpy(basis.states.exit, set->exit, set->num_states * num_lines * sizeof *set->exit);
-    for (size_t s = 0; s < set->num_states; s++) {
-        double *coordinates = basis.states.coordinates + s * (num_inner + 1);
-        for (size_t r = 0; r < num_inner; r++)
-            coordinates[r] = set->pressure[s * num_nodes + grid_node_of_row(grid, r)];
-        coordinates[num_inner] = set->rigid_approach[s];
-        basis.states.moes_M[s] = set->moes_M[s];
-        basis.states.alpha_p_H[s] = set->alpha_p_H[s];
-    }
-    return basis;
-}
-
 /* On a grid as coarse as this two neighbouring exit lines may both be consistent: signs of pressure and multiplier
  * are right on both, and the films differ by 5e-6 or less. Of these states the full solver took the other one. */
 static bool has_two_exits(size_t s) {
@@ -139,18 +73,18 @@ static bool has_two_exits(size_t s) {
 
 static void full_rank_reproduces_the_full_model(void **state) {
     (void)state;
-    reduced_basis basis = identity_basis();
-    problem reduced;
+    reduced_basis basis = identity_basis(&half.set, half_basis.weight);
+    reduced_problem reduced;
 
-    problem_init(&reduced, &basis, NULL, 0);
+    reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     for (size_t s = 0; s < TRAINED_STATES; s += 3) {
         if (has_two_exits(s)) continue;
         reduced_neighbour(&reduced.state, &reduced.model, half.set.moes_M[s],
                           half.set.alpha_p_H[s]);
-        solve(&reduced, &half.contacts[s]);
+        reduced_problem_solve(&reduced, &half.contacts[s]);
         check_is_training_state(&reduced, &basis, &half, s, 1e-9);
     }
-    problem_free(&reduced);
+    reduced_problem_free(&reduced);
     reduced_basis_free(&basis);
 }
 
@@ -160,8 +94,8 @@ static void a_basis_with_the_solution_finds_it(void **state) {
     for (int g = 0; g < 2; g++) {
         const reduced_basis *basis = grids[g].basis;
         const reduced_states *states = &basis->states;
-        problem reduced;
-        problem_init(&reduced, basis, NULL, 0);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, basis, NULL, 0, &strict_settings);
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             size_t n = reduced.model.num_unknowns;
             if (has_two_exits(s)) continue;
@@ -170,11 +104,11 @@ static void a_basis_with_the_solution_finds_it(void **state) {
                     states->coordinates[s * n + j] * (1 + (j % 2 ? 1e-3 : -1e-3));
             reduced_state_set_exits(&reduced.state, &reduced.model,
                                     states->exit + s * states->num_lines);
-            solve(&reduced, &grids[g].training->contacts[s]);
+            reduced_problem_solve(&reduced, &grids[g].training->contacts[s]);
             check_is_training_state(&reduced, basis, grids[g].training, s, 1e-9);
             assert_true(reduced.info.residual < 1e-6);
         }
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
 }
 
@@ -250,8 +184,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     for (int g = 0; g < 2; g++) {
         const reduced_basis *basis = grids[g].basis;
         size_t count, *rows = some_rows(&count, &basis->grid);
-        problem reduced;
-        problem_init(&reduced, basis, rows, count);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, basis, rows, count, &strict_settings);
         const reduced_model *model = &reduced.model;
         size_t size = model->num_cut * model->num_pressure, *exit = reduced.state.exits;
         assert_true(model->num_checkpoints > 3);
@@ -275,7 +209,7 @@ static void cut_tables_equal_plain_sums(void **state) {
         free(work);
         free(cut);
         free(rows);
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
 }
 
@@ -284,10 +218,10 @@ static void cut_tables_equal_plain_sums(void **state) {
 static void exit_lines_are_found(void **state) {
     (void)state;
     const size_t s = 6;
-    reduced_basis basis = identity_basis();
-    problem reduced;
+    reduced_basis basis = identity_basis(&half.set, half_basis.weight);
+    reduced_problem reduced;
 
-    problem_init(&reduced, &basis, NULL, 0);
+    reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
     const reduced_states *states = &basis.states;
     for (size_t apart = 0; apart < 3; apart += 2) { // one back, one on
         size_t n = reduced.model.num_unknowns;
@@ -296,10 +230,10 @@ static void exit_lines_are_found(void **state) {
                                 states->exit + s * states->num_lines);
         for (size_t l = 0; l < basis.grid.inner_lines; l++)
             reduced.state.exits[l] += apart - 1;
-        solve(&reduced, &half.contacts[s]);
+        reduced_problem_solve(&reduced, &half.contacts[s]);
         check_is_training_state(&reduced, &basis, &half, s, 1e-9);
     }
-    problem_free(&reduced);
+    reduced_problem_free(&reduced);
     reduced_basis_free(&basis);
 }
 
@@ -308,18 +242,18 @@ static void exits_between_lines_are_interpolated(void **state) {
     (void)state;
     const size_t s = 6;
     const reduced_states *states = &half_basis.states;
-    reduced_settings settings = strict;
-    problem reduced;
+    reduced_settings settings = strict_settings;
+    reduced_problem reduced;
 
     settings.exit_spacing = 2 * half.set.grid.step;
-    problem_init(&reduced, &half_basis, NULL, 0);
+    reduced_problem_init(&reduced, &half_basis, NULL, 0, &strict_settings);
     reduced.solver = reduced_solver_free(reduced.solver);
     assert_int_equal(reduced_solver_create(&reduced.solver, &reduced.model, &settings, NULL),
                      EHD_OK);
     memcpy(reduced.state.coordinates, states->coordinates + s * states->num_unknowns,
            states->num_unknowns * sizeof(double));
     reduced_state_set_exits(&reduced.state, &reduced.model, states->exit + s * states->num_lines);
-    solve(&reduced, &half.contacts[s]);
+    reduced_problem_solve(&reduced, &half.contacts[s]);
     for (size_t l = 1; l + 1 < half.set.grid.inner_lines; l += 2) {
         const band_line *band = &reduced.model.lines[l];
         const size_t *exit = reduced.state.exits + l;
@@ -329,16 +263,16 @@ static void exits_between_lines_are_interpolated(void **state) {
     }
     check_close(reduced.info.scalars.central_film_thickness, half.set.central_film_thickness[s],
                 1e-3, 0);
-    problem_free(&reduced);
+    reduced_problem_free(&reduced);
 }
 
 /* Neighbours of one M are a line: between those of two a fit must not take them for a plane. */
 static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     (void)state;
     reduced_states *states;
-    problem reduced;
+    reduced_problem reduced;
 
-    problem_init(&reduced, &half_basis, NULL, 0);
+    reduced_problem_init(&reduced, &half_basis, NULL, 0, &strict_settings);
     states = &reduced.model.states;
     size_t n = states->num_unknowns;
     for (size_t s = 0; s < states->num_states; s++) {
@@ -356,15 +290,15 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
         assert_true(reduced.state.coordinates[0] > least - extent &&
                     reduced.state.coordinates[0] < most + extent);
     }
-    problem_free(&reduced);
+    reduced_problem_free(&reduced);
 }
 
 /* Each line's exits lie in its band with the nodes that rows there and beside need. */
 static void the_band_has_what_rows_at_exits_need(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {
-        problem reduced;
-        problem_init(&reduced, grids[g].basis, NULL, 0);
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, grids[g].basis, NULL, 0, &strict_settings);
         const reduced_model *model = &reduced.model;
         size_t first = grid_first_line(&model->grid), count = 0;
         for (size_t l = first; l < first + model->grid.inner_lines; l++) {
@@ -379,7 +313,7 @@ static void the_band_has_what_rows_at_exits_need(void **state) {
             }
         }
         assert_int_equal(count, model->num_band);
-        problem_free(&reduced);
+        reduced_problem_free(&reduced);
     }
 }
 

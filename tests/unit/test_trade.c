@@ -3,11 +3,10 @@
 #include "common/artefact/artefact.h"
 #include "romrun/accuracy.h"
 #include "romrun/calibration.h"
-#include "romrun/model_file.h"
 #include "romrun/trade_file.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
-#include "tests/unit/trained.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -17,37 +16,21 @@
 static char folder[64], path[128], calibrated[128];
 static trained training;
 static ehd_error error;
-static char *words[] = {"romrun", NULL};
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-static program writer(const char *output) {
-    return (program){.name = "romrun", .argc = 1, .argv = words, .force = true, .output = output};
-}
-
 /* A model of all modes and rows of the small training. */
 static int set_up(void **state) {
-    const double sigmas[TRAINED_STATES] = {1};
-    const model_origin origin = {.method = "joint",
-                                 .basis_identity = "0123",
-                                 .sigma_min_residual = 1,
-                                 .sigma_min_jacobian = 1,
-                                 .sigma_min_over_exits = 1,
-                                 .sigma_min_by_exit = sigmas};
     reduced_basis basis;
-    reduced_model model;
     (void)state;
 
     snprintf(folder, sizeof folder, "/tmp/ehdrom-trade-XXXXXX");
     if (!mkdtemp(folder)) return -1;
     snprintf(path, sizeof path, "%s/model.h5", folder);
     snprintf(calibrated, sizeof calibrated, "%s/calibrated.h5", folder);
-    const program self = writer(path);
     trained_init(&training, 0.05);
     trained_basis(&basis, &training, DEFORMATION_COUPLED, 0, 0);
-    check_ok(reduced_model_build(&model, &basis, NULL, 0, &error));
-    check_ok(model_write(&model, &basis, &origin, &self, "rows: all\n", NULL, &error));
-    reduced_model_free(&model);
+    whole_model_write(&basis, path);
     reduced_basis_free(&basis);
     return 0;
 }
@@ -384,7 +367,9 @@ static void failing_allocations_are_reported(void **state) {
 
 static void write_table(const trade_table *table) {
     static const artefact_schema *const kinds[] = {&schema_model, NULL};
-    const program self = writer(calibrated);
+    static char *words[] = {"romrun", NULL};
+    const program self = {
+        .name = "romrun", .argc = 1, .argv = words, .force = true, .output = calibrated};
     artefact *model, *file;
 
     check_ok(artefact_open(&model, path, kinds, &error));

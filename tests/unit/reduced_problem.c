@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "tests/unit/reduced_problem.h"
+
+#include "romrun/model_file.h"
+#include "tests/unit/check.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const reduced_settings strict_settings = {.tolerance = 1e-15, .max_iterations = 40};
+
+void reduced_problem_init(reduced_problem *self, const reduced_basis *basis, const size_t *rows,
+                          size_t num_rows, const reduced_settings *settings) {
+    ehd_error error = {""};
+
+    if (reduced_model_build(&self->model, basis, rows, num_rows, &error))
+        fail_msg("%s", error.text);
+    if (reduced_solver_create(&self->solver, &self->model, settings, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);
+}
+
+void reduced_problem_free(reduced_problem *self) {
+    reduced_solver_free(self->solver);
+    reduced_state_free(&self->state);
+    reduced_model_free(&self->model);
+}
+
+void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact) {
+    ehd_error error = {""};
+
+    if (reduced_solve(&self->info, &self->state, self->solver, contact, NULL, &error))
+        fail_msg("%s", error.text);
+    assert_string_equal(self->info.reason, "");
+    assert_int_equal(self->info.status, EHD_OK);
+}
+
+reduced_basis identity_basis(const snapshot_set *set, const double *weight) {
+    const ehd_grid *grid = &set->grid;
+    size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, num_lines = grid_lines(grid);
+    reduced_basis basis = {.kind = set->kind,
+                           .grid = *grid,
+                           .deformation = DEFORMATION_COUPLED,
+                           .num_pressure = num_inner};
+
+    basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
+    basis.weight = calloc(num_nodes, sizeof(double));
+    assert_int_equal(
+        reduced_states_init(&basis.states, set->num_states, num_lines, num_inner + 1, NULL),
+        EHD_OK);
+    memcpy(basis.weight, weight, num_nodes * sizeof(double));
+    for (size_t r = 0; r < num_inner; r++)
+        basis.pressure[grid_node_of_row(grid, r) * num_inner + r] = 1;
+    memcpy(basis.states.exit, set->exit, set->num_states * num_lines * sizeof *set->exit);
+    for (size_t s = 0; s < set->num_states; s++) {
+        double *coordinates = basis.states.coordinates + s * (num_inner + 1);
+        for (size_t r = 0; r < num_inner; r++)
+            coordinates[r] = set->pressure[s * num_nodes + grid_node_of_row(grid, r)];
+        coordinates[num_inner] = set->rigid_approach[s];
+        basis.states.moes_M[s] = set->moes_M[s];
+        basis.states.alpha_p_H[s] = set->alpha_p_H[s];
+    }
+    return basis;
+}
+
+void whole_model_write(const reduced_basis *basis, const char *path) {
+    static char *words[] = {"deimselect", NULL};
+    const program writer = {
+        .name = "deimselect", .argc = 1, .argv = words, .force = true, .output = path};
+    double *sigmas = calloc(basis->states.num_states, sizeof *sigmas);
+    const model_origin origin = {.method = "joint",
+                                 .basis_identity = "0123",
+                                 .sigma_min_residual = 1,
+                                 .sigma_min_jacobian = 1,
+                                 .sigma_min_over_exits = 1,
+                                 .sigma_min_by_exit = sigmas};
+    reduced_model model;
+    ehd_error error = {""};
+
+    assert_non_null(sigmas);
+    if (reduced_model_build(&model, basis, NULL, 0, &error) ||
+        model_write(&model, basis, &origin, &writer, "rows: all\n", NULL, &error))
+        fail_msg("%s", error.text);
+    reduced_model_free(&model);
+    free(sigmas);
+}

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A reduced model with what it takes to solve it. */
+#ifndef EHD_REDUCED_PROBLEM_H
+#define EHD_REDUCED_PROBLEM_H
+
+#include "romrun/reduced_solver.h"
+#include "tests/unit/trained.h"
+
+typedef struct reduced_problem {
+    reduced_model model;
+    reduced_solver *solver;
+    reduced_state state;
+    reduced_info info;
+} reduced_problem;
+
+/* As far as rounding lets it converge. */
+extern const reduced_settings strict_settings;
+
+/* `rows` as in reduced_model_build; the test fails where that does. */
+void reduced_problem_init(
+    // output:
+    reduced_problem *self, // free with reduced_problem_free
+    // input:
+    const reduced_basis *basis, const size_t *rows, size_t num_rows,
+    const reduced_settings *settings);
+void reduced_problem_free(reduced_problem *self);
+
+/* Solves from the state that it has; the test fails where it does not converge or is not to be trusted. */
+void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact);
+
+/* Every inner node is a mode of its own: the reduced model is the full one. Coupled. */
+reduced_basis identity_basis(
+    // input:
+    const snapshot_set *set,
+    const double *weight); // [num_nodes]
+
+/* Builds a model of all rows and writes it, as deimselect would. */
+void whole_model_write(const reduced_basis *basis, const char *path);
+
+#endif
