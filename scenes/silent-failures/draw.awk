@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Random scenes around the training points of a model, whose M and alpha p_H it reads:
-#     draw.awk -v seed=N -v count=N -v folder=FOLDER [-v own=1] TRAINED.txt
+#     draw.awk -v seed=N -v count=N -v folder=FOLDER -v scene=SCENE.yml [-v own=1] TRAINED.txt
 # Writes FOLDER/plan.yml with its scenes, and FOLDER/scenes.txt with a line each in the plan's order: where
 # (inside, outside), whose lubricant (own, other), scene file, and the settings of the point. With own=1 all
 # are inside and of the lubricant that the model was trained with. Half lie inside of the hull of the training
-# points, half outside but within a rectangle of twice its extent.
+# points, half outside but within a rectangle of twice its extent. The grid is that of the scene that was trained on.
 
 # The same numbers with any awk (Park and Miller 1988).
 function random() {
@@ -66,13 +66,18 @@ function draw(want,   which, density, alpha, key, L) {
         law_alpha[which] ? "" : sprintf(" lubricant.viscosity.alpha=%.12g", alpha))
 }
 
+# "": the default one
+function grid_of(file,   line) {
+    while ((getline line < file) > 0)
+        if (line ~ /^grid:/) return line
+}
+
 function write_group(which, density,   name, key) {
     key = which SUBSEP density
     if (!(key in places)) return
     name = which "-" density
-    printf "contact: line\nregime: stationary\nlubricant:\n  viscosity: {%s}\n  density: {law: %s}\n" \
-        "grid: {x_min: -4, x_max: 2, step: 0.005}\n", law[which],
-        density == 1 ? "dowson-higginson" : "incompressible" > (folder "/scene-" name ".yml")
+    printf "contact: line\nregime: stationary\nlubricant:\n  viscosity: {%s}\n  density: {law: %s}\n%s\n",
+        law[which], density == 1 ? "dowson-higginson" : "incompressible", grid > (folder "/scene-" name ".yml")
     printf "moes.M,moes.L%s\n%s", law_alpha[which] ? "" : ",lubricant.viscosity.alpha",
         places[key] > (folder "/points-" name ".csv")
     printf "  - {scene: scene-%s.yml, points: points-%s.csv}\n", name, name > (folder "/plan.yml")
@@ -82,6 +87,7 @@ function write_group(which, density,   name, key) {
 BEGIN {
     pi = atan2(0, -1)
     most_L = 40
+    grid = grid_of(scene)
     state = seed % 2147483646 + 1
     for (i = 0; i < 10; i++) random() # seeds that are near one another start alike
     add_law("law: wlf, preset: no1", 23.60e-9, 9e9)

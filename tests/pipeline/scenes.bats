@@ -289,6 +289,7 @@ small_oscillator() {
 
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
     copy_scenes stationary-line silent-failures
+    sed -i 's/step: [0-9.]*/step: 0.01/' stationary-line/scene.yml # of which all scenes then are
     cd silent-failures || return
     small='SEED=3 SCENES=24 CALIBRATION_SCENES=60 PROMISES=1e-2'
     run_make $small
@@ -301,7 +302,8 @@ small_oscillator() {
     mkdir again
     gawk --version >/dev/null 2>&1 && other=gawk || other='busybox awk'
     if $other 'BEGIN {}' 2>/dev/null; then
-        $other -f draw.awk -v seed=3 -v count=24 -v folder=again out/trained.txt
+        $other -f draw.awk -v seed=3 -v count=24 -v folder=again \
+            -v scene=../stationary-line/scene.yml out/trained.txt
         diff again/scenes.txt out/test-3-24/scenes.txt
     fi
     # a result that is off without a flag is one, however few they are
@@ -312,6 +314,11 @@ small_oscillator() {
     [[ $output == *"silent failures: 1, the worst 0.02 off" ]]
     run_make -n $small
     [[ $status == 0 && ! $output =~ romrun\ --calibrate ]]
+    # another model draws anew, also one that is older than what was drawn for this one
+    cp ../stationary-line/out/model.h5 older.h5
+    touch -d 2000-01-01 older.h5
+    run_make -n $small MODEL=older.h5
+    [[ $status == 0 && $output == *draw.awk*romrun\ --calibrate* ]]
 }
 
 @test "conditioning: all solvers on each case and size agree where the systems allow it" {
