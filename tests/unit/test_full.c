@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/program/program.h"
 #include "fullrun/full_solver.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -7,6 +8,7 @@
 #include "tests/unit/sample.h"
 
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -407,6 +409,54 @@ static void solve_without_memory(void **state) {
     problem_free(&starved);
 }
 
+// ---- interruption
+
+/* A signal that arrives at the third linear system, which is then not solved: neither for the caller nor by a
+ * step of other bits. */
+static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
+                                    ehd_error *error) {
+    static size_t calls;
+    size_t n = system->grid->num_nodes;
+    double *before = malloc(n * sizeof *before);
+
+    assert_non_null(before);
+    memcpy(before, system->step, n * sizeof *before);
+    if (++calls == 3) raise(SIGINT);
+    ehd_status status = full_solve_gmres(system, tolerance, iterations, error);
+    if (calls < 3) {
+        assert_int_equal(status, EHD_OK);
+    } else {
+        assert_int_equal(calls, 3);
+        assert_int_equal(status, EHD_INTERRUPTED);
+        assert_int_equal(*iterations, 0);
+        assert_memory_equal(system->step, before, n * sizeof *before);
+    }
+    free(before);
+    return status;
+}
+
+static void an_interrupted_linear_system_is_no_step(void **state) {
+    (void)state;
+    ehd_contact contact = contact_of_case(0);
+    full_settings settings = full_default_settings();
+    char *arguments[] = {"fullrun", NULL};
+    const program_options options = {.most_arguments = 0};
+    ehd_error error = {""};
+    program self;
+    problem stopped;
+
+    program_start(&self, 1, arguments, &options); // catches the signal
+    settings.solve_linear = interrupted_gmres;
+    problem_init(&stopped, &contact, &settings);
+    assert_int_equal(
+        full_solve_cold(&stopped.info, &stopped.state, stopped.solver, &contact, &error),
+        EHD_INTERRUPTED);
+    assert_string_equal(error.text, "full model: interrupted");
+    assert_int_not_equal(stopped.info.status, EHD_OK);
+    problem_free(&stopped);
+    program_finish(&self, EHD_OK, &error);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(iterative_equals_dense),
@@ -428,6 +478,7 @@ int main(void) {
         cmocka_unit_test(solver_without_memory),
         cmocka_unit_test(state_without_memory),
         cmocka_unit_test(solve_without_memory),
+        cmocka_unit_test(an_interrupted_linear_system_is_no_step), // for good, hence the last one
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
