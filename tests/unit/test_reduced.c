@@ -522,6 +522,10 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     }
     // far outside: some trained solution, and an exit within the tables
     reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
+    size_t same = 0;
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        same += reduced.state.coordinates[0] == coupled.states.coordinates[s * n];
+    assert_int_equal(same, 1);
     assert_true(reduced.state.exit >= reduced.model.least_exit);
     assert_true(reduced.state.exit <= reduced.model.most_exit);
     reduced_problem_free(&reduced);

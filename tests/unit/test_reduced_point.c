@@ -271,6 +271,7 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     (void)state;
     reduced_states *states;
     reduced_problem reduced;
+    double least = INFINITY, most = -INFINITY;
 
     reduced_problem_init(&reduced, &half_basis, NULL, 0, &strict_settings);
     states = &reduced.model.states;
@@ -279,17 +280,18 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
         states->moes_M[s] = s % 2 ? 20 : 40; // six of one M, far from the others
         states->alpha_p_H[s] = 8 + 0.1 * (double)(s / 2);
     }
-    for (double M = 20.1; M < 20.6; M += 0.1) {
-        double least = INFINITY, most = -INFINITY;
-        reduced_guess(&reduced.state, &reduced.model, M, 8.23);
-        for (size_t s = 1; s < states->num_states; s += 2) {
-            least = fmin(least, states->coordinates[s * n]);
-            most = fmax(most, states->coordinates[s * n]);
-        }
-        double extent = most - least;
-        assert_true(reduced.state.coordinates[0] > least - extent &&
-                    reduced.state.coordinates[0] < most + extent);
+    for (size_t s = 1; s < states->num_states; s += 2) {
+        least = fmin(least, states->coordinates[s * n]);
+        most = fmax(most, states->coordinates[s * n]);
     }
+    const double extent = most - least;
+    // at many places, for rounding hides the line from the factorisation at some of them only
+    for (double M = 20.1; M < 20.6; M += 0.1)
+        for (double pressure = 8.03; pressure < 8.5; pressure += 0.01) {
+            reduced_guess(&reduced.state, &reduced.model, M, pressure);
+            assert_true(reduced.state.coordinates[0] > least - extent &&
+                        reduced.state.coordinates[0] < most + extent);
+        }
     reduced_problem_free(&reduced);
 }
 
