@@ -5,67 +5,215 @@
 #include <stdlib.h>
 #include <string.h>
 
+// ---- memory
+
+static gsl_spline **free_splines(gsl_spline **splines, size_t count) {
+    for (size_t l = 0; splines && l < count; l++)
+        if (splines[l]) gsl_spline_free(splines[l]);
+    free(splines);
+    return NULL;
+}
+
+/* NULL: no memory. */
+static gsl_spline **make_splines(size_t count, size_t num_nodes) {
+    gsl_spline **splines = calloc(count, sizeof(gsl_spline *));
+
+    for (size_t l = 0; splines && l < count; l++) {
+        splines[l] = gsl_spline_alloc(gsl_interp_cspline, num_nodes);
+        if (!splines[l]) splines = free_splines(splines, count);
+    }
+    return splines;
+}
+
 ehd_status earlier_init(earlier_state *self, const ehd_contact *reference, ehd_error *error) {
-    size_t num_nodes = reference->grid.num_nodes;
-    ehd_status status = full_state_init(&self->state, &reference->grid, error);
+    const ehd_grid *grid = &reference->grid;
+    bool compressible = reference->lubricant.density != NULL;
+    ehd_status status = full_state_init(&self->state, grid, error);
 
     if (status) return status;
-    self->deflection = gsl_spline_alloc(gsl_interp_cspline, num_nodes);
-    self->pressure =
-        reference->lubricant.density ? gsl_spline_alloc(gsl_interp_cspline, num_nodes) : NULL;
-    if (self->deflection && (self->pressure || !reference->lubricant.density)) return EHD_OK;
+    self->num_lines = grid_lines(grid);
+    self->deflection = make_splines(self->num_lines, grid_width(grid));
+    self->pressure = compressible ? make_splines(self->num_lines, grid_width(grid)) : NULL;
+    if (self->deflection && (self->pressure || !compressible)) return EHD_OK;
     earlier_free(self);
-    return ehd_fail(error, EHD_MEMORY, "earlier state: found no memory for %zu nodes", num_nodes);
+    return ehd_fail(error, EHD_MEMORY, "earlier state: found no memory for %zu nodes",
+                    grid->num_nodes);
 }
 
 void earlier_free(earlier_state *self) {
     full_state_free(&self->state);
-    if (self->deflection) gsl_spline_free(self->deflection);
-    if (self->pressure) gsl_spline_free(self->pressure);
-    self->deflection = self->pressure = NULL;
+    self->deflection = free_splines(self->deflection, self->num_lines);
+    self->pressure = free_splines(self->pressure, self->num_lines);
 }
 
-void earlier_prepare(earlier_state *self, double *work, const ehd_contact *reference,
-                     const double *nodes) {
-    size_t num_nodes = reference->grid.num_nodes;
+double earlier_bytes(const ehd_contact *reference, size_t num_states) {
+    const double of_spline = 6 * sizeof(double); // places, values, and what GSL makes of them
+    const double of_state = sizeof(full_state) + 2 * sizeof(double),
+                 of_carrier = 5 * sizeof(double);
+    double splines = reference->lubricant.density ? 2 : 1;
+
+    return (double)reference->grid.num_nodes *
+           ((double)num_states * (of_state + splines * of_spline) + of_carrier);
+}
+
+/* Y of all lines of the whole grid, on which a half grid has mirrored values. */
+static void place_lines(earlier_carrier *self) {
+    const ehd_grid whole = grid_whole(&self->reference.grid);
+
+    for (size_t l = 0; l < self->num_across; l++)
+        self->lines[l] = grid_y(&whole, l * grid_width(&whole));
+}
+
+ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *reference,
+                                ehd_error *error) {
+    const ehd_grid *grid = &reference->grid, whole = grid_whole(grid);
+    size_t width = grid_width(grid);
+
+    memset(self, 0, sizeof *self);
+    self->reference = *reference;
+    self->num_across = grid_lines(&whole);
+    self->nodes = malloc(width * sizeof(double));
+    self->values = malloc(grid->num_nodes * sizeof(double));
+    self->film = malloc(grid->num_inner * sizeof(double));
+    self->pressure = malloc(grid->num_inner * sizeof(double));
+    self->along = malloc(grid_lines(grid) * grid->inner_x * sizeof(double));
+    self->lines = malloc(self->num_across * sizeof(double));
+    self->across_values = malloc(self->num_across * sizeof(double));
+    bool across = grid->inner_lines > 1;
+    if (across) self->across = gsl_spline_alloc(gsl_interp_cspline, self->num_across);
+    if (!self->nodes || !self->values || !self->film || !self->pressure || !self->along ||
+        !self->lines || !self->across_values || (across && !self->across)) {
+        earlier_carrier_free(self);
+        return ehd_fail(error, EHD_MEMORY, "earlier states: found no memory for %zu nodes",
+                        grid->num_nodes);
+    }
+    for (size_t k = 0; k < width; k++)
+        self->nodes[k] = grid_x(grid, k);
+    if (across) place_lines(self);
+    return EHD_OK;
+}
+
+void earlier_carrier_free(earlier_carrier *self) {
+    free(self->nodes);
+    free(self->values);
+    free(self->film);
+    free(self->pressure);
+    free(self->along);
+    free(self->lines);
+    free(self->across_values);
+    if (self->across) gsl_spline_free(self->across);
+    memset(self, 0, sizeof *self);
+}
+
+// ---- splines
+
+static void fit_lines(gsl_spline **splines, const double *field, const earlier_carrier *carrier) {
+    const ehd_grid *grid = &carrier->reference.grid;
+    size_t width = grid_width(grid), num_lines = grid_lines(grid);
+
+    for (size_t l = 0; l < num_lines; l++)
+        gsl_spline_init(splines[l], carrier->nodes, field + l * width, width);
+}
+
+void earlier_prepare(earlier_state *self, earlier_carrier *carrier) {
+    const ehd_grid *grid = &carrier->reference.grid;
 
     // the gap is known everywhere, and what is left of the film bends little at the grid's ends
-    for (size_t k = 0; k < num_nodes; k++)
-        work[k] = self->state.film[k] - contact_gap(nodes[k], 0);
-    gsl_spline_init(self->deflection, nodes, work, num_nodes);
-    if (self->pressure) gsl_spline_init(self->pressure, nodes, self->state.pressure, num_nodes);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        carrier->values[k] = self->state.film[k] - grid_gap(grid, k);
+    fit_lines(self->deflection, carrier->values, carrier);
+    if (self->pressure) fit_lines(self->pressure, self->state.pressure, carrier);
+}
+
+static bool is_on_grid(const earlier_carrier *self, double x, double y) {
+    const double *nodes = self->nodes, *lines = self->lines;
+    size_t last = grid_width(&self->reference.grid) - 1;
+
+    if (!(x >= nodes[0] && x <= nodes[last])) return false;
+    return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
+}
+
+/* Every line at the stretched X. */
+static void resample_along(double *along, gsl_spline *const *splines, double stretch,
+                           const earlier_carrier *self) {
+    const ehd_grid *grid = &self->reference.grid;
+    size_t num_lines = grid_lines(grid);
+
+    for (size_t l = 0; l < num_lines; l++) {
+        gsl_interp_accel place = {0};
+        for (size_t i = 0; i < grid->inner_x; i++) {
+            double x = stretch * self->nodes[i + 1];
+            if (is_on_grid(self, x, 0))
+                along[l * grid->inner_x + i] = gsl_spline_eval(splines[l], x, &place);
+        }
+    }
+}
+
+/* Values of column `i` on the lines of the whole grid: those of a half grid are the same on either side. */
+static void take_column(earlier_carrier *self, size_t i) {
+    const ehd_grid *grid = &self->reference.grid;
+    size_t num_lines = grid_lines(grid), mirror = grid->half ? num_lines - 1 : 0;
+
+    for (size_t l = 0; l < num_lines; l++) {
+        double value = self->along[l * grid->inner_x + i];
+        self->across_values[mirror + l] = value;
+        if (grid->half) self->across_values[mirror - l] = value;
+    }
+}
+
+/* A field at the places of the current frame's inner nodes, as far as these lie on the state's grid. */
+static void resample(double *inner, gsl_spline *const *splines, double stretch,
+                     earlier_carrier *self) {
+    const ehd_grid *grid = &self->reference.grid;
+
+    resample_along(self->across ? self->along : inner, splines, stretch, self);
+    for (size_t i = 0; self->across && i < grid->inner_x; i++) {
+        double x = stretch * self->nodes[i + 1];
+        gsl_interp_accel place = {0};
+        if (!is_on_grid(self, x, 0)) continue;
+        take_column(self, i);
+        gsl_spline_init(self->across, self->lines, self->across_values, self->num_across);
+        for (size_t r = i; r < grid->num_inner; r += grid->inner_x) {
+            double y = stretch * grid_y(grid, grid_node_of_row(grid, r));
+            if (is_on_grid(self, x, y)) inner[r] = gsl_spline_eval(self->across, y, &place);
+        }
+    }
 }
 
 /* H0 and deflection at a place beyond the grid. */
-static double deflection_beyond(const earlier_state *self, const ehd_contact *reference, double x) {
+static double deflection_beyond(const earlier_state *self, const ehd_contact *reference, double x,
+                                double y) {
     const ehd_grid *grid = &reference->grid;
     double sum = self->state.rigid_approach;
 
-    for (size_t k = 1; k < self->state.exit; k++)
-        sum += self->state.pressure[k] *
-               reference->kind->kernel(fabs(x - grid_x(grid, k)), 0, grid->step);
+    for (size_t k = 1; k < self->state.exit; k++) {
+        double pressure = self->state.pressure[k], along = fabs(x - grid_x(grid, k));
+        if (pressure == 0) continue;
+        double kernel = reference->kind->kernel(along, fabs(y - grid_y(grid, k)), grid->step);
+        if (grid_weight(grid, k) > 1) // what lies on the other side of the mirror
+            kernel += reference->kind->kernel(along, fabs(y + grid_y(grid, k)), grid->step);
+        sum += pressure * kernel;
+    }
     return sum;
 }
 
 void earlier_mass(double *mass, const earlier_state *self, const contact_frame *now,
-                  const ehd_contact *reference) {
+                  earlier_carrier *carrier) {
+    const ehd_contact *reference = &carrier->reference;
     const ehd_grid *grid = &reference->grid;
     const density_law *law = reference->lubricant.density;
     double stretch = frame_stretch(now, &self->frame), ratio = frame_film_ratio(now, &self->frame);
     double hertz = reference->hertz_pressure * self->frame.hertz_pressure, ignored;
-    double first = grid_x(grid, 0), last = grid_x(grid, grid->num_nodes - 1);
-    gsl_interp_accel place = {0};
 
+    resample(carrier->film, self->deflection, stretch, carrier);
+    if (law) resample(carrier->pressure, self->pressure, stretch, carrier);
     for (size_t r = 0; r < grid->num_inner; r++) {
-        double x = stretch * grid_x(grid, r + 1), density = 1, film;
-        if (x >= first && x <= last) {
-            film = gsl_spline_eval(self->deflection, x, &place);
-            if (law)
-                density = law->relative_density(
-                    fmax(gsl_spline_eval(self->pressure, x, &place), 0) * hertz, &ignored);
-        } else {
-            film = deflection_beyond(self, reference, x);
-        }
-        mass[r] = density * (film + contact_gap(x, 0)) * ratio;
+        size_t k = grid_node_of_row(grid, r);
+        double x = stretch * grid_x(grid, k), y = stretch * grid_y(grid, k), density = 1;
+        bool inside = is_on_grid(carrier, x, y);
+        double film = inside ? carrier->film[r] : deflection_beyond(self, reference, x, y);
+        if (law && inside)
+            density = law->relative_density(fmax(carrier->pressure[r], 0) * hertz, &ignored);
+        mass[r] = density * (film + contact_gap(x, y)) * ratio;
     }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Earlier states of the full model, carried over into the current frame by cubic splines (paper, eq. 15;
- * model.md, section 4). */
+ * model.md, section 4): along the lines of the grid and, of a point contact, from line to line. */
 #ifndef EHD_EARLIER_H
 #define EHD_EARLIER_H
 
@@ -12,18 +12,36 @@
 typedef struct earlier_state {
     contact_frame frame;
     full_state state;
-    gsl_spline *deflection; // film without gap
-    gsl_spline *pressure;   // NULL when incompressible: the film is then all that is carried over
+    size_t num_lines;
+    gsl_spline **deflection; // [num_lines] film without gap, along each line
+    gsl_spline **pressure;   // NULL when incompressible: the film is then all that is carried over
 } earlier_state;
+
+/* What carrying over needs beside the states. */
+typedef struct earlier_carrier {
+    ehd_contact reference;
+    double *nodes;           // [width of the grid] X along a line
+    double *values;          // [num_nodes] scratch
+    double *film, *pressure; // [num_inner] of a state, in the current frame
+    double *along;           // [lines, inner_x] with X in the current frame and Y in the state's
+    size_t num_across;       // lines of the whole grid with its boundary
+    double *lines, *across_values; // [num_across] their Y, and scratch
+    gsl_spline *across;            // NULL on a line contact
+} earlier_carrier;
+
+/* EHD_MEMORY. */
+ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *reference,
+                                ehd_error *error);
+void earlier_carrier_free(earlier_carrier *self);
 
 ehd_status earlier_init(earlier_state *self, const ehd_contact *reference, ehd_error *error);
 void earlier_free(earlier_state *self);
 
+/* Bytes of a carrier and of so many states. */
+double earlier_bytes(const ehd_contact *reference, size_t num_states);
+
 /* Prepares the splines, once frame and state are set. */
-void earlier_prepare(earlier_state *self,
-                     double *work,                 // [num_nodes] scratch
-                     const ehd_contact *reference, //
-                     const double *nodes);         // [num_nodes] X of all nodes
+void earlier_prepare(earlier_state *self, earlier_carrier *carrier);
 
 /* rho H of an earlier state at the inner nodes of frame `now`. Where a contact that grows looks beyond
  * the grid there is no pressure, and gap and deflection are evaluated there directly. */
@@ -31,6 +49,6 @@ void earlier_mass(
     // output:
     double *mass, // [num_inner]
     // input:
-    const earlier_state *self, const contact_frame *now, const ehd_contact *reference);
+    const earlier_state *self, const contact_frame *now, earlier_carrier *carrier);
 
 #endif

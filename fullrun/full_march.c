@@ -21,7 +21,7 @@ struct full_march {
     full_solver *solver;
     earlier_state states[BDF_EARLIER + 1]; // in the places of the ring
     bdf_ring ring;
-    double *nodes;             // [num_nodes] X
+    earlier_carrier carrier;
     bool *noisy;               // [num_nodes] where the local error says nothing
     double *mass[BDF_EARLIER]; // [num_nodes] rho H of earlier states at the inner nodes
     double *earlier;           // [num_nodes] their sum by the formula
@@ -36,7 +36,7 @@ full_march *full_march_free(full_march *self) {
             earlier_free(&self->states[i]);
         for (size_t i = 0; i < BDF_EARLIER; i++)
             free(self->mass[i]);
-        free(self->nodes);
+        earlier_carrier_free(&self->carrier);
         free(self->noisy);
         free(self->earlier);
         free(self);
@@ -65,10 +65,9 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->reference = *reference;
     self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;
     self->ring = bdf_ring_empty();
-    self->nodes = malloc(num_nodes * sizeof(double));
     self->earlier = malloc(num_nodes * sizeof(double));
     self->noisy = calloc(num_nodes, sizeof *self->noisy);
-    whole = self->nodes && self->earlier && self->noisy;
+    whole = self->earlier && self->noisy;
     for (size_t i = 0; i < BDF_EARLIER; i++) {
         self->mass[i] = malloc(num_nodes * sizeof(double));
         whole = whole && self->mass[i];
@@ -76,16 +75,14 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     ehd_status status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid,
                                                    settings, error)
                               : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    if (!status) status = earlier_carrier_init(&self->carrier, reference, error);
     for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
         status = earlier_init(&self->states[i], reference, error);
-    if (status) {
+    if (status)
         full_march_free(self);
-        return status;
-    }
-    for (size_t k = 0; k < num_nodes; k++)
-        self->nodes[k] = grid_x(&reference->grid, k);
-    *created = self;
-    return EHD_OK;
+    else
+        *created = self;
+    return status;
 }
 
 static earlier_state *state_before(full_march *self, size_t steps) {
@@ -227,56 +224,69 @@ static void carry_over(full_march *self, const bdf_formula *formula, const conta
 
     memset(self->earlier, 0, num_inner * sizeof(double));
     for (size_t i = 0; i < self->ring.num_earlier; i++) {
-        earlier_mass(self->mass[i], state_before(self, i + 1), frame, &self->reference);
+        earlier_mass(self->mass[i], state_before(self, i + 1), frame, &self->carrier);
         for (size_t r = 0; r < num_inner; r++)
             self->earlier[r] += formula->weight[i] * self->mass[i][r];
     }
 }
 
-/* Marks the nodes near which the film is not smooth in time on the grid's scale: where a state among those
- * that the step looks at has pressure and another one has not. */
-static void mark_noisy(full_march *self, const full_state *state) {
-    size_t num_inner = self->reference.grid.num_inner;
-    size_t margin = (size_t)ceil(march_exit_margin / self->reference.grid.step);
-    size_t since = margin;
+/* Marks on a line of nodes what lies within `margin` of one that is marked. */
+static void spread(bool *noisy, size_t count, size_t stride, size_t margin) {
+    size_t since = margin, left = 0;
 
-    // first by the distance to the last change before, then by that to the next one behind
-    for (size_t k = 1; k <= num_inner; k++) {
-        bool changes = false;
-        for (size_t i = 1; i <= self->ring.num_earlier; i++)
-            changes = changes || full_has_pressure(&state_before(self, i)->state, k) !=
-                                     full_has_pressure(state, k);
-        since = changes ? 0 : since + 1;
-        self->noisy[k] = since < margin;
+    // first by the distance to the last mark before, then by that to the next one behind
+    for (size_t k = 0; k < count; k++) {
+        since = noisy[k * stride] ? 0 : since + 1;
+        noisy[k * stride] = since < margin;
     }
-    for (size_t k = num_inner, left = 0; k >= 1; k--) {
-        bool start = self->noisy[k] && (k == 1 || !self->noisy[k - 1]);
-        if (!self->noisy[k] && left > 0) {
-            self->noisy[k] = true;
+    for (size_t k = count; k-- > 0;) {
+        bool start = noisy[k * stride] && (k == 0 || !noisy[(k - 1) * stride]);
+        if (!noisy[k * stride] && left > 0) {
+            noisy[k * stride] = true;
             left--;
         }
         if (start) left = margin;
     }
 }
 
-/* Largest local error of rho H where there is pressure, away from where the film ruptures
- * (march_exit_margin), relative to the central film. */
+/* Marks the nodes near which the film is not smooth in time on the grid's scale: where one of the states that
+ * the step looks at has no pressure. */
+static void mark_noisy(full_march *self, const full_state *state) {
+    const ehd_grid *grid = &self->reference.grid;
+    size_t width = grid_width(grid), first = grid_first_line(grid) * width;
+    size_t margin = (size_t)ceil(march_exit_margin / grid->step);
+
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
+        self->noisy[k] = !full_has_pressure(state, k);
+        for (size_t i = 1; i <= self->ring.num_earlier; i++)
+            self->noisy[k] = self->noisy[k] || !full_has_pressure(&state_before(self, i)->state, k);
+    }
+    for (size_t l = 0; l < grid->inner_lines; l++)
+        spread(self->noisy + first + l * width + 1, grid->inner_x, 1, margin);
+    for (size_t i = 1; grid->inner_lines > 1 && i <= grid->inner_x; i++)
+        spread(self->noisy + first + i, grid->inner_lines, width, margin);
+}
+
+/* Largest local error of rho H away from where the film ruptures (march_exit_margin), relative to the central
+ * film. */
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double central_film) {
+    const ehd_grid *grid = &contact->grid;
     const density_law *law = contact->lubricant.density;
     double largest = 0, ignored;
 
     if (!(formula->error > 0)) return 0;
     mark_noisy(self, state);
-    double end = grid_x(&contact->grid, state->exit) - march_exit_margin;
-    for (size_t k = 1; k < state->exit && self->nodes[k] < end; k++) {
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        size_t k = grid_node_of_row(grid, r);
         double mass = state->film[k];
-        if (state->ruptured[k] || self->noisy[k]) continue;
+        if (self->noisy[k]) continue;
         if (law)
             mass *= law->relative_density(fmax(state->pressure[k], 0) * contact->hertz_pressure,
                                           &ignored);
         for (size_t i = 0; i < self->ring.num_earlier; i++)
-            mass -= formula->predictor[i] * self->mass[i][k - 1];
+            mass -= formula->predictor[i] * self->mass[i][r];
         largest = fmax(largest, fabs(mass));
     }
     return formula->error * largest / central_film;
@@ -285,7 +295,9 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
 /* Where a film is squeezed, the pressure goes on to the grid's end, and little is lost of it there. Not so
  * where it falls off at once. */
 static bool is_cut(const full_state *state, const ehd_grid *grid) {
-    return state->pressure[grid->num_inner] > STEEPEST_END * grid->step;
+    for (size_t r = grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
+        if (state->pressure[grid_node_of_row(grid, r)] > STEEPEST_END * grid->step) return true;
+    return false;
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
@@ -327,7 +339,7 @@ static void accept(void *solver) {
     full_march *self = solver;
     earlier_state *solved = state_before(self, 0);
 
-    earlier_prepare(solved, self->earlier, &self->reference, self->nodes);
+    earlier_prepare(solved, &self->carrier);
     bdf_ring_accept(&self->ring, solved->frame.time);
 }
 
@@ -410,7 +422,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
             earlier->state.pressure[k] = earlier->state.ruptured[k] ? 0 : source[k];
         }
         memcpy(earlier->state.film, source + num_nodes, num_nodes * sizeof(double));
-        earlier_prepare(earlier, self->earlier, &self->reference, self->nodes);
+        earlier_prepare(earlier, &self->carrier);
     }
     return EHD_OK;
 }
@@ -426,6 +438,18 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     return EHD_OK;
 }
 
+static void exits(size_t *columns, const void *solver) {
+    const full_march *self = solver;
+    const full_state *state = full_march_state(self, NULL);
+    size_t width = grid_width(&self->reference.grid);
+
+    for (size_t l = 0; l < grid_lines(&self->reference.grid); l++) {
+        columns[l] = width - 1;
+        while (columns[l] > 1 && !full_has_pressure(state, l * width + columns[l] - 1))
+            columns[l]--;
+    }
+}
+
 march_solver full_march_solver(full_march *self) {
     return (march_solver){.self = self,
                           .attempt = attempt,
@@ -435,5 +459,6 @@ march_solver full_march_solver(full_march *self) {
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,
-                          .fields = fields};
+                          .fields = fields,
+                          .exits = exits};
 }

@@ -444,7 +444,9 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise, bool
 static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full_state *state,
                        const ehd_contact *contact, const reynolds_squeeze *squeeze,
                        double residual) {
-    if (squeeze) return adapt_nodes(self, state, IN_TIME_NOISE, true);
+    if (squeeze)
+        return adapt_nodes(self, state, IN_TIME_NOISE,
+                           self->kind->dimensions == 1 || residual < NEAR_SOLUTION);
     if (self->kind->dimensions > 1)
         return adapt_nodes(self, state, POINT_NOISE, residual < NEAR_SOLUTION);
     if (*settled) return false;

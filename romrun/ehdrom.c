@@ -209,14 +209,7 @@ ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, 
 }
 
 void ehdrom_exits(double *positions, const ehdrom_solver *solver) {
-    const ehd_grid *grid = &solver->model->reduced.grid;
-    const ehd_grid whole = grid_whole(grid);
-    const size_t *exit = reduced_state_exits(&solver->state) + grid_first_line(grid);
-
-    for (size_t l = 0; l < whole.inner_lines; l++) {
-        size_t own = grid_row_of_whole(grid, l * grid->inner_x) / grid->inner_x;
-        positions[l] = grid_x(grid, exit[own]);
-    }
+    grid_exits(positions, reduced_state_exits(&solver->state), &solver->model->reduced.grid);
 }
 
 // ---- in time

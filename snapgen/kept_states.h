@@ -18,14 +18,15 @@ typedef struct kept_state {
     double rate; // frame_rate
     double moes_M, moes_L, alpha_p_H, hertz_pressure;
     contact_scalars scalars; // in the current frame
-    size_t exit;
     size_t iterations;
     double residual;
     double *pressure, *film; // [num_nodes], NULL where no fields are kept
+    size_t *exits;           // [num_lines] as reduced_states have them, NULL where none are kept
 } kept_state;
 
 typedef struct kept_states {
     size_t num_nodes; // of the fields; 0: none are kept
+    size_t num_lines; // of the exits; 0: none are kept
     double end_time;
     size_t num_times; // regular ones so far
     double extremes[KEPT_EXTREMES];
@@ -33,13 +34,13 @@ typedef struct kept_states {
     kept_state states[NUM_KEPT]; // the first one is the start
 } kept_states;
 
-ehd_status kept_states_init(kept_states *self, size_t num_nodes, double end_time,
+ehd_status kept_states_init(kept_states *self, size_t num_nodes, size_t num_lines, double end_time,
                             ehd_error *error); // free with kept_states_free
 void kept_states_free(kept_states *self);
 
-/* Looks at an accepted step, in order of time. */
+/* Looks at an accepted step, in order of time. What is not kept may be NULL. */
 void kept_states_consider(kept_states *self, const march_step *step, const ehd_contact *reference,
-                          size_t exit, const double *pressure, const double *film);
+                          const double *pressure, const double *film, const size_t *exits);
 
 /* Fills the places that a march of few steps left empty with its last state. */
 void kept_states_complete(kept_states *self);

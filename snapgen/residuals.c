@@ -297,9 +297,11 @@ static ehd_status put_states(artefact *file, const repeated_training *training, 
     }
     for (size_t i = 0; i < repeated->num_trajectories * NUM_KEPT && !status; i++) {
         const kept_state *state = &repeated->kept[i / NUM_KEPT].states[i % NUM_KEPT];
-        status = put_state(file, set->num_points + i, &state->exit, 1,
-                           repeated->failed[i / NUM_KEPT], state->iterations, state->moes_M,
-                           state->alpha_p_H, state->scalars.central_film_thickness, error);
+        const ehd_grid *grid = &training->model->grid;
+        status = put_state(file, set->num_points + i, state->exits + grid_first_line(grid),
+                           grid->inner_lines, repeated->failed[i / NUM_KEPT], state->iterations,
+                           state->moes_M, state->alpha_p_H, state->scalars.central_film_thickness,
+                           error);
     }
     return status;
 }

@@ -71,9 +71,35 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
+/* Pressure, film and where the pressure ends, [num_nodes] each. */
+static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
+                             const double *pressure, const double *film, ehd_error *error) {
+    double *inner = malloc(grid->num_inner * sizeof *inner);
+    double *positions = malloc(grid->inner_lines * sizeof *positions);
+    int64_t *exits = malloc(grid->inner_lines * sizeof *exits);
+    ehd_status status = EHD_OK;
+
+    if (!inner || !positions || !exits) {
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+        goto done;
+    }
+    grid_take_inner(inner, pressure, grid, false);
+    status = artefact_put_part(file, "pressure", place, 1, inner, error);
+    grid_take_inner(inner, film, grid, false);
+    if (!status) status = artefact_put_part(file, "film_thickness", place, 1, inner, error);
+    grid_exit_nodes(exits, pressure, grid, false);
+    if (!status) status = artefact_put_integers_part(file, "exit_node", place, 1, exits, error);
+    grid_exit_positions(positions, pressure, grid, false);
+    if (!status) status = artefact_put_part(file, "exit_position", place, 1, positions, error);
+done:
+    free(inner);
+    free(positions);
+    free(exits);
+    return status;
+}
+
 static ehd_status put_solution(artefact *file, const training_set *set, size_t point,
                                const snapshot *solution, ehd_error *error) {
-    const ehd_grid *grid = &set->grid;
     const full_state *state = &solution->state;
     const contact_scalars *scalars = &solution->scalars;
     const struct {
@@ -84,30 +110,10 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
                  {"minimum_film_thickness", &scalars->minimum_film_thickness},
                  {"central_pressure", &scalars->central_pressure},
                  {"complementarity", &solution->complementarity}};
-    double *inner = malloc(grid->num_inner * sizeof *inner);
-    double *positions = malloc(grid->inner_lines * sizeof *positions);
-    int64_t *exits = malloc(grid->inner_lines * sizeof *exits);
-    ehd_status status = EHD_OK;
-
-    if (!inner || !positions || !exits) {
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-        goto done;
-    }
-    grid_take_inner(inner, state->pressure, grid, false);
-    status = artefact_put_part(file, "pressure", point, 1, inner, error);
-    grid_take_inner(inner, state->film, grid, false);
-    if (!status) status = artefact_put_part(file, "film_thickness", point, 1, inner, error);
-    grid_exit_nodes(exits, state->pressure, grid, false);
-    if (!status) status = artefact_put_integers_part(file, "exit_node", point, 1, exits, error);
-    grid_exit_positions(positions, state->pressure, grid, false);
-    if (!status) status = artefact_put_part(file, "exit_position", point, 1, positions, error);
+    ehd_status status = put_fields(file, &set->grid, point, state->pressure, state->film, error);
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
-done:
-    free(inner);
-    free(positions);
-    free(exits);
     return status;
 }
 
@@ -131,15 +137,13 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
 
 // ---- trajectories
 
-static ehd_status put_kept_state(artefact *file, size_t place, int64_t trajectory,
-                                 const kept_state *state, bool failed, ehd_error *error) {
+static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t place,
+                                 int64_t trajectory, const kept_state *state, bool failed,
+                                 ehd_error *error) {
     const struct {
         const char *name;
         const double *values;
-    } reals[] = {{"pressure", state->pressure + 1},
-                 {"film_thickness", state->film + 1},
-                 {"rigid_approach", &state->scalars.rigid_approach},
-                 {"exit_position", &state->scalars.exit_position},
+    } reals[] = {{"rigid_approach", &state->scalars.rigid_approach},
                  {"central_film_thickness", &state->scalars.central_film_thickness},
                  {"minimum_film_thickness", &state->scalars.minimum_film_thickness},
                  {"central_pressure", &state->scalars.central_pressure},
@@ -153,11 +157,11 @@ static ehd_status put_kept_state(artefact *file, size_t place, int64_t trajector
     const struct {
         const char *name;
         int64_t value;
-    } integers[] = {{"exit_node", (int64_t)state->exit - 1},
-                    {"newton_iterations", (int64_t)state->iterations},
+    } integers[] = {{"newton_iterations", (int64_t)state->iterations},
                     {"trajectory", trajectory},
                     {"status", failed ? 1 : 0}};
-    ehd_status status = EHD_OK;
+    ehd_status status =
+        failed ? EHD_OK : put_fields(file, grid, place, state->pressure, state->film, error);
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status && !failed; i++)
         status = artefact_put_part(file, reals[i].name, place, 1, reals[i].values, error);
@@ -167,14 +171,20 @@ static ehd_status put_kept_state(artefact *file, size_t place, int64_t trajector
     return status;
 }
 
-static ehd_status put_compressed(artefact *file, const compressed_set *set, ehd_error *error) {
-    ehd_status status = artefact_put_axis(file, "compressed", set->rank, NULL, error);
+static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const compressed_set *set,
+                                 ehd_error *error) {
+    double *inner = malloc(grid->num_inner * sizeof *inner);
+    ehd_status status =
+        inner ? artefact_put_axis(file, "compressed", set->rank, NULL, error)
+              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
     if (!status) status = artefact_declare(file, "compressed_pressure", error);
     // a row at a time, because boundary nodes are not in the file
-    for (size_t i = 0; i < set->rank && !status; i++)
-        status = artefact_put_part(file, "compressed_pressure", i, 1,
-                                   set->rows + i * set->num_nodes + 1, error);
+    for (size_t i = 0; i < set->rank && !status; i++) {
+        grid_take_inner(inner, set->rows + i * set->num_nodes, grid, false);
+        status = artefact_put_part(file, "compressed_pressure", i, 1, inner, error);
+    }
+    free(inner);
     if (!status)
         status = artefact_put(file, "compressed_singular_values", set->singular_values, error);
     if (!status)
@@ -195,10 +205,12 @@ ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
         status = artefact_put_integers_part(file, "trajectory", i, 1, &none, error);
     for (size_t t = 0; t < trained->num_trajectories; t++)
         for (size_t i = 0; i < NUM_KEPT && !status; i++)
-            status = put_kept_state(file, set->num_points + t * NUM_KEPT + i, (int64_t)t,
-                                    &trained->kept[t].states[i], trained->failed[t], error);
+            status =
+                put_kept_state(file, &set->grid, set->num_points + t * NUM_KEPT + i, (int64_t)t,
+                               &trained->kept[t].states[i], trained->failed[t], error);
     if (!status) status = artefact_end_streaming(file, error);
-    if (!status && trained->first.rank > 0) status = put_compressed(file, &trained->first, error);
+    if (!status && trained->first.rank > 0)
+        status = put_compressed(file, &set->grid, &trained->first, error);
     return status;
 }
 

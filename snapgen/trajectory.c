@@ -74,7 +74,7 @@ static ehd_status store_full(void *sink, const march_step *step, size_t index, e
     (void)index;
 
     kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
-                         state->exit, state->pressure, state->film);
+                         state->pressure, state->film, NULL);
     show_progress(self->owner, self->number, step->frame.time);
     return compressor_add(self->first, state->pressure, 1, error);
 }
@@ -82,10 +82,11 @@ static ehd_status store_full(void *sink, const march_step *step, size_t index, e
 static ehd_status store_reduced(void *sink, const march_step *step, size_t index,
                                 ehd_error *error) {
     traveller *self = sink;
+    const reduced_state state = reduced_march_state(self->reduced, NULL);
     (void)index, (void)error;
 
-    kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self),
-                         reduced_march_state(self->reduced, NULL).exit, NULL, NULL);
+    kept_states_consider(&self->owner->result->kept[self->number], step, reference_of(self), NULL,
+                         NULL, reduced_state_exits(&state));
     show_progress(self->owner, self->number, step->frame.time);
     return EHD_OK;
 }
@@ -110,7 +111,7 @@ static ehd_status begin_full(traveller *self, const scene *given, ehd_error *err
                                    error);
     if (!status)
         status = kept_states_init(&self->owner->result->kept[self->number],
-                                  reference->grid.num_nodes, given->end_time, error);
+                                  reference->grid.num_nodes, 0, given->end_time, error);
     return status;
 }
 
@@ -125,7 +126,8 @@ static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *
     if (!status)
         status = compressor_create(&self->second, num_rows, &trajectory_compression, error);
     if (!status)
-        status = kept_states_init(&owner->result->kept[self->number], 0, given->end_time, error);
+        status = kept_states_init(&owner->result->kept[self->number], 0, owner->model->num_lines,
+                                  given->end_time, error);
     if (!status) reduced_solver_observe(reduced_march_inner(self->reduced), observe, self);
     return status;
 }

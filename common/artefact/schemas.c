@@ -212,7 +212,7 @@ static const artefact_field snapshots_fields[] = {
         "compressed_pressure", "1", NEED_OPTIONAL,
         "pressures of all steps of all trajectories, compressed: the rows have the singular values "
         "and right singular vectors of the snapshots, and serve in their place",
-        "compressed", "x"),
+        "compressed", "y", "x"),
     REAL("compressed_singular_values", "1", NEED_OPTIONAL,
          "singular values of those snapshots, descending", "compressed"),
     INTEGER("training_point", NEED_OPTIONAL,

@@ -25,11 +25,14 @@ static const struct {
     SCALAR(rigid_approach, rigid_approach),
     SCALAR(load, load),
     SCALAR(contact_half_width, contact_half_width),
-    SCALAR(exit_position, exit_position),
     SCALAR(residual_norm, residual),
-    SCALAR(time_step, step)};
+    SCALAR(time_step, step),
+    SCALAR(exit_position, exit_position)};
 
-enum { NUM_REALS = sizeof reals / sizeof *reals };
+enum {
+    NUM_REALS = sizeof reals / sizeof *reals,
+    EXIT_POSITION = NUM_REALS - 1 // of a point contact one a line
+};
 
 // ---- creating
 
@@ -43,10 +46,9 @@ static ehd_status declare_scalars(artefact *file, ehd_error *error) {
     return status;
 }
 
-static ehd_status declare_fields(artefact *file, const ehd_grid *grid, ehd_error *error) {
-    ehd_status status = grid_write_axes(file, grid, error);
+static ehd_status declare_fields(artefact *file, ehd_error *error) {
+    ehd_status status = artefact_declare(file, "pressure", error);
 
-    if (!status) status = artefact_declare(file, "pressure", error);
     if (!status) status = artefact_declare(file, "film_thickness", error);
     return status;
 }
@@ -63,12 +65,16 @@ static ehd_status declare_restart(artefact *file, size_t restart_size, ehd_error
 ehd_status time_result_create(artefact **file, const program *caller, const ehd_contact *reference,
                               const char *settings_text, const char *const *inputs,
                               bool with_fields, size_t restart_size, ehd_error *error) {
+    const ehd_grid whole = grid_whole(&reference->grid);
     ehd_status status = artefact_create_growing(file, caller->output, &schema_result, "time",
                                                 caller, settings_text, inputs, error);
 
     if (!status) status = result_put_contact(*file, reference, error);
+    // the exits of a point contact lie on lines
+    if (!status && (with_fields || whole.inner_lines > 1))
+        status = grid_write_axes(*file, &whole, error);
     if (!status) status = declare_scalars(*file, error);
-    if (!status && with_fields) status = declare_fields(*file, &reference->grid, error);
+    if (!status && with_fields) status = declare_fields(*file, error);
     if (!status && restart_size > 0) status = declare_restart(*file, restart_size, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
@@ -88,11 +94,15 @@ static ehd_status put_real(artefact *file, const char *name, size_t offset,
 
 static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t count, size_t index,
                               double *column, int64_t *integers, ehd_error *error) {
+    size_t num_reals = count > 0 && entries[0].exits ? EXIT_POSITION : NUM_REALS;
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < NUM_REALS && !status; i++)
+    for (size_t i = 0; i < num_reals && !status; i++)
         status =
             put_real(file, reals[i].name, reals[i].entry, entries, count, index, column, error);
+    for (size_t i = 0; i < count && num_reals == EXIT_POSITION && !status; i++)
+        status = artefact_put_part(file, reals[EXIT_POSITION].name, index + i, 1, entries[i].exits,
+                                   error);
     for (size_t i = 0; i < count; i++)
         integers[i] = (int64_t)entries[i].newton_iterations;
     if (!status)
@@ -104,20 +114,30 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
     return status;
 }
 
-/* The boundary nodes lie outside of the axis. */
-static ehd_status put_fields(artefact *file, const time_entry *entry, size_t index,
-                             ehd_error *error) {
-    ehd_status status = EHD_OK;
+/* The boundary nodes lie outside of the axes. */
+static ehd_status put_field(artefact *file, const char *name, const double *nodes,
+                            const ehd_grid *grid, size_t index, ehd_error *error) {
+    double *inner = malloc(grid_whole(grid).num_inner * sizeof *inner);
+    if (!inner) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
-    if (entry->pressure)
-        status = artefact_put_part(file, "pressure", index, 1, entry->pressure + 1, error);
-    if (!status && entry->film)
-        status = artefact_put_part(file, "film_thickness", index, 1, entry->film + 1, error);
+    grid_take_inner(inner, nodes, grid, true);
+    ehd_status status = artefact_put_part(file, name, index, 1, inner, error);
+    free(inner);
     return status;
 }
 
-ehd_status time_result_append(artefact *file, const time_entry *entries, size_t count, size_t index,
-                              ehd_error *error) {
+static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_grid *grid,
+                             size_t index, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (entry->pressure) status = put_field(file, "pressure", entry->pressure, grid, index, error);
+    if (!status && entry->film)
+        status = put_field(file, "film_thickness", entry->film, grid, index, error);
+    return status;
+}
+
+ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_entry *entries,
+                              size_t count, size_t index, ehd_error *error) {
     double *column = malloc((count + 1) * sizeof *column);
     int64_t *integers = malloc((count + 1) * sizeof *integers);
     ehd_status status = EHD_OK;
@@ -125,7 +145,7 @@ ehd_status time_result_append(artefact *file, const time_entry *entries, size_t 
     if (!column || !integers)
         status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     for (size_t i = 0; i < count && !status; i++)
-        status = put_fields(file, &entries[i], index + i, error);
+        status = put_fields(file, &entries[i], grid, index + i, error);
     if (!status) status = put_scalars(file, entries, count, index, column, integers, error);
     for (size_t i = 0; i < count && !status; i++)
         column[i] = entries[i].time;
@@ -170,7 +190,9 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
 
 static ehd_status check_same_run(const artefact *file, const ehd_contact *reference,
                                  size_t restart_size, ehd_error *error) {
-    const size_t num_inner = artefact_length(file, "x");
+    const ehd_grid whole = grid_whole(&reference->grid);
+    const size_t num_lines = whole.inner_lines > 1 ? artefact_length(file, "y") : 1;
+    const size_t num_inner = artefact_length(file, "x") * num_lines;
     const size_t found = artefact_length(file, "restart_entry");
 
     if (found != restart_size)
@@ -178,9 +200,9 @@ static ehd_status check_same_run(const artefact *file, const ehd_contact *refere
                         "%s.partial: restart_entry: found length %zu, expected %zu",
                         artefact_path(file), found, restart_size);
     // equal settings give an equal axis, unless somebody else wrote the file
-    if (num_inner > 0 && num_inner != reference->grid.num_inner)
+    if (num_inner > 0 && num_inner != whole.num_inner)
         return ehd_fail(error, EHD_DATA, "%s.partial: x: found %zu nodes, expected %zu",
-                        artefact_path(file), num_inner, reference->grid.num_inner);
+                        artefact_path(file), num_inner, whole.num_inner);
     return EHD_OK;
 }
 
@@ -282,7 +304,21 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-static ehd_status get_reals(time_series *series, artefact *file, ehd_error *error) {
+/* Of one value a line that at Y = 0. */
+static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
+                           size_t num_lines, ehd_error *error) {
+    double *of_lines = malloc(num_times * num_lines * sizeof *of_lines);
+    if (!of_lines) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+
+    ehd_status status = artefact_get(file, name, of_lines, error);
+    for (size_t t = 0; t < num_times && !status; t++)
+        values[t] = of_lines[t * num_lines + num_lines / 2];
+    free(of_lines);
+    return status;
+}
+
+static ehd_status get_reals(time_series *series, artefact *file, size_t num_lines,
+                            ehd_error *error) {
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < NUM_REALS && !status; i++) {
@@ -290,7 +326,8 @@ static ehd_status get_reals(time_series *series, artefact *file, ehd_error *erro
         for (size_t t = 0; t < series->num_times; t++)
             values[t] = NAN;
         if (artefact_has(file, reals[i].name))
-            status = artefact_get(file, reals[i].name, values, error);
+            status = get_real(values, series->num_times, file, reals[i].name,
+                              i == EXIT_POSITION ? num_lines : 1, error);
     }
     return status;
 }
@@ -318,7 +355,7 @@ static ehd_status get_series(time_series *series, artefact *file, const contact_
     series->num_times = artefact_length(file, "time");
     status = allocate(series, artefact_path(file), error);
     if (!status) status = get_time(series, file, error);
-    if (!status) status = get_reals(series, file, error);
+    if (!status) status = get_reals(series, file, contact.num_lines, error);
     if (!status)
         status = get_integers(series->newton_iterations, series->num_times, file,
                               "newton_iterations", error);

@@ -24,6 +24,8 @@ typedef struct time_entry {
     double load;               // relative to the reference
     double contact_half_width; // relative to the reference
     double exit_position;
+    const double
+        *exits; // [lines of the whole grid] of a point contact, NULL of a line; NaN: no pressure
     size_t newton_iterations;
     double residual;
     ehd_status status;      // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
@@ -54,8 +56,8 @@ ehd_status time_result_create(
 /* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows last, so
  * that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY; EHD_INTERNAL for fields
  * in a file without. */
-ehd_status time_result_append(artefact *file, const time_entry *entries, size_t count, size_t index,
-                              ehd_error *error);
+ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_entry *entries,
+                              size_t count, size_t index, ehd_error *error);
 
 /* Stores what a run needs to go on after entry num_entries - 1. There are two slots, used in turn, each
  * with its number of entries: taken away first and written last, so that a kill at any moment leaves
@@ -88,7 +90,7 @@ ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_
 typedef struct time_series {
     double x_min; // grid
     double step;
-    size_t num_inner; // 0: no fields
+    size_t num_inner; // of the whole grid; 0: no fields
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     size_t num_times;

@@ -35,6 +35,8 @@ typedef struct runner {
     artefact *file; // NULL: nothing is written
     double *restart;
     double *pressure, *film; // [num_nodes], NULL: no fields
+    size_t *exit_columns;    // [lines of the grid] of a point contact, else NULL
+    double *exits;           // [MOST_WAITING, lines of the whole grid]
     time_entry
         waiting[MOST_WAITING]; // to be written together, since a write costs as much as a step
     size_t num_waiting, num_written;
@@ -123,10 +125,11 @@ static void restore_text(char text[MARCH_REASON], const double saved[MARCH_REASO
 }
 
 static ehd_status write_waiting(runner *self, ehd_error *error) {
-    ehd_status status = self->num_waiting > 0
-                            ? time_result_append(self->file, self->waiting, self->num_waiting,
-                                                 self->num_written, error)
-                            : EHD_OK;
+    ehd_status status =
+        self->num_waiting > 0
+            ? time_result_append(self->file, &self->task->reference->grid, self->waiting,
+                                 self->num_waiting, self->num_written, error)
+            : EHD_OK;
 
     self->num_written += self->num_waiting;
     self->num_waiting = 0;
@@ -159,6 +162,20 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     return time_result_checkpoint(self->file, self->restart, self->num_written, error);
 }
 
+/* Exits of a point contact in the reference frame, kept for the entry that waits next; NULL of a line. */
+static const double *take_exits(runner *self, const contact_frame *frame) {
+    const ehd_grid *grid = &self->task->reference->grid;
+    size_t num_lines = grid_whole(grid).inner_lines;
+    double *exits = self->exits + self->num_waiting * num_lines;
+
+    if (!self->exits) return NULL;
+    self->march.solver.exits(self->exit_columns, self->march.solver.self);
+    grid_exits(exits, self->exit_columns, grid);
+    for (size_t l = 0; l < num_lines; l++)
+        exits[l] *= frame->half_width;
+    return exits;
+}
+
 /* Entry `march_step` of the file, with fields at every N-th step. */
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
     runner *self = sink;
@@ -179,6 +196,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .load = scalars.load,
                               .contact_half_width = step->frame.half_width,
                               .exit_position = scalars.exit_position,
+                              .exits = take_exits(self, &step->frame),
                               .newton_iterations = step->iterations,
                               .residual = step->residual,
                               .status = step->status,
@@ -340,7 +358,9 @@ static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
 static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *error) {
     const time_run_task *task = self->task;
     const march_solver *solver = &task->solver;
-    size_t num_nodes = task->reference->grid.num_nodes;
+    const ehd_grid *grid = &task->reference->grid;
+    size_t num_nodes = grid->num_nodes;
+    bool whole;
     ehd_status status = histories_init(histories, task->given, error);
 
     if (status) return status;
@@ -356,9 +376,14 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
         self->pressure = malloc(num_nodes * sizeof(double));
         self->film = malloc(num_nodes * sizeof(double));
     }
-    if (!self->restart || (task->with_fields && (!self->pressure || !self->film)))
-        return ehd_fail(error, EHD_MEMORY, "result: found no memory for %zu nodes", num_nodes);
-    return EHD_OK;
+    whole = self->restart && (!task->with_fields || (self->pressure && self->film));
+    if (grid->inner_lines > 1) {
+        self->exit_columns = malloc(grid_lines(grid) * sizeof *self->exit_columns);
+        self->exits = malloc(MOST_WAITING * grid_whole(grid).inner_lines * sizeof(double));
+        whole = whole && self->exit_columns && self->exits;
+    }
+    return whole ? EHD_OK
+                 : ehd_fail(error, EHD_MEMORY, "result: found no memory for %zu nodes", num_nodes);
 }
 
 ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *error) {
@@ -392,5 +417,7 @@ ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *err
     free(self.restart);
     free(self.pressure);
     free(self.film);
+    free(self.exit_columns);
+    free(self.exits);
     return status;
 }

@@ -201,6 +201,16 @@ size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {
     return line * grid->inner_x + row % grid->inner_x;
 }
 
+void grid_exits(double *positions, const size_t *columns, const ehd_grid *grid) {
+    const ehd_grid whole = grid_whole(grid);
+    const size_t *inner = columns + grid_first_line(grid);
+
+    for (size_t l = 0; l < whole.inner_lines; l++) {
+        size_t own = grid_row_of_whole(grid, l * grid->inner_x) / grid->inner_x;
+        positions[l] = inner[own] > 1 ? grid_x(grid, inner[own]) : NAN;
+    }
+}
+
 double grid_weight(const ehd_grid *grid, size_t node) {
     return grid->half && node >= grid_width(grid) ? 2 : 1;
 }
@@ -255,10 +265,6 @@ ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *err
                         "closure: found approach in a stationary scene, expected load; a transient "
                         "scene finds the load of an approach");
     contact->kind = *given->contact ? contact_kind_find(given->contact) : &contact_line;
-    if (contact->kind->dimensions > 1 && strcmp(given->regime, "transient") == 0)
-        return ehd_fail(error, EHD_DATA,
-                        "regime: found transient, expected stationary, of a %s contact",
-                        contact->kind->name);
     contact->entrainment = 1;
     contact->closure = contact_load_closure(contact->kind);
     contact->half_width = contact->radius = contact->load = NAN;

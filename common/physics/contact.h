@@ -74,6 +74,14 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node);
 ehd_grid grid_whole(const ehd_grid *grid);
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
 
+/* X of the exits on the inner lines of the whole grid from the first columns without pressure on all lines of
+ * `grid`, [grid_lines]; NaN where column 1 has none. */
+void grid_exits(
+    // output:
+    double *positions, // [inner lines of grid_whole]
+    // input:
+    const size_t *columns, const ehd_grid *grid);
+
 /* Of the cells that a node stands for: 2 off the mirror line of a half grid. */
 double grid_weight(const ehd_grid *grid, size_t node);
 /* Length or area of a cell. */

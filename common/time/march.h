@@ -47,6 +47,9 @@ typedef struct march_solver {
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
     /* P and H of the last accepted state at all nodes, [num_nodes]. */
     ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
+    /* Its exits: the first column without pressure on all lines of the grid (1: none has any), counted with the
+     * boundary nodes, [grid_lines]. */
+    void (*exits)(size_t *columns, const void *self);
 } march_solver;
 
 typedef struct march_settings {

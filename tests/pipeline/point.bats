@@ -106,11 +106,45 @@ PYTHON
     same_data other.h5 cut.h5
 }
 
-@test "a point contact in time is refused" {
-    for program in "fullrun scene.yml" "snapgen plan.yml"; do
-        refuse 65 "regime: found transient, expected stationary, of a point contact" \
-            $program --set regime=transient --set transient.end_time=1 -o x.h5
-    done
+@test "a point contact in time: results and snapshots of half and whole domain" {
+    sed -i 's/regime: stationary/regime: transient/' scene.yml
+    cat >>scene.yml <<'YAML'
+transient:
+  load: {law: sine, amplitude: 0.2, period: 0.5}
+  end_time: 0.3
+  fixed_step: 0.05
+YAML
+    fullrun scene.yml -o half.h5
+    fullrun scene.yml --set grid.half=false -o whole.h5
+    fullrun --check half.h5
+    printf 'groups: [{scene: scene.yml, vary: {moes.M: [20, 22]}}]\n' >plan.yml
+    snapgen plan.yml -o s.h5
+    podbuild s.h5 -o b.h5 --pressure-modes 9
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+half, whole = (h5py.File(f"{name}.h5") for name in ("half", "whole"))
+assert half["pressure"].shape == (7, 33, len(half["x"]))
+for name in "pressure", "film_thickness", "central_film_thickness", "exit_position", "load":
+    assert numpy.allclose(half[name], whole[name], rtol=0, atol=1e-9, equal_nan=True), name
+assert numpy.ptp(half["central_film_thickness"]) > 1e-3
+width = half["contact_half_width"][...]
+assert numpy.allclose(width ** 3, 1 + 0.2 * numpy.sin(4 * numpy.pi * half["time"][...]))
+loaded = half["pressure"][...] != 0
+last = loaded.shape[2] - loaded[:, :, ::-1].argmax(axis=2)
+exits = numpy.where(loaded.any(axis=2), half["x"][0] + last * half.attrs["step"], numpy.nan)
+assert numpy.allclose(half["exit_position"], exits * width[:, None], equal_nan=True)
+snapshots = h5py.File("s.h5")
+assert snapshots["pressure"].shape == (142, 17, len(half["x"]))
+assert numpy.array_equal(snapshots["trajectory"][...], numpy.repeat([0, 1], 71))
+for place in 0, 70:  # the start, and where the contact changes fastest
+    entry = numpy.argmin(abs(half["time"][...] - snapshots["trajectory_time"][place]))
+    for name in "pressure", "film_thickness":
+        assert numpy.allclose(snapshots[name][place], half[name][entry, 16:], rtol=0, atol=1e-8), name
+    index = snapshots["exit_node"][place]
+    assert numpy.array_equal(index, numpy.where(loaded.any(axis=2), last, 0)[entry, 16:])
+rows = snapshots["compressed_pressure"][...]
+assert rows.shape[1:] == (17, len(half["x"])) and (abs(rows) > 0).any(axis=(1, 2)).all()
+PYTHON
 }
 
 @test "a line's model refuses a point contact" {

@@ -23,20 +23,33 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                                                : EHD_OK;
 }
 
-scene marched_scene(double moes_M, double moes_L, const char *density, double step,
-                    const char *transient) {
+static scene scene_of(const char *contact, double moes_M, double moes_L, const char *density,
+                      const char *grid, const char *transient) {
     char text[2048];
     scene of;
     ehd_error error = {""};
 
     snprintf(text, sizeof text,
-             "contact: line\nregime: transient\nclosure: %s\nmoes: {M: %.17g, L: %.17g}\n"
+             "contact: %s\nregime: transient\nclosure: %s\nmoes: {M: %.17g, L: %.17g}\n"
              "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: %s}}\n"
-             "grid: {x_min: -4, x_max: 2, step: %.17g}\ntransient: {%s}\n",
-             strstr(transient, "approach:") ? "approach" : "load", moes_M, moes_L, density, step,
-             transient);
+             "grid: {%s}\ntransient: {%s}\n",
+             contact, strstr(transient, "approach:") ? "approach" : "load", moes_M, moes_L, density,
+             grid, transient);
     if (scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error)) fail_msg("%s", error.text);
     return of;
+}
+
+scene marched_scene(double moes_M, double moes_L, const char *density, double step,
+                    const char *transient) {
+    char grid[128];
+
+    snprintf(grid, sizeof grid, "x_min: -4, x_max: 2, step: %.17g", step);
+    return scene_of("line", moes_M, moes_L, density, grid, transient);
+}
+
+scene marched_point(const char *transient) {
+    return scene_of("point", 20, 5, "dowson-higginson",
+                    "x_min: -3, x_max: 1.5, step: 0.125, y_max: 2, half: true", transient);
 }
 
 void marched_begin(marched *self, const scene *of) {

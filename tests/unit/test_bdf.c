@@ -317,41 +317,52 @@ static void approach_closure_is_the_reported_approach(void **state) {
  * and pressure vanish with two derivatives at the grid's ends, as a natural spline wants it. */
 typedef struct carried {
     ehd_contact reference;
+    earlier_carrier carrier;
     earlier_state state;
-    double *nodes, *work, *mass;
+    double *mass;
 } carried;
 
-static double smooth_deflection(double x) {
-    return 0.3 + 0.5 * exp(-4 * (x + 0.8) * (x + 0.8));
+static double smooth_deflection(double x, double y) {
+    return 0.3 + 0.5 * exp(-4 * ((x + 0.8) * (x + 0.8) + y * y));
 }
 
-static double smooth_pressure(double x) {
-    double bulge = 1 - (x + 0.8) * (x + 0.8);
+static double smooth_pressure(double x, double y) {
+    double bulge = 1 - (x + 0.8) * (x + 0.8) - y * y;
     return bulge > 0 ? bulge * bulge * bulge * bulge * bulge : 0;
 }
 
-static void carried_init(carried *self, const char *density, double step,
-                         const contact_frame *frame) {
-    self->reference = sample_contact("barus", density, 20, 8, step);
-    size_t n = self->reference.grid.num_nodes;
-    self->nodes = calloc(n, sizeof(double));
-    self->work = calloc(n, sizeof(double));
-    self->mass = calloc(n, sizeof(double));
-    assert_true(self->nodes && self->work && self->mass);
-    assert_int_equal(earlier_init(&self->state, &self->reference, NULL), EHD_OK);
+static void carried_init(carried *self, const ehd_contact *reference, const contact_frame *frame) {
+    const ehd_grid *grid = &reference->grid;
+    self->reference = *reference;
+    self->mass = calloc(grid->num_inner, sizeof(double));
+    assert_non_null(self->mass);
+    assert_int_equal(earlier_carrier_init(&self->carrier, reference, NULL), EHD_OK);
+    assert_int_equal(earlier_init(&self->state, reference, NULL), EHD_OK);
     self->state.frame = *frame;
-    for (size_t k = 0; k < n; k++) {
-        double x = self->nodes[k] = grid_x(&self->reference.grid, k);
-        self->state.state.film[k] = smooth_deflection(x) + contact_gap(x, 0);
-        self->state.state.pressure[k] = smooth_pressure(x);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        double x = grid_x(grid, k), y = grid_y(grid, k);
+        self->state.state.film[k] = smooth_deflection(x, y) + grid_gap(grid, k);
+        self->state.state.pressure[k] = smooth_pressure(x, y);
     }
+}
+
+static void carry(carried *self, const contact_frame *now) {
+    earlier_prepare(&self->state, &self->carrier);
+    earlier_mass(self->mass, &self->state, now, &self->carrier);
 }
 
 static void carried_free(carried *self) {
     earlier_free(&self->state);
-    free(self->nodes);
-    free(self->work);
+    earlier_carrier_free(&self->carrier);
     free(self->mass);
+}
+
+/* Whether a place lies on the grid with its boundary nodes. */
+static bool is_on_grid(const ehd_grid *grid, double x, double y) {
+    double last = fabs(grid_y(grid, grid->num_nodes - 1));
+
+    return x >= grid_x(grid, 0) && x <= grid_x(grid, grid_width(grid) - 1) &&
+           (grid->inner_lines == 1 || fabs(y) <= last);
 }
 
 static double density_at(const ehd_contact *contact, double pressure, double hertz) {
@@ -362,24 +373,27 @@ static double density_at(const ehd_contact *contact, double pressure, double her
 }
 
 /* Largest deviation of the mass at the same physical places, where they are on the grid. */
-static double carry_error(const char *density, double step, const contact_frame *then,
-                          const contact_frame *now, const double *then_factor,
-                          const double *now_factor) {
+static double carry_error(const ehd_contact *reference, size_t i, size_t j) {
+    const double *then_factor = factors[i], *now_factor = factors[j];
+    const contact_frame then = frame_of_case(reference->kind, i),
+                        now = frame_of_case(reference->kind, j);
+    const double power = reference->kind->dimensions > 1 ? 1. / 3 : 0.5;
     carried self;
-    carried_init(&self, density, step, then);
-    const ehd_grid *grid = &self.reference.grid;
-    earlier_prepare(&self.state, self.work, &self.reference, self.nodes);
-    earlier_mass(self.mass, &self.state, now, &self.reference);
+    carried_init(&self, reference, &then);
+    const ehd_grid *grid = &reference->grid;
+    carry(&self, &now);
     // physical: half widths of the reference, films a_ref^2 / R_ref
-    double a_then = sqrt(then_factor[0] * then_factor[2] / then_factor[3]);
-    double a_now = sqrt(now_factor[0] * now_factor[2] / now_factor[3]);
-    double hertz = sqrt(then_factor[0] * then_factor[3] / then_factor[2]), largest = 0;
+    double a_then = pow(then_factor[0] * then_factor[2] / then_factor[3], power);
+    double a_now = pow(now_factor[0] * now_factor[2] / now_factor[3], power);
+    double hertz = then_factor[0] / pow(a_then, reference->kind->dimensions), largest = 0;
     for (size_t r = 0; r < grid->num_inner; r++) {
-        double place = a_now * grid_x(grid, r + 1), x = place / a_then;
-        if (x < self.nodes[0] || x > self.nodes[grid->num_nodes - 1]) continue;
-        double film = (smooth_deflection(x) + x * x / 2) * a_then * a_then / then_factor[2];
-        double expected = film * density_at(&self.reference, smooth_pressure(x),
-                                            hertz * self.reference.hertz_pressure);
+        size_t k = grid_node_of_row(grid, r);
+        double x = a_now * grid_x(grid, k) / a_then, y = a_now * grid_y(grid, k) / a_then;
+        if (!is_on_grid(grid, x, y)) continue;
+        double film =
+            (smooth_deflection(x, y) + (x * x + y * y) / 2) * a_then * a_then / then_factor[2];
+        double expected =
+            film * density_at(reference, smooth_pressure(x, y), hertz * reference->hertz_pressure);
         double actual = self.mass[r] * a_now * a_now / now_factor[2];
         largest = fmax(largest, fabs(actual - expected));
     }
@@ -391,67 +405,107 @@ static double carry_error(const char *density, double step, const contact_frame 
 static void change_of_frame_keeps_the_physical_film(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
-    for (int d = 0; d < 2; d++)
-        for (size_t i = 0; i < NUM_FACTORS; i++)
-            for (size_t j = 0; j < NUM_FACTORS; j++) {
-                contact_frame then = frame_of_case(&contact_line, i), now = frame_of_case(&contact_line, j);
-                double coarse =
-                    carry_error(densities[d], 0.04, &then, &now, factors[i], factors[j]);
-                double fine = carry_error(densities[d], 0.02, &then, &now, factors[i], factors[j]);
-                double scale = factors[i][0] / factors[i][3]; // a^2/R
-                assert_true(coarse <= 3e-6 * scale && fine <= fmax(coarse / 10, 1e-13 * scale));
-            }
+    for (size_t kind = 0; kind < 3; kind++)
+        for (int d = 0; d < 2; d++) {
+            const ehd_contact line[] = {sample_contact("barus", densities[d], 20, 8, 0.04),
+                                        sample_contact("barus", densities[d], 20, 8, 0.02)};
+            const ehd_contact point[] = {
+                sample_point("barus", densities[d], 20, 8, 100, kind == 2),
+                sample_point("barus", densities[d], 20, 8, 200, kind == 2)};
+            const ehd_contact *reference = kind == 0 ? line : point;
+            for (size_t i = 0; i < NUM_FACTORS; i++)
+                for (size_t j = kind; j < NUM_FACTORS; j += 1 + 2 * kind) {
+                    double coarse = carry_error(&reference[0], i, j);
+                    double fine = carry_error(&reference[1], i, j);
+                    double scale = factors[i][0] / factors[i][3]; // a^2/R of a line
+                    if (kind > 0) scale = pow(scale, 2. / 3) * pow(factors[i][2], -1. / 3);
+                    assert_true(coarse <= (kind > 0 ? 1e-5 : 3e-6) * scale &&
+                                fine <= fmax(coarse / 8, 1e-13 * scale));
+                }
+        }
+}
+
+static void compare_in_the_same_frame(const ehd_contact *reference) {
+    contact_frame frame = frame_of(reference->kind, 1.4, 1, 0.8, 1.2, NAN);
+    const ehd_grid *grid = &reference->grid;
+    carried self;
+    carried_init(&self, reference, &frame);
+    carry(&self, &frame);
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const full_state *film = &self.state.state;
+        size_t k = grid_node_of_row(grid, r);
+        double hertz = frame.hertz_pressure * reference->hertz_pressure;
+        check_close(self.mass[r], film->film[k] * density_at(reference, film->pressure[k], hertz),
+                    1e-14, 0);
+    }
+    carried_free(&self);
 }
 
 /* The same frame: every node is met, and the mass is rho H to the last digits. */
 static void same_frame_changes_nothing(void **state) {
     (void)state;
-    contact_frame frame = frame_of(&contact_line, 1.4, 1, 0.8, 1.2, NAN);
+    const ehd_contact line = sample_contact("barus", "dowson-higginson", 20, 8, 0.05);
+    const ehd_contact whole = sample_point("barus", "dowson-higginson", 20, 8, 48, false);
+    const ehd_contact half = sample_point("barus", "dowson-higginson", 20, 8, 48, true);
+    compare_in_the_same_frame(&line);
+    compare_in_the_same_frame(&whole);
+    compare_in_the_same_frame(&half);
+}
+
+/* Deflection at a place by a sum over the nodes of the whole grid. */
+static double deflection_by_hand(const ehd_contact *reference, const double *pressure, double x,
+                                 double y) {
+    const ehd_grid *grid = &reference->grid;
+    double sum = 0;
+
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        for (int side = grid->half && grid_y(grid, k) > 0 ? -1 : 1; side <= 1; side += 2)
+            sum +=
+                pressure[k] * reference->kind->kernel(fabs(x - grid_x(grid, k)),
+                                                      fabs(y - side * grid_y(grid, k)), grid->step);
+    return sum;
+}
+
+static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyond) {
+    const contact_kind *kind = reference->kind;
+    const double growth = 1.5, load = kind->dimensions > 1 ? 3.375 : 2.25;
+    contact_frame then = frame_of(kind, 1, 1, 1, 1, NAN), now = frame_of(kind, load, 1, 1, 1, NAN);
+    const ehd_grid *grid = &reference->grid;
+    full_settings settings = full_default_settings();
+    full_solver *solver;
     carried self;
-    carried_init(&self, "dowson-higginson", 0.05, &frame);
-    const ehd_grid *grid = &self.reference.grid;
-    earlier_prepare(&self.state, self.work, &self.reference, self.nodes);
-    earlier_mass(self.mass, &self.state, &frame, &self.reference);
+    carried_init(&self, reference, &then);
+    full_state *film = &self.state.state;
+
+    film->rigid_approach = 0.4;
+    film->exit = grid->num_nodes - 1;
+    assert_int_equal(full_solver_create(&solver, kind, grid, &settings, NULL), EHD_OK);
+    full_film(film, solver);
+    carry(&self, &now);
+    size_t beyond = 0;
     for (size_t r = 0; r < grid->num_inner; r++) {
-        const full_state *film = &self.state.state;
-        double hertz = frame.hertz_pressure * self.reference.hertz_pressure;
-        check_close(self.mass[r],
-                    film->film[r + 1] * density_at(&self.reference, film->pressure[r + 1], hertz),
-                    1e-14, 0);
+        size_t k = grid_node_of_row(grid, r);
+        double x = growth * grid_x(grid, k), y = growth * grid_y(grid, k);
+        if (is_on_grid(grid, x, y)) continue;
+        double expected =
+            0.4 + (x * x + y * y) / 2 + deflection_by_hand(reference, film->pressure, x, y);
+        check_close(self.mass[r] * growth * growth, expected, 1e-12, 0);
+        beyond++;
     }
+    assert_true(beyond >= least_beyond);
+    full_solver_free(solver);
     carried_free(&self);
 }
 
 /* Beyond the grid: the film of the pressure itself, which a wider grid has as nodes. */
 static void growing_contact_looks_beyond_the_grid(void **state) {
     (void)state;
-    contact_frame then = frame_of(&contact_line, 1, 1, 1, 1, NAN),
-                  now = frame_of(&contact_line, 2.25, 1, 1, 1, NAN);
-    carried self;
-    carried_init(&self, "dowson-higginson", 0.05, &then);
-    const ehd_grid *grid = &self.reference.grid;
-    full_settings settings = full_default_settings();
-    full_solver *solver;
-    full_state *film = &self.state.state;
-
-    film->rigid_approach = 0.4;
-    film->exit = grid->num_nodes - 1;
-    assert_int_equal(full_solver_create(&solver, &contact_line, grid, &settings, NULL), EHD_OK);
-    full_film(film, solver);
-    earlier_prepare(&self.state, self.work, &self.reference, self.nodes);
-    earlier_mass(self.mass, &self.state, &now, &self.reference);
-    size_t beyond = 0;
-    for (size_t r = 0; r < grid->num_inner; r++) {
-        double x = 1.5 * grid_x(grid, r + 1), expected = 0.4 + x * x / 2;
-        if (x >= self.nodes[0] && x <= self.nodes[grid->num_nodes - 1]) continue;
-        for (size_t k = 0; k < grid->num_nodes; k++)
-            expected += film->pressure[k] * contact_line.kernel(fabs(x - self.nodes[k]), 0, 0.05);
-        check_close(self.mass[r] * 2.25, expected, 1e-12, 0);
-        beyond++;
-    }
-    assert_true(beyond > 30);
-    full_solver_free(solver);
-    carried_free(&self);
+    const ehd_contact line = sample_contact("barus", "dowson-higginson", 20, 8, 0.05);
+    const ehd_contact whole = sample_point("barus", "dowson-higginson", 20, 8, 32, false);
+    const ehd_contact half = sample_point("barus", "dowson-higginson", 20, 8, 32, true);
+    look_beyond_the_grid(&line, 30);
+    look_beyond_the_grid(&whole, 400);
+    look_beyond_the_grid(&half, 200);
 }
 
 // ---- squeeze
@@ -596,7 +650,7 @@ static void set_wanted(carried *self, double time) {
     contact_frame frame = wanted_frame(time);
     self->state.frame = frame;
     for (size_t k = 0; k < self->reference.grid.num_nodes; k++) {
-        double x = self->nodes[k] * frame.half_width;
+        double x = grid_x(&self->reference.grid, k) * frame.half_width;
         self->state.state.film[k] = wanted_film(x, time) / frame.film_scale;
         self->state.state.pressure[k] = wanted_pressure(x, time) / frame.hertz_pressure;
     }
@@ -610,8 +664,7 @@ static void add_earlier(double *sum, carried *self, const bdf_formula *formula,
     memset(sum, 0, num_inner * sizeof *sum);
     for (size_t i = 0; i < num_earlier; i++) {
         set_wanted(self, time[i + 1]);
-        earlier_prepare(&self->state, self->work, &self->reference, self->nodes);
-        earlier_mass(self->mass, &self->state, now, &self->reference);
+        carry(self, now);
         for (size_t r = 0; r < num_inner; r++)
             sum[r] += formula->weight[i] * self->mass[r];
     }
@@ -638,8 +691,9 @@ static manufactured_error manufactured(double grid_step, const double *lengths,
     carried self;
 
     fill_times(time, now.time, lengths);
-    carried_init(&self, "dowson-higginson", grid_step, &now);
-    contact_set_moes(&self.reference, 5, 2);
+    ehd_contact reference = sample_contact("barus", "dowson-higginson", 20, 8, grid_step);
+    contact_set_moes(&reference, 5, 2);
+    carried_init(&self, &reference, &now);
     frame_contact(&contact, &now, &self.reference);
     size_t num_inner = contact.grid.num_inner, num_nodes = contact.grid.num_nodes;
     double *sum = calloc(num_inner, sizeof *sum), *memory = calloc(4 * num_nodes, sizeof *memory);
@@ -658,9 +712,9 @@ static manufactured_error manufactured(double grid_step, const double *lengths,
     reynolds_rows(rows, grid_step, contact.entrainment, &squeeze, stencils, num_inner, &fluid,
                   self.state.state.pressure, self.state.state.film);
     for (size_t r = 0; r < num_inner; r++) {
-        double x = now.half_width * self.nodes[r + 1];
+        double x = now.half_width * grid_x(&reference.grid, r + 1);
         double mass = fluid.density[r + 1] * self.state.state.film[r + 1];
-        if (!is_inside(self.nodes[r + 1])) continue;
+        if (!is_inside(grid_x(&reference.grid, r + 1))) continue;
         error.rate = fmax(error.rate, fabs(now.film_scale * (formula.rate * mass + sum[r]) -
                                            mass_rate(&self.reference, x, now.time)));
         error.residual =

@@ -18,20 +18,18 @@ static ehd_error error;
     if (call) fail_msg("%s", error.text)
 
 /* The same state as the full model holds it: pressure by the modes up to the exit, film by definition. */
-static void fill_full(earlier_state *full, const earlier_film *reduced, const reduced_basis *basis,
-                      const ehd_contact *reference) {
+static void fill_full(earlier_state *full, earlier_carrier *carrier, const earlier_film *reduced,
+                      const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
     const double *z = reduced->coordinates;
     size_t num_pressure = basis->num_pressure;
-    double *work = malloc(2 * grid->num_nodes * sizeof *work), *nodes = work + grid->num_nodes;
+    const double *nodes = carrier->nodes;
 
-    assert_non_null(work);
     check_ok(earlier_init(full, reference, &error));
     full->frame = reduced->frame;
     full->state.exit = reduced->exit;
     full->state.rigid_approach = z[num_pressure + basis->num_deformation];
     for (size_t k = 0; k < grid->num_nodes; k++) {
-        nodes[k] = grid_x(grid, k);
         full->state.pressure[k] = 0;
         for (size_t j = 0; j < num_pressure && k < reduced->exit; j++)
             full->state.pressure[k] += basis->pressure[k * num_pressure + j] * z[j];
@@ -45,8 +43,7 @@ static void fill_full(earlier_state *full, const earlier_film *reduced, const re
         for (size_t j = 0; j < basis->num_deformation; j++)
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
     }
-    earlier_prepare(full, work, reference, nodes);
-    free(work);
+    earlier_prepare(full, carrier);
 }
 
 static contact_frame frame_under(double load, double radius, double time) {
@@ -62,9 +59,11 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     reduced_model model;
     film_splines splines;
     earlier_film film;
+    earlier_carrier carrier;
     earlier_state full;
 
     assert_non_null(expected);
+    check_ok(earlier_carrier_init(&carrier, reference, &error));
     check_ok(reduced_model_build(&model, basis, NULL, 0, &error));
     check_ok(
         film_splines_build(&splines, &model, basis->pressure, basis->deformation_modes, &error));
@@ -74,8 +73,8 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     memcpy(film.coordinates, basis->states.coordinates + STATE * model.num_unknowns,
            model.num_unknowns * sizeof(double));
     earlier_film_prepare(&film, &model, &splines, reference);
-    fill_full(&full, &film, basis, reference);
-    earlier_mass(expected, &full, now, reference);
+    fill_full(&full, &carrier, &film, basis, reference);
+    earlier_mass(expected, &full, now, &carrier);
     for (size_t k = 1; k <= grid->num_inner; k++) {
         // the same state three times, and once alone
         const earlier_film *films[] = {&film, &film, &film};
@@ -91,6 +90,7 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     }
     earlier_film_free(&film);
     earlier_free(&full);
+    earlier_carrier_free(&carrier);
     film_splines_free(&splines);
     reduced_model_free(&model);
     free(expected);

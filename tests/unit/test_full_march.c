@@ -34,8 +34,11 @@ static void constant_histories_stay_stationary(void **state) {
         "modulus: {law: ramp, from: 1.2, to: 1.2, start: 2, duration: 1}",
         "end_time: 10, fixed_step: 0.25, approach: {law: constant}"};
     (void)state;
-    for (size_t i = 0; i < sizeof transients / sizeof *transients; i++) {
-        run_usual(&first, transients[i]);
+    for (size_t i = 0; i < 2 * sizeof transients / sizeof *transients; i++) {
+        bool point = i % 2 == 1;
+        scene of = point ? marched_point(transients[i / 2])
+                         : marched_scene(20, 6, "dowson-higginson", 0.05, transients[i / 2]);
+        marched_all(&first, &of);
         for (size_t k = 0; k < first.count; k++) {
             check_close(first.film[k], first.film[0], 1e-9, 0);
             check_close(first.least_film[k], first.least_film[0], 1e-9, 0);
@@ -47,10 +50,9 @@ static void constant_histories_stay_stationary(void **state) {
     }
 }
 
-/* The start in any frame is the stationary contact of its values. */
-static void start_is_the_stationary_contact(void **state) {
-    (void)state;
-    scene physical = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
+/* `moes_M` and `moes_L` of 1.3 times the load at 0.6 times the speed, `width` its half width. */
+static void compare_start(const scene *of, double moes_M, double moes_L, double width) {
+    scene physical = *of;
     full_settings settings = full_default_settings();
     full_solver *solver;
     full_state stationary;
@@ -62,10 +64,9 @@ static void start_is_the_stationary_contact(void **state) {
     physical.vary[VARY_SPEED] = (history_settings){.law = "step", .from = 0.6, .to = 1, .at = 0.5};
     marched_begin(&first, &physical);
     frame = first.first.frame;
-    // M of load/sqrt(speed), lubricant and modulus alone make L
     contact = first.reference;
-    contact_set_moes(&contact, 20 * 1.3 / sqrt(0.6), 6 * pow(0.6, 0.25));
-    check_close(contact.hertz_pressure, first.reference.hertz_pressure * sqrt(1.3), 1e-12, 0);
+    contact_set_moes(&contact, moes_M, moes_L);
+    check_close(contact.hertz_pressure, first.reference.hertz_pressure * width, 1e-12, 0);
     assert_int_equal(full_solver_create(&solver, contact.kind, &contact.grid, &settings, NULL),
                      EHD_OK);
     assert_int_equal(full_state_init(&stationary, &contact.grid, NULL), EHD_OK);
@@ -74,10 +75,20 @@ static void start_is_the_stationary_contact(void **state) {
                       contact.grid.num_nodes, 0, 1e-8);
     check_close_array(full_march_state(first.full, NULL)->film, stationary.film,
                       contact.grid.num_nodes, 1e-8, 0);
-    check_close(frame.half_width, sqrt(1.3), 1e-14, 0);
+    check_close(frame.half_width, width, 1e-14, 0);
     full_state_free(&stationary);
     full_solver_free(solver);
     marched_end(&first);
+}
+
+/* The start in any frame is the stationary contact of its values: M goes as load over the root of the speed, or
+ * its power 3/4, and lubricant and modulus alone make the rest of L. */
+static void start_is_the_stationary_contact(void **state) {
+    (void)state;
+    const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
+    const scene point = marched_point("end_time: 1, fixed_step: 1");
+    compare_start(&line, 20 * 1.3 / sqrt(0.6), 6 * pow(0.6, 0.25), sqrt(1.3));
+    compare_start(&point, 20 * 1.3 / pow(0.6, 0.75), 5 * pow(0.6, 0.25), cbrt(1.3));
 }
 
 // ---- accuracy in time
@@ -98,6 +109,27 @@ static void run_fixed(marched *self, const char *law, double step) {
 
     snprintf(transient, sizeof transient, "end_time: 1.2, fixed_step: %.17g, %s", step, law);
     run_usual(self, transient);
+}
+
+/* Of a point contact: the error's order, not how far it goes. */
+static void fixed_steps_of_a_point_contact(void **state) {
+    (void)state;
+    static const char law[] =
+        "load: {law: sine, amplitude: 0.2, period: 2, phase: 1.5707963267948966}, "
+        "speed: {law: sine, amplitude: 0.2, period: 3, phase: 1.5707963267948966}";
+    marched *const runs[] = {&first, &second, &third};
+    for (size_t i = 0; i < 3; i++) {
+        char transient[512];
+        snprintf(transient, sizeof transient, "end_time: 1.2, fixed_step: %.17g, %s",
+                 0.04 / (double)(1 << i), law);
+        scene of = marched_point(transient);
+        marched_all(runs[i], &of);
+    }
+    double large = film_difference(&first, &second), little = film_difference(&second, &third);
+    assert_true(large > 1e-7);
+    check_close(log2(large / little), 2, 0, 0.15);
+    for (size_t i = 0; i < 3; i++)
+        marched_end(runs[i]);
 }
 
 /* Halved steps: differences go as their square. */
@@ -335,10 +367,8 @@ static const char busy[] =
     "speed: {law: ramp, from: 1, to: 0.4, start: 0.3, duration: 0.4}, "
     "radius: {law: step, from: 1, to: 1.1, at: 0.6}";
 
-/* Saved in the middle and restored into another object: the same bits as without a stop. */
-static void saved_march_goes_on_with_the_same_bits(void **state) {
-    (void)state;
-    scene of = marched_scene(20, 6, "dowson-higginson", 0.05, busy);
+static void save_and_go_on(const scene *scene_of_run) {
+    const scene of = *scene_of_run;
     marched_all(&first, &of);
     for (size_t stop = 1; stop < first.count; stop += first.count / 5) {
         marched_begin(&second, &of);
@@ -367,6 +397,16 @@ static void saved_march_goes_on_with_the_same_bits(void **state) {
         marched_end(&third);
     }
     marched_end(&first);
+}
+
+/* Saved in the middle and restored into another object: the same bits as without a stop. */
+static void saved_march_goes_on_with_the_same_bits(void **state) {
+    (void)state;
+    const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, busy);
+    const scene point = marched_point("end_time: 0.2, fixed_step: 0.02, "
+                                      "load: {law: sine, amplitude: 0.2, period: 0.5}");
+    save_and_go_on(&line);
+    save_and_go_on(&point);
 }
 
 static void bad_saves_are_refused(void **state) {
@@ -405,8 +445,10 @@ static void attempts_can_be_repeated(void **state) {
     const double time = first.march.state.time;
     march_step one, other, again;
     ehd_error error = {""};
-    contact_frame near = march_frame(&first.march.settings, &contact_line, first.histories, time + 0.01, 1);
-    contact_frame far = march_frame(&first.march.settings, &contact_line, first.histories, time + 0.1, 1);
+    contact_frame near =
+        march_frame(&first.march.settings, &contact_line, first.histories, time + 0.01, 1);
+    contact_frame far =
+        march_frame(&first.march.settings, &contact_line, first.histories, time + 0.1, 1);
     assert_int_equal(solver->attempt(&one, solver->self, &near, 0.01, &error), EHD_OK);
     assert_int_equal(solver->attempt(&other, solver->self, &far, 0.1, &error), EHD_OK);
     assert_int_equal(solver->attempt(&again, solver->self, &near, 0.01, &error), EHD_OK);
@@ -426,13 +468,11 @@ static void attempts_can_be_repeated(void **state) {
 
 // ---- errors
 
-static void without_memory(void **state) {
-    (void)state;
-    scene of = marched_scene(20, 6, "dowson-higginson", 0.1, "end_time: 1");
+static void create_without_memory(const scene *of, size_t most_allocations) {
     full_settings settings = full_default_settings();
     ehd_contact reference;
     ehd_status status = EHD_MEMORY;
-    assert_int_equal(contact_init(&reference, &of, NULL), EHD_OK);
+    assert_int_equal(contact_init(&reference, of, NULL), EHD_OK);
     for (size_t fail_at = 0; status == EHD_MEMORY; fail_at++) {
         full_march *self = (full_march *)&self;
         allocation_fail_at(fail_at);
@@ -440,9 +480,17 @@ static void without_memory(void **state) {
         allocation_failed();
         if (status == EHD_MEMORY) assert_null(self);
         if (status == EHD_OK) assert_null(full_march_free(self));
-        assert_true(fail_at < 200);
+        assert_true(fail_at < most_allocations);
     }
     assert_int_equal(status, EHD_OK);
+}
+
+static void without_memory(void **state) {
+    (void)state;
+    const scene line = marched_scene(20, 6, "dowson-higginson", 0.1, "end_time: 1");
+    const scene point = marched_point("end_time: 1");
+    create_without_memory(&line, 200);
+    create_without_memory(&point, 2000);
     assert_null(full_march_free(NULL));
 }
 
@@ -451,6 +499,7 @@ int main(void) {
         cmocka_unit_test(constant_histories_stay_stationary),
         cmocka_unit_test(start_is_the_stationary_contact),
         cmocka_unit_test(fixed_steps_are_of_second_order),
+        cmocka_unit_test(fixed_steps_of_a_point_contact),
         cmocka_unit_test(tolerance_holds),
         cmocka_unit_test(sine_leads_to_a_periodic_state),
         cmocka_unit_test(ramps_end_in_the_stationary_contact),

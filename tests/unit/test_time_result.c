@@ -130,7 +130,7 @@ static ehd_status append(artefact *file, size_t index, bool with_fields) {
         entry.pressure = pressure;
         entry.film = film;
     }
-    return time_result_append(file, &entry, 1, index, &error);
+    return time_result_append(file, &contact.grid, &entry, 1, index, &error);
 }
 
 static ehd_status checkpoint(artefact *file, size_t num_entries) {
@@ -620,10 +620,10 @@ static void resume_refuses_another_run(void **state) {
     restart_size = 0;
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "restart_entry");
     restart_size = RESTART_SIZE;
-    contact.grid.num_inner--;
+    contact.grid.inner_x--;
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
                   "x: found 121 nodes, expected 120");
-    contact.grid.num_inner++;
+    contact.grid.inner_x++;
     assert_null(file);
     check_ok(try_resume(&file, &num_entries, "scene"));
     artefact_close(&file);

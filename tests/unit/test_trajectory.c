@@ -236,10 +236,10 @@ static void consider_all(kept_states *kept, const ehd_contact *reference, size_t
         double time = count > 1 ? (double)k / (double)(count - 1) : 0;
         const march_step step = {.frame = frame_at(reference->kind, time, values, NAN),
                                  .step = k > 0 ? 1 / (double)(count - 1) : 0,
-                                 .scalars = {.load = part},
+                                 .scalars = {.load = part, .exit_position = (double)exit[k]},
                                  .iterations = k};
         const double pressure[NODES] = {(double)k, 1, 2}, film[NODES] = {3, (double)k, 4};
-        kept_states_consider(kept, &step, reference, exit[k], pressure, film);
+        kept_states_consider(kept, &step, reference, pressure, film, &exit[k]);
     }
     kept_states_complete(kept);
 }
@@ -259,7 +259,7 @@ static void extremes_are_kept(void **state) {
     exit[34] = 40; // the first of equals is kept
     exit[77] = 61;
     load[222] = 1; // a sudden change
-    assert_int_equal(kept_states_init(&kept, NODES, 1, NULL), EHD_OK);
+    assert_int_equal(kept_states_init(&kept, NODES, 1, 1, NULL), EHD_OK);
     consider_all(&kept, &reference, COUNT, load, exit);
     assert_int_equal(kept.num_times, KEPT_TIMES);
     for (size_t i = 0; i < KEPT_TIMES; i++) { // the first step from a regular time on
@@ -276,7 +276,7 @@ static void extremes_are_kept(void **state) {
         assert_int_equal(extreme[i].iterations, step[i]);
         check_close(extreme[i].moes_M, 20 * load[step[i]], 1e-13, 0);
         check_close(extreme[i].alpha_p_H, reference.alpha_p_H * sqrt(load[step[i]]), 1e-13, 0);
-        assert_int_equal(extreme[i].exit, exit[step[i]]);
+        assert_int_equal(extreme[i].exits[0], exit[step[i]]);
     }
     check_close(extreme[6].rate, 0.5 * fabs(log(load[223] / load[222])) * (COUNT - 1), 1e-9, 0);
     kept_states_free(&kept);
@@ -290,7 +290,7 @@ static void few_steps_fill_all_places(void **state) {
     const size_t exit[] = {5, 6, 7};
     for (size_t count = 1; count <= 3; count++) {
         kept_states kept;
-        assert_int_equal(kept_states_init(&kept, NODES, 1, NULL), EHD_OK);
+        assert_int_equal(kept_states_init(&kept, NODES, 1, 1, NULL), EHD_OK);
         consider_all(&kept, &reference, count, load, exit);
         assert_int_equal(kept.num_times, KEPT_TIMES);
         assert_int_equal(kept.states[KEPT_TIMES - 1].iterations, count - 1);
@@ -306,10 +306,10 @@ static void states_without_fields(void **state) {
     const double load[] = {1, 1.1, 0.9};
     const size_t exit[] = {5, 6, 7};
     kept_states kept;
-    assert_int_equal(kept_states_init(&kept, 0, 1, NULL), EHD_OK);
+    assert_int_equal(kept_states_init(&kept, 0, 1, 1, NULL), EHD_OK);
     consider_all(&kept, &reference, 3, load, exit);
     assert_null(kept.states[0].pressure);
-    assert_int_equal(kept.states[KEPT_TIMES + 5].exit, 7);
+    assert_int_equal(kept.states[KEPT_TIMES + 5].exits[0], 7);
     kept_states_free(&kept);
 }
 
