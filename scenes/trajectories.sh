@@ -4,11 +4,11 @@
 #     run STEPS PERIOD KIND CODE STEPS REJECTED NEWTON SECONDS
 #     deviation STEPS PERIOD KIND dP_c T dH_c T TIMES       in per cent of the full run; of the full run
 #                                                           itself: its deviation at a tenth of the tolerance
-#     collect.sh FOLDER MODEL "STEPS..." PERIOD...      STEPS: adaptive, fixed
+#     trajectories.sh FOLDER MODEL "STEPS..." PERIOD...      STEPS: adaptive, fixed
 set -eu
 folder=$1 model=$2 kinds=$3
 shift 3
-shared=$(dirname "$0")/..
+shared=$(dirname "$0")
 
 # numbers STEPS PERIOD KIND
 numbers() {

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Prints sizes, steps with times, and deviations of the models beside the published ones.
-#     { size and snapshots lines; collect.sh ...; } | awk -f tables.awk -v models="NAME..." - cases.csv
+#     { size and snapshots lines; trajectories.sh ...; } | awk -f tables-time.awk -v models="NAME..." - cases.csv
 function rule(width,    line) {
     line = sprintf("%" width "s", "")
     gsub(" ", "-", line)
@@ -35,6 +35,7 @@ FNR == 1 { FS = ","; $0 = $0; next }
 
 NF > 1 {
     period[++num_periods] = $1
+    if ($4 != "") published = 1
     published_steps[$1, "full"] = $4
     published_steps[$1, "reduced"] = $5
     published_seconds[$1, "full"] = $6
@@ -48,12 +49,11 @@ function size_row(label, text, states,    value) {
 }
 
 function size_table(    m, value) {
-    print "Table 6: sizes (m: steps of the training trajectories)\n"
+    print (published ? "Table 6: sizes" : "Sizes") " (m: steps of the training trajectories)\n"
     printf "%-12s %6s %7s %9s %5s %8s %6s %13s\n", "", "n", "m", "unknowns", "n_p", "n_delta", "rows", "needed nodes"
     rule(74)
     for (m = 1; m <= num_models; m++) size_row(name[m], size[name[m]], snapshots)
-    split(size["published"], value, " ")
-    size_row("published", size["published"], value[5])
+    if (split(size["published"], value, " ") > 2) size_row("published", size["published"], value[5])
 }
 
 function time_row(label, full, reduced, full_seconds, reduced_seconds, note) {
@@ -62,7 +62,7 @@ function time_row(label, full, reduced, full_seconds, reduced_seconds, note) {
 }
 
 function time_table(model,    i, p) {
-    print "\nTable 7: adaptive steps at the default tolerance, " model "; the second line of a period: as published\n"
+    print "\n" (published ? "Table 7: adaptive" : "Adaptive") " steps at the default tolerance, " model (published ? "; the second line of a period: as published" : "") "\n"
     printf "%-18s %7s %8s  %10s %9s %9s %19s\n", "T_exc", "steps", "", "seconds", "", "ratio", "ms a step"
     printf "%-18s %7s %8s  %10s %9s %9s %9s %9s\n", "", "full", "reduced", "full", "reduced", "", "full", "reduced"
     rule(87)

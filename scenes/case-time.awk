@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Trajectories of cases.csv:
-#     awk -f case.awk cases.csv                           their periods
-#     awk -f case.awk -v want=STEPS-PERIOD cases.csv      the settings of one, for a program's command line:
+#     awk -f case-time.awk cases.csv                           their periods
+#     awk -f case-time.awk -v want=STEPS-PERIOD cases.csv      the settings of one, for a program's command line:
 #                                                         STEPS is adaptive, tenth (of the tolerance) or fixed
 BEGIN {
     FS = ","
