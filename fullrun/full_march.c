@@ -44,6 +44,13 @@ full_march *full_march_free(full_march *self) {
     return NULL;
 }
 
+double full_march_bytes(const ehd_contact *reference) {
+    const double own = (BDF_EARLIER + 1) * sizeof(double) + sizeof(bool);
+
+    return full_solver_bytes(&reference->grid) + earlier_bytes(reference, BDF_EARLIER + 1) +
+           own * (double)reference->grid.num_nodes;
+}
+
 /* Central film at a hundredth of the speed and the same alpha p_H. */
 static double dry_start_film(const ehd_contact *reference) {
     const contact_kind *kind = reference->kind;

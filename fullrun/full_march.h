@@ -8,6 +8,9 @@
 
 typedef struct full_march full_march;
 
+/* What it takes, about, in bytes. */
+double full_march_bytes(const ehd_contact *reference);
+
 /* `reference`: the contact at all factors 1; must outlive it. EHD_MEMORY. */
 ehd_status full_march_create(
     // output:

@@ -135,9 +135,10 @@ static ehd_status load_start(full_state *state, ehd_contact *start, double *film
 // ---- the solution
 
 /* Says what a point contact will take before it is taken. EHD_MEMORY: more than there is. */
-static ehd_status check_memory(const program *self, const ehd_contact *contact, ehd_error *error) {
+static ehd_status check_memory(const program *self, const ehd_contact *contact, double bytes,
+                               ehd_error *error) {
     const double megabyte = 1e6, large = 1000;
-    double needed = full_solver_bytes(&contact->grid) / megabyte;
+    double needed = bytes / megabyte;
     double there = program_memory() / megabyte;
 
     if (contact->kind->dimensions == 1) return EHD_OK;
@@ -339,7 +340,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     artefact *file = NULL;
     double start_film = NAN;
     double *exits = NULL;
-    ehd_status status = check_memory(self, contact, error);
+    ehd_status status = check_memory(self, contact, full_solver_bytes(&contact->grid), error);
 
     if (!status) status = full_state_init(&state, &contact->grid, error);
     if (!status && options->start)
@@ -393,7 +394,9 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                 ehd_error *error) {
     const full_settings settings = make_settings(options);
     full_march *in_time = NULL;
-    ehd_status status = full_march_create(&in_time, contact, &settings, given->start_film, error);
+    ehd_status status = check_memory(self, contact, full_march_bytes(contact), error);
+
+    if (!status) status = full_march_create(&in_time, contact, &settings, given->start_film, error);
 
     if (!status) {
         const time_run_task task = {.caller = self,
