@@ -40,7 +40,10 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         bool alive =
             reduced_model_column(model, other) < self->exit[reduced_model_line(model, other)];
         pressure[count] = alive ? self->band_pressure[nodes_band_place(model, other)] : 0;
-        film[count++] = nodes_band_film(self, z, other);
+        // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to it from
+        // the exit, where there is no pressure either.
+        const band_line *line = &model->lines[reduced_model_line(model, other)];
+        film[count++] = line->end > line->begin ? nodes_band_film(self, z, other) : 0;
     }
     reynolds_fluid_evaluate(&fluid, contact, pressure, count);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;

@@ -295,6 +295,38 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     reduced_problem_free(&reduced);
 }
 
+/* Beside the boundary lines, of which the band has nothing: with the only checkpoint's table followed by numbers that
+ * would spoil all that they enter, exits there move to where they belong. */
+static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state) {
+    (void)state;
+    for (int g = 0; g < 2; g++) {
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, grids[g].basis, NULL, 0, &strict_settings);
+        reduced_model *model = &reduced.model;
+        const reduced_states *states = &grids[g].basis->states;
+        size_t width = grid_width(&model->grid), num_lines = model->num_lines, s = 3;
+        size_t table = model->num_band * model->num_pressure, tail = width * model->num_pressure;
+        size_t last = grid_first_line(&model->grid) + model->grid.inner_lines - 1;
+        size_t *exits = malloc(num_lines * sizeof *exits);
+        double *longer = realloc(model->checkpoint_band, (table + tail) * sizeof *longer);
+
+        assert_true(exits && longer && !has_two_exits(s));
+        for (size_t i = 0; i < tail; i++)
+            longer[table + i] = NAN;
+        model->checkpoint_band = longer;
+        model->num_checkpoints = 1;
+        memcpy(exits, states->exit + s * num_lines, num_lines * sizeof *exits);
+        exits[last] -= 2;
+        memcpy(reduced.state.coordinates, states->coordinates + s * model->num_unknowns,
+               model->num_unknowns * sizeof(double));
+        reduced_state_set_exits(&reduced.state, model, exits);
+        reduced_problem_solve(&reduced, &grids[g].training->contacts[s]);
+        check_is_training_state(&reduced, grids[g].basis, grids[g].training, s, 1e-9);
+        free(exits);
+        reduced_problem_free(&reduced);
+    }
+}
+
 /* Each line's exits lie in its band with the nodes that rows there and beside need. */
 static void the_band_has_what_rows_at_exits_need(void **state) {
     (void)state;
@@ -328,6 +360,7 @@ int main(void) {
         cmocka_unit_test(exit_lines_are_found),
         cmocka_unit_test(exits_between_lines_are_interpolated),
         cmocka_unit_test(a_start_beside_a_row_of_neighbours_is_near_it),
+        cmocka_unit_test(exits_beside_the_boundary_need_nothing_behind_the_band),
         cmocka_unit_test(the_band_has_what_rows_at_exits_need),
     };
 
