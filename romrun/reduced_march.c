@@ -23,13 +23,15 @@ struct reduced_march {
     double *mass;        // [num_rows, BDF_EARLIER] rho H of earlier states at the rows' nodes
     double *earlier;     // [num_rows] their sum by the formula
     double *row_pressure, *row_mass; // [num_rows]
+    // the sums asked for at the band's nodes in this attempt, by its number
+    size_t attempt, *band_attempt; // [num_band]
+    double *band_earlier;          // [num_band]
     // what the solver's kept factors were made at, so that a restored march makes the same ones
     struct {
         bool valid;
         contact_frame frame;
         double rate;
-        double *coordinates; // [num_unknowns]
-        size_t exit;
+        reduced_state state;
     } factors;
     // frames of the solved loads, where the approach is given not the ones that were solved in
     contact_frame loaded, last_loaded; // of the attempt; of the last accepted state
@@ -46,7 +48,9 @@ reduced_march *reduced_march_free(reduced_march *self) {
             earlier_film_free(&self->states[i]);
         free(self->ascending);
         free(self->mass);
-        free(self->factors.coordinates);
+        reduced_state_free(&self->factors.state);
+        free(self->band_attempt);
+        free(self->band_earlier);
         free(self->earlier);
         free(self->row_pressure);
         free(self->row_mass);
@@ -92,14 +96,16 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->row_pressure = malloc(bytes);
     self->row_mass = malloc(bytes);
     self->range = trained_range_create(model);
-    self->factors.coordinates = malloc(model->num_unknowns * sizeof(double));
     self->mass = malloc(BDF_EARLIER * bytes);
     self->ascending = malloc(model->num_rows * sizeof *self->ascending);
-    whole = self->factors.coordinates && self->earlier && self->row_pressure && self->row_mass &&
-            self->mass && self->ascending && self->range;
+    self->band_attempt = calloc(model->num_band, sizeof *self->band_attempt);
+    self->band_earlier = malloc(model->num_band * sizeof(double));
+    whole = self->earlier && self->row_pressure && self->row_mass && self->mass &&
+            self->ascending && self->band_attempt && self->band_earlier && self->range;
     if (whole) sort_rows(self);
     ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
                               : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!status) status = reduced_state_init(&self->factors.state, model, error);
     for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
         status = earlier_film_init(&self->states[i], model, error);
     if (status)
@@ -126,13 +132,24 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
+/* Whether an exit lies at the edge of where it may. */
+static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
+    const size_t *exit = reduced_state_exits(state);
+
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        if (line->end > line->begin && (exit[l] <= line->least || exit[l] >= line->most))
+            return true;
+    }
+    return false;
+}
+
 /* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film that ruptures before the
  * contact, where it has no boundary. */
-static void judge(march_step *outcome, reduced_march *self, size_t exit,
+static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     const double rupture = -1e-3; // of the Hertz pressure; truncated bases show a tenth of it
     const reduced_model *model = self->model;
-
     ehd_contact contact;
 
     self->loaded = isnan(frame->approach)
@@ -144,7 +161,7 @@ static void judge(march_step *outcome, reduced_march *self, size_t exit,
     outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
-    if (exit <= model->least_exit || exit >= model->most_exit) {
+    if (is_at_edge(model, state)) {
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = "an exit boundary at the edge of the trained range";
     }
@@ -161,10 +178,8 @@ static void judge(march_step *outcome, reduced_march *self, size_t exit,
 static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze, ehd_error *error) {
     earlier_film *next = state_before(self, 0);
-    reduced_state state = {.coordinates = next->coordinates, .exit = next->exit};
-    ehd_status status = reduced_solve(info, &state, self->solver, contact, squeeze, error);
+    ehd_status status = reduced_solve(info, &next->state, self->solver, contact, squeeze, error);
 
-    next->exit = state.exit;
     add_effort(self, info);
     return status;
 }
@@ -197,21 +212,18 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                         ehd_error *error) {
     reduced_march *self = solver;
     earlier_film *first = state_before(self, 0);
-    reduced_state state = {.coordinates = first->coordinates};
     reduced_info info = {.status = EHD_OK, .reason = ""};
     ehd_contact contact;
     ehd_status status = EHD_OK;
 
     frame_contact(&contact, frame, &self->reference);
     contact.closure = contact_load_closure(contact.kind);
-    reduced_guess(&state, self->model, contact.moes_M, contact.alpha_p_H);
-    first->exit = state.exit;
+    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H);
     first->frame = *frame;
     if (frame->speed > 0)
         status = solve(&info, self, &contact, NULL, error);
     else
-        info.scalars = reduced_scalars(
-            self->solver, &(reduced_state){.coordinates = first->coordinates, .exit = state.exit});
+        info.scalars = reduced_scalars(self->solver, &first->state);
     if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
         status = find_load(&info, self, &first->frame, error);
     if (status) return status;
@@ -225,7 +237,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
         reduced_row_values(self->row_pressure, NULL, self->solver, &contact);
-        judge(outcome, self, first->exit, &first->frame);
+        judge(outcome, self, &first->state, &first->frame);
     }
     self->formula.rate = 0;
     drop_factors(self);
@@ -240,22 +252,23 @@ static void add_times(double *target, double factor, const double *source, size_
     cblas_daxpy((int)count, factor, source, 1, target, 1);
 }
 
-/* The coordinates, and with them the values at the needed nodes, go on as polynomials in time; the exit
+/* The coordinates, and with them the values at the needed nodes, go on as polynomials in time; the exit line
  * stays where it was. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
     earlier_film *next = state_before(self, 0);
     reduced_values *values = &next->values;
 
-    next->exit = state_before(self, 1)->exit;
+    reduced_state_set_exits(&next->state, model,
+                            reduced_state_exits(&state_before(self, 1)->state));
     values->checkpoint = state_before(self, 1)->values.checkpoint;
-    memset(next->coordinates, 0, model->num_unknowns * sizeof(double));
+    memset(next->state.coordinates, 0, model->num_unknowns * sizeof(double));
     memset(values->pressure, 0, model->num_needed * sizeof(double));
     memset(values->cut, 0, model->num_cut * sizeof(double));
     for (size_t i = 0; i < self->ring.num_earlier; i++) {
         const earlier_film *earlier = state_before(self, i + 1);
         double factor = self->formula.predictor[i];
-        add_times(next->coordinates, factor, earlier->coordinates, model->num_unknowns);
+        add_times(next->state.coordinates, factor, earlier->state.coordinates, model->num_unknowns);
         add_times(values->pressure, factor, earlier->values.pressure, model->num_needed);
         add_times(values->cut, factor, earlier->values.cut, model->num_cut);
         if (earlier->values.checkpoint != values->checkpoint && factor != 0)
@@ -285,9 +298,8 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     self->effort.seconds_earlier += program_seconds() - start;
 }
 
-/* The formula's sum at a node of the band. */
-static double earlier_at(void *solver, size_t node) {
-    reduced_march *self = solver;
+/* The formula's sum at a node of the band, from the splines. */
+static double sum_at(reduced_march *self, size_t node) {
     const contact_frame *now = &state_before(self, 0)->frame;
     const earlier_film *films[BDF_EARLIER];
     double mass[BDF_EARLIER];
@@ -299,15 +311,35 @@ static double earlier_at(void *solver, size_t node) {
     return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
 }
 
+/* The same, which the iterations of an attempt ask for again and again. */
+static double earlier_at(void *solver, size_t node) {
+    reduced_march *self = solver;
+    size_t place = reduced_model_band_place(self->model, node);
+
+    if (self->band_attempt[place] != self->attempt) {
+        self->band_earlier[place] = sum_at(self, node);
+        self->band_attempt[place] = self->attempt;
+    }
+    return self->band_earlier[place];
+}
+
+/* Whether a row lies so far before the exit that its local error is looked at. */
+static bool is_watched(const reduced_march *self, const size_t *exit, size_t row) {
+    const ehd_grid *grid = &self->model->grid;
+    size_t node = self->model->row_node[row];
+
+    return grid_x(grid, node) <
+           grid_x(grid, exit[reduced_model_line(self->model, node)]) - march_exit_margin;
+}
+
 /* Largest local error of rho H at the rows' nodes with pressure (march_exit_margin), relative to the
  * central film. */
-static double local_error(const reduced_march *self, size_t exit, double central_film) {
-    const ehd_grid *grid = &self->model->grid;
-    double largest = 0, end = grid_x(grid, exit) - march_exit_margin;
+static double local_error(const reduced_march *self, const size_t *exit, double central_film) {
+    double largest = 0;
 
     for (size_t r = 0; r < self->model->num_rows; r++) {
         double mass = self->row_mass[r];
-        if (grid_x(grid, self->model->row_node[r]) >= end) continue;
+        if (!is_watched(self, exit, r)) continue;
         for (size_t i = 0; i < self->ring.num_earlier; i++)
             mass -= self->formula.predictor[i] * self->mass[r * BDF_EARLIER + i];
         largest = fmax(largest, fabs(mass));
@@ -334,6 +366,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     reduced_info info;
 
     self->formula = bdf_ring_formula(&self->ring, step);
+    self->attempt++;
     next->frame = *frame;
     frame_contact(&contact, frame, &self->reference);
     carry_over(self, frame);
@@ -354,9 +387,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     if (info.status != EHD_NOT_CONVERGED) {
         reduced_row_values(self->row_pressure, self->row_mass, self->solver, &contact);
         if (self->formula.error > 0)
-            outcome->local_error =
-                local_error(self, next->exit, info.scalars.central_film_thickness);
-        judge(outcome, self, next->exit, frame);
+            outcome->local_error = local_error(self, reduced_state_exits(&next->state),
+                                               info.scalars.central_film_thickness);
+        judge(outcome, self, &next->state, frame);
     }
     self->effort.seconds += program_seconds() - start;
     return EHD_OK;
@@ -366,32 +399,39 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 
 /* Makes the factors at what self->factors says. */
 static void keep_factors(reduced_march *self) {
-    const reduced_state state = {.coordinates = self->factors.coordinates,
-                                 .exit = self->factors.exit};
     ehd_contact contact;
 
     frame_contact(&contact, &self->factors.frame, &self->reference);
-    reduced_keep_factors(self->solver, &state, &contact, self->factors.rate);
+    reduced_keep_factors(self->solver, &self->factors.state, &contact, self->factors.rate);
+}
+
+static void copy_state(reduced_state *target, const reduced_state *source,
+                       const reduced_model *model) {
+    memcpy(target->coordinates, source->coordinates, model->num_unknowns * sizeof(double));
+    reduced_state_set_exits(target, model, reduced_state_exits(source));
+}
+
+static bool same_exits(const reduced_state *a, const reduced_state *b, const reduced_model *model) {
+    return memcmp(reduced_state_exits(a), reduced_state_exits(b),
+                  model->num_lines * sizeof(size_t)) == 0;
 }
 
 /* Whether the factors still serve the next step, by how they did in this one. */
-static bool factors_serve(const reduced_march *self, size_t exit) {
+static bool factors_serve(const reduced_march *self, const reduced_state *solved) {
     const size_t most_iterations = 3;
     const double most_rate_change = 0.25;
 
     return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
-           exit == self->factors.exit &&
+           same_exits(solved, &self->factors.state, self->model) &&
            fabs(self->formula.rate / self->factors.rate - 1) < most_rate_change;
 }
 
 static void renew_factors(reduced_march *self, const earlier_film *solved) {
-    if (factors_serve(self, solved->exit)) return;
+    if (factors_serve(self, &solved->state)) return;
     self->factors.valid = true;
     self->factors.frame = solved->frame;
     self->factors.rate = self->formula.rate;
-    self->factors.exit = solved->exit;
-    memcpy(self->factors.coordinates, solved->coordinates,
-           self->model->num_unknowns * sizeof(double));
+    copy_state(&self->factors.state, &solved->state, self->model);
     keep_factors(self);
 }
 
@@ -424,7 +464,7 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
     const earlier_film *last = &self->states[self->ring.place[1]];
 
     if (frame) *frame = last->frame;
-    return (reduced_state){.coordinates = last->coordinates, .exit = last->exit};
+    return last->state;
 }
 
 reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
@@ -436,7 +476,7 @@ reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
 enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
 
 static size_t saved_state_size(const reduced_march *self) {
-    return NUM_FRAME + 1 + self->model->num_unknowns;
+    return NUM_FRAME + self->model->num_lines + self->model->num_unknowns;
 }
 
 /* Number of earlier states, they themselves, the last frame of a solved load, and what the kept factors were
@@ -447,25 +487,36 @@ static size_t saved_size(const void *solver) {
     return 1 + BDF_EARLIER * saved_state_size(self) + NUM_FRAME + 2 + saved_state_size(self);
 }
 
+/* Frame, exits and coordinates. */
 static void save_state(double *target, const reduced_march *self, const contact_frame *frame,
-                       size_t exit, const double *coordinates) {
+                       const reduced_state *state) {
+    const reduced_model *model = self->model;
+    const size_t *exit = reduced_state_exits(state);
+
     memcpy(target, frame, sizeof *frame);
-    target[NUM_FRAME] = (double)exit;
-    memcpy(target + NUM_FRAME + 1, coordinates, self->model->num_unknowns * sizeof(double));
+    target += NUM_FRAME;
+    for (size_t l = 0; l < model->num_lines; l++)
+        target[l] = (double)exit[l];
+    memcpy(target + model->num_lines, state->coordinates, model->num_unknowns * sizeof(double));
 }
 
-static ehd_status restore_state(contact_frame *frame, size_t *exit, double *coordinates,
+static ehd_status restore_state(contact_frame *frame, reduced_state *state,
                                 const reduced_march *self, const double *source, ehd_error *error) {
     const reduced_model *model = self->model;
-    double place = source[NUM_FRAME];
+    const double *exit = source + NUM_FRAME;
 
-    if (!(place >= (double)model->least_exit && place <= (double)model->most_exit))
-        return ehd_fail(error, EHD_DATA,
-                        "saved state: found the exit at node %g, expected %zu to %zu", place,
-                        model->least_exit, model->most_exit);
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        if (!(exit[l] >= (double)line->least && exit[l] <= (double)line->most))
+            return ehd_fail(error, EHD_DATA,
+                            "saved state: found the exit at node %g, expected %zu to %zu", exit[l],
+                            line->least, line->most);
+    }
     memcpy(frame, source, sizeof *frame);
-    *exit = (size_t)place;
-    memcpy(coordinates, source + NUM_FRAME + 1, model->num_unknowns * sizeof(double));
+    state->exit = (size_t)exit[grid_central_line(&model->grid) / grid_width(&model->grid)];
+    for (size_t l = 0; l < model->num_lines && state->exits; l++)
+        state->exits[l] = (size_t)exit[l];
+    memcpy(state->coordinates, exit + model->num_lines, model->num_unknowns * sizeof(double));
     return EHD_OK;
 }
 
@@ -478,15 +529,13 @@ static void save(double *saved, const void *solver) {
     saved[0] = (double)self->ring.num_earlier;
     for (size_t i = 0; i < self->ring.num_earlier; i++) {
         const earlier_film *earlier = &self->states[self->ring.place[i + 1]];
-        save_state(saved + 1 + i * saved_state_size(self), self, &earlier->frame, earlier->exit,
-                   earlier->coordinates);
+        save_state(saved + 1 + i * saved_state_size(self), self, &earlier->frame, &earlier->state);
     }
     memcpy(loaded, &self->last_loaded, sizeof self->last_loaded);
     factors[0] = self->factors.valid ? 1 : 0;
     factors[1] = self->factors.rate;
     if (self->factors.valid)
-        save_state(factors + 2, self, &self->factors.frame, self->factors.exit,
-                   self->factors.coordinates);
+        save_state(factors + 2, self, &self->factors.frame, &self->factors.state);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
@@ -500,18 +549,19 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
                         saved[0], BDF_EARLIER);
     for (size_t i = 0; i < (size_t)saved[0] && !status; i++) {
         earlier_film *earlier = state_before(self, i + 1);
-        status = restore_state(&earlier->frame, &earlier->exit, earlier->coordinates, self,
+        status = restore_state(&earlier->frame, &earlier->state, self,
                                saved + 1 + i * saved_state_size(self), error);
         if (status) break;
         self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
-        reduced_values_of(&earlier->values, self->model, earlier->coordinates, &earlier->exit);
+        reduced_values_of(&earlier->values, self->model, earlier->state.coordinates,
+                          reduced_state_exits(&earlier->state));
         earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
     }
     memcpy(&self->last_loaded, loaded, sizeof self->last_loaded);
     drop_factors(self);
     if (!status && factors[0] == 1) {
-        status = restore_state(&self->factors.frame, &self->factors.exit, self->factors.coordinates,
-                               self, factors + 2, error);
+        status =
+            restore_state(&self->factors.frame, &self->factors.state, self, factors + 2, error);
         self->factors.rate = factors[1];
         self->factors.valid = !status;
         if (!status) keep_factors(self);

@@ -117,6 +117,12 @@ grid_place reduced_model_place(const reduced_model *model, size_t node) {
     return (grid_place){reduced_model_line(model, node), reduced_model_column(model, node)};
 }
 
+size_t reduced_model_band_place(const reduced_model *model, size_t node) {
+    const band_line *line = &model->lines[reduced_model_line(model, node)];
+
+    return line->offset + reduced_model_column(model, node) - line->begin;
+}
+
 double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
                              size_t first, size_t count, const double *pressure) {
     size_t width = grid_width(&model->grid), column = at.column;

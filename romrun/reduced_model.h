@@ -175,6 +175,9 @@ typedef struct grid_place {
 } grid_place;
 grid_place reduced_model_place(const reduced_model *model, size_t node);
 
+/* Place of a node of the band among its nodes. */
+size_t reduced_model_band_place(const reduced_model *model, size_t node);
+
 /* `sum` plus what `count` neighbouring nodes of a line from column `first` on deflect at a node. */
 double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
                              size_t first, size_t count, const double *pressure);

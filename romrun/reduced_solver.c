@@ -64,6 +64,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         least_squares_free(self->kept);
         free(self->kept_matrix);
         free(self->kept_row);
+        free(self->kept_exit);
         free(self->exit);
         free(self->alive);
         free(self->runs);
@@ -89,6 +90,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->right);
         free(self->step);
         free(self->start);
+        free(self->start_exit);
         free(self->observed);
         free(self);
     }
@@ -111,6 +113,8 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->kept = least_squares_create(most_rows, model->num_unknowns);
     self->kept_matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
     self->kept_row = malloc(model->num_rows * sizeof *self->kept_row);
+    self->kept_exit = calloc(num_lines, sizeof *self->kept_exit);
+    self->start_exit = calloc(num_lines, sizeof *self->start_exit);
     self->exit = calloc(num_lines, sizeof *self->exit);
     self->alive = calloc(model->num_needed, sizeof *self->alive);
     self->runs = calloc(num_lines, sizeof *self->runs);
@@ -136,12 +140,12 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->start = malloc(model->num_unknowns * sizeof(double));
     self->observed = malloc(2 * model->num_rows * sizeof(double));
     if (!self->least_squares || !self->kept || !self->kept_matrix || !self->kept_row ||
-        !self->exit || !self->alive || !self->runs || !self->table_exit || !self->block ||
-        !self->wanted || !self->moved || !self->watches || !self->cut || !self->cut_value ||
-        !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
-        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->rows ||
-        !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
-        !self->observed || reduced_values_init(&self->values, model, error) ||
+        !self->kept_exit || !self->start_exit || !self->exit || !self->alive || !self->runs ||
+        !self->table_exit || !self->block || !self->wanted || !self->moved || !self->watches ||
+        !self->cut || !self->cut_value || !self->step_cut || !self->pressure || !self->film ||
+        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
+        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
+        !self->start || !self->observed || reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -370,7 +374,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     system_list_rows(self);
     self->kept_weight = system_closure_weight(rate);
     system_fill_matrix(self, &contact->closure, self->kept_weight);
-    self->kept_exit = state->exit;
+    memcpy(self->kept_exit, self->exit, self->model->num_lines * sizeof *self->kept_exit);
     self->num_kept = self->num_system;
     memcpy(self->kept_row, self->system_row, self->num_system * sizeof *self->kept_row);
     size_t num_rows = self->num_system + self->model->num_deformation + 1;
@@ -424,7 +428,8 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     if (!isfinite(info->residual) ||
         least_squares_again(self->step, self->kept, self->kept_matrix, self->right, num_rows))
         return false;
-    at->change = sqrt(model->grid.step) * cblas_dnrm2((int)model->num_pressure, self->step, 1);
+    at->change =
+        sqrt(grid_cell(&model->grid)) * cblas_dnrm2((int)model->num_pressure, self->step, 1);
     double rate = isnan(before) ? first_rate : at->change / before;
     if (!(at->change < MOST_KEPT_CHANGE && rate < MOST_KEPT_RATE)) return false;
     double film = at_centre(model, self->film), change = central_change(self);
@@ -433,6 +438,15 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     cblas_daxpy((int)model->num_unknowns, 1, self->step, 1, state->coordinates, 1);
     info->iterations++;
     info->seconds_linear += program_seconds() - start;
+    return true;
+}
+
+/* Whether no line's exit lies more than `most` nodes from where the kept factors have it. */
+static bool is_near_kept(const reduced_solver *self, const reduced_state *state, size_t most) {
+    const size_t *exit = reduced_state_exits(state), *kept = self->kept_exit;
+
+    for (size_t l = 0; l < self->model->num_lines; l++)
+        if ((exit[l] > kept[l] ? exit[l] - kept[l] : kept[l] - exit[l]) > most) return false;
     return true;
 }
 
@@ -447,10 +461,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
         evaluate(info, self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         if (!take_kept_step(&at, info, state, self, contact)) return false;
         bool moved = exits_adapt(info, self, state, contact, squeeze, at.change);
-        size_t exit = state->exit;
-        if ((exit > self->kept_exit ? exit - self->kept_exit : self->kept_exit - exit) >
-            most_distance)
-            return false;
+        if (!is_near_kept(self, state, most_distance)) return false;
         if (!moved && at.converged) {
             info->status = EHD_OK;
             info->reason = "";
@@ -466,14 +477,17 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
-    size_t bytes = self->model->num_unknowns * sizeof(double), exit = state->exit;
+    const reduced_model *model = self->model;
+    size_t bytes = model->num_unknowns * sizeof(double);
 
     if (squeeze && self->has_kept && !self->observer) {
         memcpy(self->start, state->coordinates, bytes);
+        memcpy(self->start_exit, reduced_state_exits(state),
+               model->num_lines * sizeof *self->start_exit);
         if (newton_with_kept(info, state, self, contact, squeeze)) return EHD_OK;
         info->status = EHD_NOT_CONVERGED;
         memcpy(state->coordinates, self->start, bytes);
-        state->exit = exit;
+        reduced_state_set_exits(state, model, self->start_exit);
     }
     return newton(info, state, self, contact, squeeze, error);
 }

@@ -128,9 +128,9 @@ void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *solver,
                         const ehd_contact *contact);
 
-/* P at band nodes from `from` up to before `to`, whatever the exit. */
+/* P at `count` nodes of the band from place `first` on, whatever the exit. */
 void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
-                           size_t from, size_t to);
+                           size_t first, size_t count);
 
 /* Keeps the Jacobian's factors at a state, for the steps in time that follow: reduced_solve with a squeeze
  * then iterates with them and makes a Jacobian of its own only where that does not converge. What it

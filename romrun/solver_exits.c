@@ -39,7 +39,7 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         if (other == NO_NODE) continue;
         bool alive =
             reduced_model_column(model, other) < self->exit[reduced_model_line(model, other)];
-        pressure[count] = alive ? self->band_pressure[nodes_band_place(model, other)] : 0;
+        pressure[count] = alive ? self->band_pressure[reduced_model_band_place(model, other)] : 0;
         // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to it from
         // the exit, where there is no pressure either.
         const band_line *line = &model->lines[reduced_model_line(model, other)];

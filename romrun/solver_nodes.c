@@ -49,8 +49,7 @@ static void product(double *y, const double *matrix, const double *x, size_t row
 void nodes_expand_places(reduced_solver *self, const double *z, size_t first, size_t count) {
     const reduced_model *model = self->model;
 
-    product(self->band_pressure + first, model->band_pressure + first * model->num_pressure, z,
-            count, model->num_pressure);
+    reduced_band_pressure(self->band_pressure + first, model, z, first, count);
 }
 
 void nodes_expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
@@ -113,12 +112,6 @@ double nodes_load(const reduced_solver *self) {
     return self->cut_value[self->model->num_cut - 1];
 }
 
-size_t nodes_band_place(const reduced_model *model, size_t node) {
-    const band_line *line = &model->lines[reduced_model_line(model, node)];
-
-    return line->offset + reduced_model_column(model, node) - line->begin;
-}
-
 /* `film` with what a run of band nodes deflects at a node. */
 static double deflect_run(double film, const reduced_solver *self, const cut_run *run,
                           grid_place at) {
@@ -132,7 +125,7 @@ static double deflect_run(double film, const reduced_solver *self, const cut_run
 
 double nodes_band_film(const reduced_solver *self, const double *z, size_t node) {
     const reduced_model *model = self->model;
-    size_t place = nodes_band_place(model, node), num_pressure = model->num_pressure;
+    size_t place = reduced_model_band_place(model, node), num_pressure = model->num_pressure;
     double film = z[model->num_unknowns - 1] + grid_gap(&model->grid, node);
 
     if (model->deformation == DEFORMATION_INDEPENDENT) {
@@ -155,7 +148,7 @@ void nodes_add_row(double *target, double factor, const double *source, size_t c
 }
 
 void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
-                           size_t from, size_t to) {
-    product(pressure, model->band_pressure + (from - model->band_begin) * model->num_pressure,
-            coordinates, to - from, model->num_pressure);
+                           size_t first, size_t count) {
+    product(pressure, model->band_pressure + first * model->num_pressure, coordinates, count,
+            model->num_pressure);
 }

@@ -30,9 +30,10 @@ struct reduced_solver {
     least_squares *kept; // factors of an earlier Jacobian
     double *kept_matrix; // [num_rows + num_deformation + 1, num_unknowns] that Jacobian
     bool has_kept;
-    size_t kept_exit, num_kept; // of its rows the first num_kept are Reynolds rows
-    size_t *kept_row;           // [num_rows]
-    double kept_weight;         // of its closure
+    size_t *kept_exit;  // [num_lines]
+    size_t num_kept;    // of its rows the first num_kept are Reynolds rows
+    size_t *kept_row;   // [num_rows]
+    double kept_weight; // of its closure
 
     size_t *exit;      // [num_lines] what follows is for; 0: none yet
     bool *alive;       // [num_needed] before the exit
@@ -59,6 +60,7 @@ struct reduced_solver {
     double *right;                     // [num_rows + num_deformation + 1]
     double *step;                      // [num_unknowns]
     double *start;                     // [num_unknowns] to go back to; also scratch
+    size_t *start_exit;                // [num_lines]
     double *observed;                  // [2, num_rows]
 };
 
@@ -99,9 +101,6 @@ void nodes_expand_state(reduced_solver *self, const reduced_values *known, const
 
 /* Load of the pressure expanded last, over the kind's unit. */
 double nodes_load(const reduced_solver *self);
-
-/* Place of a node of the band. */
-size_t nodes_band_place(const reduced_model *model, size_t node);
 
 /* H at one band node at the solver's exit. For the coupled basis the exit's checkpoint gives the deflection of what
  * lies before it, and nodes_expand_runs or nodes_expand_band must have filled the pressures by which the exit differs. */

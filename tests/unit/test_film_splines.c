@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry over. */
 #include "fullrun/earlier.h"
+#include "romrun/fields.h"
 #include "romrun/film_splines.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 
+#include <gsl/gsl_spline.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,17 +23,17 @@ static ehd_error error;
 static void fill_full(earlier_state *full, earlier_carrier *carrier, const earlier_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
-    const double *z = reduced->coordinates;
+    const double *z = reduced->state.coordinates;
     size_t num_pressure = basis->num_pressure;
     const double *nodes = carrier->nodes;
 
     check_ok(earlier_init(full, reference, &error));
     full->frame = reduced->frame;
-    full->state.exit = reduced->exit;
+    full->state.exit = reduced->state.exit;
     full->state.rigid_approach = z[num_pressure + basis->num_deformation];
     for (size_t k = 0; k < grid->num_nodes; k++) {
         full->state.pressure[k] = 0;
-        for (size_t j = 0; j < num_pressure && k < reduced->exit; j++)
+        for (size_t j = 0; j < num_pressure && k < reduced->state.exit; j++)
             full->state.pressure[k] += basis->pressure[k * num_pressure + j] * z[j];
     }
     for (size_t k = 0; k < grid->num_nodes; k++) {
@@ -69,8 +71,8 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
         film_splines_build(&splines, &model, basis->pressure, basis->deformation_modes, &error));
     check_ok(earlier_film_init(&film, &model, &error));
     film.frame = then;
-    film.exit = basis->states.exit[STATE];
-    memcpy(film.coordinates, basis->states.coordinates + STATE * model.num_unknowns,
+    film.state.exit = basis->states.exit[STATE];
+    memcpy(film.state.coordinates, basis->states.coordinates + STATE * model.num_unknowns,
            model.num_unknowns * sizeof(double));
     earlier_film_prepare(&film, &model, &splines, reference);
     fill_full(&full, &carrier, &film, basis, reference);
@@ -140,21 +142,326 @@ static void coarse_grids_have_splines_too(void **unused) {
     trained_free(&coarse);
 }
 
+// ---- point contacts
+
+enum {
+    MARGIN = 14
+}; // nodes that a field of the tests goes beyond the grid, so that its splines' ends do not matter
+
+static trained half_training;
+static reduced_basis half_basis, whole_basis; // the same modes
+
+/* The basis of a half grid on the whole one. */
+static void mirror_basis(reduced_basis *whole, const reduced_basis *half) {
+    const ehd_grid grid = grid_whole(&half->grid);
+    const reduced_states *states = &half->states;
+    size_t width = grid_width(&grid), num = half->num_pressure, lines = grid_lines(&grid);
+
+    *whole = *half;
+    whole->grid = grid;
+    whole->pressure = calloc(grid.num_nodes * num, sizeof(double));
+    whole->weight = calloc(grid.num_nodes, sizeof(double));
+    assert_true(whole->pressure && whole->weight);
+    check_ok(reduced_states_init(&whole->states, states->num_states, lines, states->num_unknowns,
+                                 &error));
+    memcpy(whole->states.coordinates, states->coordinates,
+           states->num_states * states->num_unknowns * sizeof(double));
+    for (size_t l = 0; l < lines; l++) {
+        size_t middle = lines / 2, own = l > middle ? l - middle : middle - l;
+        memcpy(whole->pressure + l * width * num, half->pressure + own * width * num,
+               width * num * sizeof(double));
+        memcpy(whole->weight + l * width, half->weight + own * width, width * sizeof(double));
+        for (size_t s = 0; s < states->num_states; s++)
+            whole->states.exit[s * lines + l] = states->exit[s * states->num_lines + own];
+    }
+}
+
+/* A model with a state in it, whose exit line is or is not that of training. */
+typedef struct point_film {
+    const reduced_basis *basis;
+    ehd_contact reference;
+    reduced_model model;
+    film_splines splines;
+    earlier_film film;
+} point_film;
+
+static contact_frame point_frame(double load, double radius) {
+    return frame_at(&contact_point, 0, (double[]){load, 1, radius, 1}, NAN);
+}
+
+static void point_film_init(point_film *self, const reduced_basis *basis, bool trained_exits) {
+    const reduced_states *states = &basis->states;
+
+    self->basis = basis;
+    self->reference = half_training.contacts[STATE];
+    self->reference.grid = basis->grid;
+    check_ok(reduced_model_build(&self->model, basis, NULL, 0, &error));
+    check_ok(film_splines_build(&self->splines, &self->model, basis->pressure, NULL, &error));
+    check_ok(earlier_film_init(&self->film, &self->model, &error));
+    self->film.frame = point_frame(1, 1);
+    memcpy(self->film.state.coordinates, states->coordinates + STATE * states->num_unknowns,
+           states->num_unknowns * sizeof(double));
+    reduced_state_set_exits(&self->film.state, &self->model,
+                            states->exit + STATE * states->num_lines);
+    size_t central = self->model.num_lines / 2; // of a whole grid
+    for (size_t l = 0; l < self->model.num_lines && !trained_exits; l++) {
+        const band_line *line = &self->model.lines[l];
+        size_t from_centre = basis->grid.half ? l : l > central ? l - central : central - l;
+        self->film.state.exits[l] = from_centre % 3 ? line->least : line->most;
+    }
+    earlier_film_prepare(&self->film, &self->model, &self->splines, &self->reference);
+}
+
+static void point_film_free(point_film *self) {
+    earlier_film_free(&self->film);
+    film_splines_free(&self->splines);
+    reduced_model_free(&self->model);
+}
+
+static double mass_at(const point_film *self, size_t node, const contact_frame *now) {
+    const earlier_film *films[] = {&self->film, &self->film, &self->film};
+    double mass[3], alone;
+
+    earlier_film_masses(mass, films, 3, node, now, &self->model, &self->splines, &self->reference);
+    earlier_film_masses(&alone, films, 1, node, now, &self->model, &self->splines,
+                        &self->reference);
+    for (size_t i = 0; i < 3; i++)
+        check_close(mass[i], alone, 1e-13, 0);
+    return alone;
+}
+
+/* Nodes of a field on the whole plane: those of the grid and MARGIN more on each side. */
+typedef struct plane {
+    size_t width, lines;
+    double *x, *y;
+    double *values;     // [lines, width]
+    gsl_spline **along; // [lines]
+} plane;
+
+/* A place of the state's pressure by its line in the plane; NULL beyond the grid. */
+static double *plane_node(const plane *self, size_t line, size_t column) {
+    return &self->values[line * self->width + column];
+}
+
+static void plane_init(plane *self, const ehd_grid *given) {
+    const ehd_grid grid = grid_whole(given);
+
+    self->width = grid_width(&grid) + 2 * MARGIN;
+    self->lines = grid_lines(&grid) + 2 * MARGIN;
+    self->x = calloc(self->width + self->lines, sizeof(double));
+    self->y = self->x + self->width;
+    self->values = calloc(self->width * self->lines, sizeof(double));
+    self->along = calloc(self->lines, sizeof *self->along);
+    assert_true(self->x && self->values && self->along);
+    for (size_t c = 0; c < self->width; c++)
+        self->x[c] = grid_x(&grid, 0) + ((double)c - MARGIN) * grid.step;
+    for (size_t l = 0; l < self->lines; l++)
+        self->y[l] = grid_y(&grid, 0) + ((double)l - MARGIN) * grid.step;
+}
+
+static void plane_free(plane *self) {
+    for (size_t l = 0; l < self->lines; l++)
+        gsl_spline_free(self->along[l]);
+    free(self->along);
+    free(self->values);
+    free(self->x);
+}
+
+/* Splines along each line, of which plane_at makes one across. */
+static void plane_prepare(plane *self) {
+    for (size_t l = 0; l < self->lines; l++) {
+        self->along[l] = gsl_spline_alloc(gsl_interp_cspline, self->width);
+        gsl_spline_init(self->along[l], self->x, plane_node(self, l, 0), self->width);
+    }
+}
+
+static double plane_at(const plane *self, double x, double y) {
+    gsl_spline *across = gsl_spline_alloc(gsl_interp_cspline, self->lines);
+    double *values = calloc(self->lines, sizeof *values);
+
+    assert_true(across && values);
+    for (size_t l = 0; l < self->lines; l++)
+        values[l] = gsl_spline_eval(self->along[l], x, NULL);
+    gsl_spline_init(across, self->y, values, self->lines);
+    double value = gsl_spline_eval(across, y, NULL);
+    gsl_spline_free(across);
+    free(values);
+    return value;
+}
+
+/* Pressure of the state at the grid's nodes of the plane: by the modes, cut at the exit line or not. */
+static void fill_pressure(plane *self, const point_film *of, bool cut) {
+    const ehd_grid *grid = &of->basis->grid;
+    size_t num = of->basis->num_pressure, width = grid_width(grid), middle = self->lines / 2;
+
+    for (size_t l = MARGIN; l < self->lines - MARGIN; l++)
+        for (size_t c = 0; c < width; c++) {
+            size_t own = !grid->half ? l - MARGIN : l > middle ? l - middle : middle - l;
+            double *pressure = plane_node(self, l, MARGIN + c);
+            if (cut && c >= of->film.state.exits[own]) continue;
+            for (size_t j = 0; j < num; j++)
+                *pressure += of->basis->pressure[(own * width + c) * num + j] *
+                             of->film.state.coordinates[j];
+        }
+}
+
+/* H0 and deflection of that pressure by a plain sum. */
+static void fill_deflection(plane *self, const plane *pressure, const point_film *of) {
+    double step = of->basis->grid.step;
+    size_t size = self->width * self->lines;
+    double *kernel = calloc(size, sizeof *kernel); // [lines, width] by distance
+
+    assert_non_null(kernel);
+    for (size_t k = 0; k < size; k++)
+        kernel[k] = contact_point.kernel((double)(k % self->width) * step,
+                                         (double)(k / self->width) * step, step);
+    for (size_t k = 0; k < size; k++)
+        self->values[k] = of->film.state.coordinates[of->model.num_unknowns - 1];
+    for (size_t i = 0; i < size; i++)
+        for (size_t l = 0; l < self->lines && pressure->values[i] != 0; l++)
+            for (size_t c = 0; c < self->width; c++) {
+                size_t apart = l > i / self->width ? l - i / self->width : i / self->width - l;
+                size_t along = c > i % self->width ? c - i % self->width : i % self->width - c;
+                *plane_node(self, l, c) +=
+                    pressure->values[i] * kernel[apart * self->width + along];
+            }
+    free(kernel);
+}
+
+/* Whether the exit line, straight between lines, lies behind a place. */
+static bool is_before_exit(const point_film *self, double x, double y) {
+    const ehd_grid *grid = &self->basis->grid;
+    double line = (y - grid_y(grid, 0)) / grid->step;
+    size_t l = (size_t)(line + 1e-9);
+    const size_t *exits = self->film.state.exits + l;
+
+    if (l + 1 >= self->model.num_lines) return false;
+    double part = line - (double)l;
+    return x < grid_x(grid, 0) +
+                   grid->step * ((1 - part) * (double)exits[0] + part * (double)exits[1]) - 1e-9;
+}
+
+/* Compares with direct tensor splines at nodes of a frame that is `now`. */
+static void compare_point(const point_film *self, const contact_frame *now, double tolerance) {
+    const ehd_grid *grid = &self->basis->grid;
+    double stretch = frame_stretch(now, &self->film.frame);
+    double ratio = frame_film_ratio(now, &self->film.frame), ignored;
+    double hertz = self->reference.hertz_pressure;
+    const density_law *law = self->reference.lubricant.density;
+    plane pressure, uncut, film;
+
+    plane_init(&pressure, grid);
+    plane_init(&uncut, grid);
+    plane_init(&film, grid);
+    fill_pressure(&pressure, self, true);
+    fill_pressure(&uncut, self, false);
+    fill_deflection(&film, &pressure, self);
+    plane_prepare(&pressure);
+    plane_prepare(&uncut);
+    plane_prepare(&film);
+    for (size_t r = 0; r < grid->num_inner; r += 5) {
+        size_t node = grid_node_of_row(grid, r);
+        double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node), density = 1;
+        if (x > 1 || fabs(y) > film.y[film.lines - 1] || x < film.x[0]) continue;
+        double expected = plane_at(&film, x, y) + contact_gap(x, y);
+        double there =
+            is_before_exit(self, x, y) && x > grid_x(grid, 0) ? plane_at(&uncut, x, y) : 0;
+        if (law) density = law->relative_density(fmax(there, 0) * hertz, &ignored);
+        check_close(mass_at(self, node, now), expected * density * ratio, tolerance, 0);
+    }
+    plane_free(&pressure);
+    plane_free(&uncut);
+    plane_free(&film);
+}
+
+static void films_of_point_contacts_equal_tensor_splines(void **unused) {
+    (void)unused;
+    for (int i = 0; i < 3; i++) { // the half with both exit lines, and the whole
+        point_film self;
+        point_film_init(&self, i < 2 ? &half_basis : &whole_basis, i == 0);
+        assert_true(self.film.num_runs > (i == 0 ? 0 : self.model.num_lines / 2));
+        const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
+                                        point_frame(1.3, 1)};
+        for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
+            compare_point(&self, &frames[f],
+                          3e-5); // at the grid's ends the pressure's splines differ
+        self.reference.lubricant.density = NULL;
+        for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
+            compare_point(&self, &frames[f], 1e-6);
+        point_film_free(&self);
+    }
+}
+
+/* In a frame that stays as it is, what the nodes have. */
+static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
+    (void)unused;
+    point_film self;
+    double ignored;
+
+    for (int i = 0; i < 2; i++) {
+        point_film_init(&self, &half_basis, i == 0);
+        const ehd_grid *grid = &half_basis.grid;
+        double *pressure = calloc(2 * grid->num_nodes, sizeof *pressure);
+        double *film = pressure + grid->num_nodes;
+        const contact_frame now = point_frame(1, 1);
+        assert_non_null(pressure);
+        check_ok(reduced_fields(pressure, film, &self.film.state, &self.model, half_basis.pressure,
+                                &error));
+        for (size_t r = 0; r < grid->num_inner; r++) {
+            size_t k = grid_node_of_row(grid, r);
+            double density = self.reference.lubricant.density->relative_density(
+                fmax(pressure[k], 0) * self.reference.hertz_pressure, &ignored);
+            check_close(mass_at(&self, k, &now), density * film[k], 1e-12, 0);
+        }
+        free(pressure);
+        point_film_free(&self);
+    }
+}
+
+static void films_of_the_half_are_those_of_the_whole(void **unused) {
+    (void)unused;
+    const contact_frame frames[] = {point_frame(0.9, 1), point_frame(1.03, 1), point_frame(4, 1)};
+    const ehd_grid *grid = &half_basis.grid;
+    point_film half, whole;
+
+    point_film_init(&half, &half_basis, false);
+    point_film_init(&whole, &whole_basis, false);
+    size_t first = whole_basis.grid.num_nodes / 2 - grid_width(grid) / 2; // of the line y = 0
+    for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
+        for (size_t r = 0; r < grid->num_inner; r += 3) {
+            size_t node = grid_node_of_row(grid, r);
+            check_close(mass_at(&half, node, &frames[f]), mass_at(&whole, first + node, &frames[f]),
+                        1e-11, 0);
+        }
+    point_film_free(&half);
+    point_film_free(&whole);
+}
+
 static int set_up(void **state) {
     (void)state;
     trained_init(&training, 0.05);
+    trained_init_point(&half_training, true);
+    trained_basis(&half_basis, &half_training, DEFORMATION_COUPLED, 0, 0);
+    mirror_basis(&whole_basis, &half_basis);
     return 0;
 }
 
 static int tear_down(void **state) {
     (void)state;
     trained_free(&training);
+    trained_free(&half_training);
+    reduced_basis_free(&half_basis);
+    reduced_basis_free(&whole_basis);
     return 0;
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(films_equal_those_of_the_full_model),
-                                       cmocka_unit_test(films_go_on_before_the_grid),
-                                       cmocka_unit_test(coarse_grids_have_splines_too)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(films_equal_those_of_the_full_model),
+        cmocka_unit_test(films_go_on_before_the_grid),
+        cmocka_unit_test(coarse_grids_have_splines_too),
+        cmocka_unit_test(films_of_point_contacts_equal_tensor_splines),
+        cmocka_unit_test(a_frame_that_stands_still_gives_the_nodes),
+        cmocka_unit_test(films_of_the_half_are_those_of_the_whole)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
