@@ -8,7 +8,7 @@
 
 #include "common/program/status.h"
 #include "common/time/frame.h"
-#include "romrun/reduced_model.h"
+#include "romrun/reduced_cut.h"
 #include "romrun/reduced_solver.h"
 #include <stdbool.h>
 

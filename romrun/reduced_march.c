@@ -82,12 +82,6 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
 
     *created = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
-    if (model->num_lines > 1) {
-        free(self);
-        return ehd_fail(error, EHD_DATA,
-                        "regime: found transient, expected stationary, of a %s contact",
-                        model->kind->name);
-    }
     self->model = model;
     self->splines = splines;
     self->reference = *reference;

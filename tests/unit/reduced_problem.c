@@ -4,6 +4,7 @@
 #include "romrun/model_file.h"
 #include "tests/unit/check.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,6 +62,35 @@ reduced_basis identity_basis(const snapshot_set *set, const double *weight) {
         basis.states.alpha_p_H[s] = set->alpha_p_H[s];
     }
     return basis;
+}
+
+reduced_basis mirrored_basis(const reduced_basis *half) {
+    const ehd_grid grid = grid_whole(&half->grid);
+    const reduced_states *states = &half->states;
+    size_t width = grid_width(&grid), num = half->num_pressure, lines = grid_lines(&grid);
+    reduced_basis whole = *half;
+
+    whole.grid = grid;
+    whole.pressure = calloc(grid.num_nodes * num, sizeof(double));
+    whole.weight = calloc(grid.num_nodes, sizeof(double));
+    assert_true(whole.pressure && whole.weight);
+    assert_int_equal(
+        reduced_states_init(&whole.states, states->num_states, lines, states->num_unknowns, NULL),
+        EHD_OK);
+    memcpy(whole.states.coordinates, states->coordinates,
+           states->num_states * states->num_unknowns * sizeof(double));
+    memcpy(whole.states.moes_M, states->moes_M, states->num_states * sizeof(double));
+    memcpy(whole.states.alpha_p_H, states->alpha_p_H, states->num_states * sizeof(double));
+    for (size_t l = 0; l < lines; l++) {
+        size_t middle = lines / 2, own = l > middle ? l - middle : middle - l;
+        memcpy(whole.pressure + l * width * num, half->pressure + own * width * num,
+               width * num * sizeof(double));
+        for (size_t c = 0; c < width; c++)
+            whole.weight[l * width + c] = half->weight[own * width + c] * (own > 0 ? sqrt(0.5) : 1);
+        for (size_t s = 0; s < states->num_states; s++)
+            whole.states.exit[s * lines + l] = states->exit[s * states->num_lines + own];
+    }
+    return whole;
 }
 
 void whole_model_write(const reduced_basis *basis, const char *path) {

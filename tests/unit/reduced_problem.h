@@ -34,6 +34,9 @@ reduced_basis identity_basis(
     const snapshot_set *set,
     const double *weight); // [num_nodes]
 
+/* The basis of a half grid on the whole one, where both rows of a pair together count as the one of the half. */
+reduced_basis mirrored_basis(const reduced_basis *half);
+
 /* Builds a model of all rows and writes it, as deimselect would. */
 void whole_model_write(const reduced_basis *basis, const char *path);
 

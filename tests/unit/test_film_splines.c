@@ -4,7 +4,7 @@
 #include "romrun/fields.h"
 #include "romrun/film_splines.h"
 #include "tests/unit/check.h"
-#include "tests/unit/trained.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <gsl/gsl_spline.h>
 #include <math.h>
@@ -150,31 +150,6 @@ enum {
 
 static trained half_training;
 static reduced_basis half_basis, whole_basis; // the same modes
-
-/* The basis of a half grid on the whole one. */
-static void mirror_basis(reduced_basis *whole, const reduced_basis *half) {
-    const ehd_grid grid = grid_whole(&half->grid);
-    const reduced_states *states = &half->states;
-    size_t width = grid_width(&grid), num = half->num_pressure, lines = grid_lines(&grid);
-
-    *whole = *half;
-    whole->grid = grid;
-    whole->pressure = calloc(grid.num_nodes * num, sizeof(double));
-    whole->weight = calloc(grid.num_nodes, sizeof(double));
-    assert_true(whole->pressure && whole->weight);
-    check_ok(reduced_states_init(&whole->states, states->num_states, lines, states->num_unknowns,
-                                 &error));
-    memcpy(whole->states.coordinates, states->coordinates,
-           states->num_states * states->num_unknowns * sizeof(double));
-    for (size_t l = 0; l < lines; l++) {
-        size_t middle = lines / 2, own = l > middle ? l - middle : middle - l;
-        memcpy(whole->pressure + l * width * num, half->pressure + own * width * num,
-               width * num * sizeof(double));
-        memcpy(whole->weight + l * width, half->weight + own * width, width * sizeof(double));
-        for (size_t s = 0; s < states->num_states; s++)
-            whole->states.exit[s * lines + l] = states->exit[s * states->num_lines + own];
-    }
-}
 
 /* A model with a state in it, whose exit line is or is not that of training. */
 typedef struct point_film {
@@ -442,7 +417,7 @@ static int set_up(void **state) {
     trained_init(&training, 0.05);
     trained_init_point(&half_training, true);
     trained_basis(&half_basis, &half_training, DEFORMATION_COUPLED, 0, 0);
-    mirror_basis(&whole_basis, &half_basis);
+    whole_basis = mirrored_basis(&half_basis);
     return 0;
 }
 

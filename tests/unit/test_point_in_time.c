@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The reduced march of a point contact, whose exit is a line. */
+#include "fullrun/full_solver.h"
+#include "romrun/fields.h"
+#include "romrun/reduced_march.h"
+#include "tests/unit/reduced_problem.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { STATE = 6 }; // of the training, with which a march starts
+
+static const double STEP = 0.01;
+
+static trained training; // 33 by 17 nodes, half of them
+static reduced_basis basis, whole_basis;
+static ehd_error error;
+
+#define check_ok(call)                                                                             \
+    if (call) fail_msg("%s", error.text)
+
+static int set_up(void **state) {
+    (void)state;
+    trained_init_point(&training, true);
+    trained_basis(&basis, &training, DEFORMATION_COUPLED, 0, 0);
+    whole_basis = mirrored_basis(&basis);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    reduced_basis_free(&basis);
+    reduced_basis_free(&whole_basis);
+    trained_free(&training);
+    return 0;
+}
+
+/* Every node a mode of its own, and exits that may lie farther out than in training. */
+static reduced_basis nodes_basis(void) {
+    reduced_basis nodes = identity_basis(&training.set, basis.weight);
+    size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
+
+    for (size_t l = 0; l < inner; l++)
+        nodes.states.exit[l] = last;
+    return nodes;
+}
+
+/* A march with what it takes. */
+typedef struct marching {
+    ehd_contact reference;
+    reduced_model model;
+    film_splines splines;
+    reduced_march *march;
+    march_solver solver;
+    march_step last;
+} marching;
+
+static contact_frame frame_under(double load, double time) {
+    return frame_at(&contact_point, time, (double[]){load, 1, 1, 1}, NAN);
+}
+
+/* Started under the load of the reference. */
+static void marching_init(marching *self, const reduced_basis *of) {
+    const contact_frame frame = frame_under(1, 0);
+
+    self->reference = training.contacts[STATE];
+    self->reference.grid = of->grid;
+    check_ok(reduced_model_build(&self->model, of, NULL, 0, &error));
+    check_ok(film_splines_build(&self->splines, &self->model, of->pressure, NULL, &error));
+    check_ok(reduced_march_create(&self->march, &self->model, &self->splines, &self->reference,
+                                  &strict_settings, &error));
+    self->solver = reduced_march_solver(self->march);
+    check_ok(self->solver.start(&self->last, self->solver.self, &frame, &error));
+    assert_int_equal(self->last.status, EHD_OK);
+}
+
+static void marching_free(marching *self) {
+    reduced_march_free(self->march);
+    film_splines_free(&self->splines);
+    reduced_model_free(&self->model);
+}
+
+/* An accepted step; contacts that change are none of training, which is not what is looked at here. */
+static void step_to(marching *self, double load, double time) {
+    const contact_frame frame = frame_under(load, time);
+
+    check_ok(self->solver.attempt(&self->last, self->solver.self, &frame, STEP, &error));
+    assert_int_not_equal(self->last.status, EHD_NOT_CONVERGED);
+    self->solver.accept(self->solver.self);
+}
+
+static double load_at(double time) {
+    return 1 + 0.1 * sin(2 * M_PI * time / 0.5);
+}
+
+static void march_steps(marching *self, size_t from, size_t to) {
+    for (size_t i = from; i <= to; i++)
+        step_to(self, load_at((double)i * STEP), (double)i * STEP);
+}
+
+static void check_same_exits(const marching *a, const marching *b) {
+    const reduced_state one = reduced_march_state(a->march, NULL),
+                        other = reduced_march_state(b->march, NULL);
+
+    assert_memory_equal(one.exits, other.exits, a->model.num_lines * sizeof *one.exits);
+}
+
+// ---- tests
+
+static void constant_conditions_keep_the_stationary_state(void **state) {
+    (void)state;
+    marching self;
+
+    marching_init(&self, &basis);
+    for (size_t i = 1; i < 8; i++) {
+        step_to(&self, 1, (double)i * STEP);
+        const reduced_state now = reduced_march_state(self.march, NULL);
+        assert_memory_equal(now.exits, basis.states.exit + STATE * basis.states.num_lines,
+                            basis.states.num_lines * sizeof *now.exits);
+        check_close(self.last.scalars.central_film_thickness,
+                    training.set.central_film_thickness[STATE], 1e-9, 0);
+        check_close(self.last.scalars.load, 1, 1e-9, 0);
+        assert_string_equal(self.last.reason, "");
+    }
+    marching_free(&self);
+}
+
+/* With every node as a mode of its own a step is one of the full model, given the same history. */
+static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis();
+    const ehd_grid *grid = &nodes.grid;
+    const contact_frame now = frame_under(1.05, STEP);
+    full_settings settings = full_default_settings();
+    double *earlier = calloc(grid->num_inner + 2 * grid->num_nodes, sizeof *earlier);
+    double *pressure = earlier + grid->num_inner, *film = pressure + grid->num_nodes;
+    full_solver *solver;
+    full_state full;
+    full_info info;
+    earlier_film first;
+    ehd_contact contact;
+    marching self;
+
+    marching_init(&self, &nodes);
+    check_ok(earlier_film_init(&first, &self.model, &error));
+    const reduced_state start = reduced_march_state(self.march, &first.frame);
+    memcpy(first.state.coordinates, start.coordinates, self.model.num_unknowns * sizeof(double));
+    reduced_state_set_exits(&first.state, &self.model, start.exits);
+    earlier_film_prepare(&first, &self.model, &self.splines, &self.reference);
+    check_ok(reduced_fields(pressure, film, &start, &self.model, nodes.pressure, &error));
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const earlier_film *films[] = {&first};
+        earlier_film_masses(&earlier[r], films, 1, grid_node_of_row(grid, r), &now, &self.model,
+                            &self.splines, &self.reference);
+        earlier[r] /= -STEP;
+    }
+    settings.tolerance = 1e-12;
+    settings.linear_tolerance = 1e-10;
+    check_ok(full_solver_create(&solver, &contact_point, grid, &settings, &error));
+    check_ok(full_state_init(&full, grid, &error));
+    memcpy(full.pressure, pressure, grid->num_nodes * sizeof *pressure);
+    full.rigid_approach = start.coordinates[self.model.num_unknowns - 1];
+    full_state_set_zone(&full, grid, start.exit);
+    frame_contact(&contact, &now, &self.reference);
+    const reynolds_squeeze squeeze = {1 / STEP, earlier};
+    check_ok(full_solve(&info, &full, solver, &contact, &squeeze, &error));
+    assert_string_equal(info.reason, "");
+
+    step_to(&self, 1.05, STEP);
+    const reduced_state after = reduced_march_state(self.march, NULL);
+    check_ok(reduced_fields(pressure, film, &after, &self.model, nodes.pressure, &error));
+    check_close_array(pressure, full.pressure, grid->num_nodes, 0, 1e-8);
+    check_close_array(film, full.film, grid->num_nodes, 0, 1e-8);
+    full_state_free(&full);
+    full_solver_free(solver);
+    earlier_film_free(&first);
+    marching_free(&self);
+    reduced_basis_free(&nodes);
+    free(earlier);
+}
+
+static void the_half_marches_as_the_whole(void **state) {
+    (void)state;
+    marching half, whole;
+
+    marching_init(&half, &basis);
+    marching_init(&whole, &whole_basis);
+    for (size_t i = 1; i <= 20; i++) {
+        march_steps(&half, i, i);
+        march_steps(&whole, i, i);
+        check_close(half.last.scalars.central_film_thickness,
+                    whole.last.scalars.central_film_thickness, 1e-9, 0);
+        check_close(half.last.scalars.minimum_film_thickness,
+                    whole.last.scalars.minimum_film_thickness, 1e-9, 0);
+        const size_t *exits = reduced_march_state(half.march, NULL).exits;
+        const size_t *both = reduced_march_state(whole.march, NULL).exits;
+        assert_memory_equal(exits, both + whole.model.num_lines / 2,
+                            half.model.num_lines * sizeof *exits);
+    }
+    marching_free(&half);
+    marching_free(&whole);
+}
+
+/* In another object of the same model, to the last bit. */
+static void a_restored_march_goes_on_as_the_saved_one(void **state) {
+    (void)state;
+    marching saved, restored;
+
+    marching_init(&saved, &basis);
+    marching_init(&restored, &basis);
+    march_steps(&saved, 1, 9);
+    march_steps(&restored, 1, 3);
+    size_t size = saved.solver.saved_size(saved.solver.self);
+    double *slots = calloc(2 * size, sizeof *slots);
+    assert_non_null(slots);
+    saved.solver.save(slots, saved.solver.self);
+    check_ok(restored.solver.restore(restored.solver.self, slots, &error));
+    restored.solver.save(slots + size, restored.solver.self);
+    assert_memory_equal(slots, slots + size, size * sizeof *slots);
+    march_steps(&saved, 10, 20);
+    march_steps(&restored, 10, 20);
+    assert_memory_equal(&saved.last.scalars, &restored.last.scalars, sizeof saved.last.scalars);
+    check_same_exits(&saved, &restored);
+    free(slots);
+    marching_free(&saved);
+    marching_free(&restored);
+}
+
+/* On any line, the last state's. */
+static void saved_exits_outside_of_the_band_are_refused(void **state) {
+    (void)state;
+    marching self;
+
+    marching_init(&self, &basis);
+    size_t size = self.solver.saved_size(self.solver.self);
+    size_t num_lines = self.model.num_lines, first = 1 + sizeof(contact_frame) / sizeof(double);
+    double *slots = calloc(size, sizeof *slots);
+    assert_non_null(slots);
+    self.solver.save(slots, self.solver.self);
+    for (size_t l = 0; l < num_lines; l++) {
+        double kept = slots[first + l];
+        const double outside[] = {(double)self.model.lines[l].least - 1,
+                                  (double)self.model.lines[l].most + 1, NAN};
+        for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
+            slots[first + l] = outside[i];
+            assert_int_equal(self.solver.restore(self.solver.self, slots, &error), EHD_DATA);
+        }
+        slots[first + l] = kept;
+    }
+    check_ok(self.solver.restore(self.solver.self, slots, &error));
+    free(slots);
+    marching_free(&self);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(constant_conditions_keep_the_stationary_state),
+        cmocka_unit_test(a_step_of_full_rank_is_one_of_the_full_model),
+        cmocka_unit_test(the_half_marches_as_the_whole),
+        cmocka_unit_test(a_restored_march_goes_on_as_the_saved_one),
+        cmocka_unit_test(saved_exits_outside_of_the_band_are_refused),
+    };
+
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
