@@ -7,6 +7,7 @@
 
 #include <cblas.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,6 +24,7 @@ struct reduced_march {
     double *mass;        // [num_rows, BDF_EARLIER] rho H of earlier states at the rows' nodes
     double *earlier;     // [num_rows] their sum by the formula
     double *row_pressure, *row_mass; // [num_rows]
+    size_t *watched_end; // [num_lines] columns before which the local error is looked at
     // the sums asked for at the band's nodes in this attempt, by its number
     size_t attempt, *band_attempt; // [num_band]
     double *band_earlier;          // [num_band]
@@ -49,6 +51,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
         free(self->ascending);
         free(self->mass);
         reduced_state_free(&self->factors.state);
+        free(self->watched_end);
         free(self->band_attempt);
         free(self->band_earlier);
         free(self->earlier);
@@ -92,10 +95,12 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->range = trained_range_create(model);
     self->mass = malloc(BDF_EARLIER * bytes);
     self->ascending = malloc(model->num_rows * sizeof *self->ascending);
+    self->watched_end = malloc(model->num_lines * sizeof *self->watched_end);
     self->band_attempt = calloc(model->num_band, sizeof *self->band_attempt);
     self->band_earlier = malloc(model->num_band * sizeof(double));
     whole = self->earlier && self->row_pressure && self->row_mass && self->mass &&
-            self->ascending && self->band_attempt && self->band_earlier && self->range;
+            self->ascending && self->watched_end && self->band_attempt && self->band_earlier &&
+            self->range;
     if (whole) sort_rows(self);
     ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
                               : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -132,7 +137,7 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
 
     for (size_t l = 0; l < model->num_lines; l++) {
         const band_line *line = &model->lines[l];
-        if (line->end > line->begin && (exit[l] <= line->least || exit[l] >= line->most))
+        if (reduced_model_has_band(model, l) && (exit[l] <= line->least || exit[l] >= line->most))
             return true;
     }
     return false;
@@ -317,23 +322,39 @@ static double earlier_at(void *solver, size_t node) {
     return self->band_earlier[place];
 }
 
-/* Whether a row lies so far before the exit that its local error is looked at. */
-static bool is_watched(const reduced_march *self, const size_t *exit, size_t row) {
-    const ehd_grid *grid = &self->model->grid;
-    size_t node = self->model->row_node[row];
+/* Columns of all lines before which the local error is looked at: march_exit_margin before the exit and, of a point
+ * contact, as far from those of the lines beside and of the states that the step looks at. */
+static void find_watched(reduced_march *self) {
+    const reduced_model *model = self->model;
+    size_t margin = (size_t)ceil(march_exit_margin / model->grid.step);
+    size_t num_states = model->num_lines > 1 ? self->ring.num_earlier : 0;
 
-    return grid_x(grid, node) <
-           grid_x(grid, exit[reduced_model_line(self->model, node)]) - march_exit_margin;
+    for (size_t l = 0; l < model->num_lines; l++)
+        self->watched_end[l] = SIZE_MAX;
+    for (size_t i = 0; i <= num_states; i++) {
+        const size_t *exit = reduced_state_exits(&state_before(self, i)->state);
+        for (size_t l = 0; l < model->num_lines; l++) {
+            size_t last = l + margin < model->num_lines ? l + margin : model->num_lines - 1;
+            if (!reduced_model_has_band(model, l)) continue;
+            for (size_t near = l > margin ? l - margin : 0; near <= last; near++)
+                if (exit[l] < self->watched_end[near]) self->watched_end[near] = exit[l];
+        }
+    }
 }
 
 /* Largest local error of rho H at the rows' nodes with pressure (march_exit_margin), relative to the
  * central film. */
-static double local_error(const reduced_march *self, const size_t *exit, double central_film) {
+static double local_error(reduced_march *self, double central_film) {
+    const reduced_model *model = self->model;
+    const ehd_grid *grid = &model->grid;
     double largest = 0;
 
-    for (size_t r = 0; r < self->model->num_rows; r++) {
+    find_watched(self);
+    for (size_t r = 0; r < model->num_rows; r++) {
+        const size_t node = model->row_node[r];
         double mass = self->row_mass[r];
-        if (!is_watched(self, exit, r)) continue;
+        double end = grid_x(grid, self->watched_end[reduced_model_line(model, node)]);
+        if (grid_x(grid, node) >= end - march_exit_margin) continue;
         for (size_t i = 0; i < self->ring.num_earlier; i++)
             mass -= self->formula.predictor[i] * self->mass[r * BDF_EARLIER + i];
         largest = fmax(largest, fabs(mass));
@@ -381,8 +402,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     if (info.status != EHD_NOT_CONVERGED) {
         reduced_row_values(self->row_pressure, self->row_mass, self->solver, &contact);
         if (self->formula.error > 0)
-            outcome->local_error = local_error(self, reduced_state_exits(&next->state),
-                                               info.scalars.central_film_thickness);
+            outcome->local_error = local_error(self, info.scalars.central_film_thickness);
         judge(outcome, self, &next->state, frame);
     }
     self->effort.seconds += program_seconds() - start;
@@ -572,6 +592,13 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
                           error);
 }
 
+static void exits(size_t *columns, const void *solver) {
+    const reduced_march *self = solver;
+    const reduced_state state = reduced_march_state(self, NULL);
+
+    memcpy(columns, reduced_state_exits(&state), self->model->num_lines * sizeof *columns);
+}
+
 march_solver reduced_march_solver(reduced_march *self) {
     return (march_solver){.self = self,
                           .attempt = attempt,
@@ -581,5 +608,6 @@ march_solver reduced_march_solver(reduced_march *self) {
                           .saved_size = saved_size,
                           .save = save,
                           .restore = restore,
-                          .fields = fields};
+                          .fields = fields,
+                          .exits = exits};
 }

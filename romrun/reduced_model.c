@@ -117,6 +117,10 @@ grid_place reduced_model_place(const reduced_model *model, size_t node) {
     return (grid_place){reduced_model_line(model, node), reduced_model_column(model, node)};
 }
 
+bool reduced_model_has_band(const reduced_model *model, size_t line) {
+    return model->lines[line].end > model->lines[line].begin;
+}
+
 size_t reduced_model_band_place(const reduced_model *model, size_t node) {
     const band_line *line = &model->lines[reduced_model_line(model, node)];
 

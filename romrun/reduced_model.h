@@ -175,6 +175,9 @@ typedef struct grid_place {
 } grid_place;
 grid_place reduced_model_place(const reduced_model *model, size_t node);
 
+/* Whether a line has nodes in the band: all but boundary lines. */
+bool reduced_model_has_band(const reduced_model *model, size_t line);
+
 /* Place of a node of the band among its nodes. */
 size_t reduced_model_band_place(const reduced_model *model, size_t node);
 
