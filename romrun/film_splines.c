@@ -511,15 +511,22 @@ static double window_pressure(const earlier_film *self, const spline_place *alon
            u[3] * self->bend[i + 1];
 }
 
+/* Column of the exit line at a place between two lines; boundary lines, which have no exit, have that of the line
+ * beside. */
+static double exit_between(const size_t exits[2], const double *across) {
+    size_t own = exits[0] > 1 ? exits[0] : exits[1], next = exits[1] > 1 ? exits[1] : exits[0];
+
+    return across[0] * (double)own + across[2] * (double)next;
+}
+
 /* Of a point contact: before the exit line. */
 static double pressure_before_exit(const earlier_film *self, const spline_place *along,
                                    const spline_place *across, const film_splines *splines) {
-    const double *coordinates = self->state.coordinates, *v = across->weight;
+    const double *coordinates = self->state.coordinates;
     const size_t *exits = self->state.exits + across->node;
     double sum;
 
-    if ((double)along->node + along->weight[2] >= v[0] * (double)exits[0] + v[2] * (double)exits[1])
-        return 0;
+    if ((double)along->node + along->weight[2] >= exit_between(exits, across->weight)) return 0;
     evaluate(&sum, along, across, 1, splines->pressure, &splines->pressure_layout, &coordinates);
     return sum;
 }

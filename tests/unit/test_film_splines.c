@@ -303,17 +303,17 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
     free(kernel);
 }
 
-/* Whether the exit line, straight between lines, lies behind a place. */
+/* Whether the exit line, straight between lines and at the grid's sides, lies behind a place. */
 static bool is_before_exit(const point_film *self, double x, double y) {
     const ehd_grid *grid = &self->basis->grid;
     double line = (y - grid_y(grid, 0)) / grid->step;
-    size_t l = (size_t)(line + 1e-9);
-    const size_t *exits = self->film.state.exits + l;
+    size_t l = (size_t)(line + 1e-9), first = grid_first_line(grid);
+    size_t last = first + grid->inner_lines - 1;
 
     if (l + 1 >= self->model.num_lines) return false;
-    double part = line - (double)l;
-    return x < grid_x(grid, 0) +
-                   grid->step * ((1 - part) * (double)exits[0] + part * (double)exits[1]) - 1e-9;
+    double part = line - (double)l, exit = (double)self->film.state.exits[l < first ? first : l];
+    double next = (double)self->film.state.exits[l + 1 > last ? last : l + 1];
+    return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
 /* Compares with direct tensor splines at nodes of a frame that is `now`. */
