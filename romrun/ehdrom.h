@@ -168,8 +168,8 @@ size_t ehdrom_saved_size(const ehdrom_transient *transient);
 void ehdrom_save(double *saved, const ehdrom_transient *transient);
 ehd_status ehdrom_restore(ehdrom_transient *transient, const double *saved, ehd_error *error);
 
-/* P and H of the accepted state on the whole grid, [num_inner + 2], in its own frame: the only call here
- * whose cost grows with the grid. */
+/* P and H of the accepted state on the whole grid, [num_nodes] as for ehdrom_fields, in its own frame: the only call
+ * here whose cost grows with the grid. */
 ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *transient,
                                    ehd_error *error);
 

@@ -131,13 +131,15 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Whether an exit lies at the edge of where it may. */
+/* Whether an exit lies at the edge of where it may; on lines beside a point contact that may be the grid's end. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
-    const size_t *exit = reduced_state_exits(state);
+    const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
     for (size_t l = 0; l < model->num_lines; l++) {
         const band_line *line = &model->lines[l];
-        if (reduced_model_has_band(model, l) && (exit[l] <= line->least || exit[l] >= line->most))
+        bool ends = model->num_lines > 1 && line->most == end;
+        if (reduced_model_has_band(model, l) &&
+            (exit[l] <= line->least || (exit[l] >= line->most && !ends)))
             return true;
     }
     return false;
@@ -322,11 +324,19 @@ static double earlier_at(void *solver, size_t node) {
     return self->band_earlier[place];
 }
 
+/* How far before the exit the local error is looked at: on a coarse grid some nodes, since truncated modes give a node
+ * that the exit moves by a pressure at once. */
+static double exit_margin(const ehd_grid *grid) {
+    const double least_nodes = 4;
+
+    return fmax(march_exit_margin, least_nodes * grid->step);
+}
+
 /* Columns of all lines before which the local error is looked at: march_exit_margin before the exit and, of a point
  * contact, as far from those of the lines beside and of the states that the step looks at. */
 static void find_watched(reduced_march *self) {
     const reduced_model *model = self->model;
-    size_t margin = (size_t)ceil(march_exit_margin / model->grid.step);
+    size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
     size_t num_states = model->num_lines > 1 ? self->ring.num_earlier : 0;
 
     for (size_t l = 0; l < model->num_lines; l++)
@@ -354,7 +364,7 @@ static double local_error(reduced_march *self, double central_film) {
         const size_t node = model->row_node[r];
         double mass = self->row_mass[r];
         double end = grid_x(grid, self->watched_end[reduced_model_line(model, node)]);
-        if (grid_x(grid, node) >= end - march_exit_margin) continue;
+        if (grid_x(grid, node) >= end - exit_margin(grid)) continue;
         for (size_t i = 0; i < self->ring.num_earlier; i++)
             mass -= self->formula.predictor[i] * self->mass[r * BDF_EARLIER + i];
         largest = fmax(largest, fabs(mass));

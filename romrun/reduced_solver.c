@@ -293,7 +293,9 @@ static const char *take_step(iterate *now, const iterate *before, reduced_info *
     const reduced_model *model = self->model;
     double start = program_seconds();
 
-    if (solve_step(self, num_rows)) return "least squares without a single finite solution";
+    if (solve_step(self, num_rows))
+        return num_rows < model->num_unknowns ? "fewer rows before the exit than unknowns"
+                                              : "least squares without a single finite solution";
     now->factor = damping(self, &now->change);
     now->rate = now->change / before->change;
     cblas_daxpy((int)model->num_unknowns, now->factor, self->step, 1, state->coordinates, 1);
