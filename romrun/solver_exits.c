@@ -37,13 +37,12 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         size_t other = around.node[a];
         stencil.node[a] = other == NO_NODE ? NO_NODE : count;
         if (other == NO_NODE) continue;
-        bool alive =
-            reduced_model_column(model, other) < self->exit[reduced_model_line(model, other)];
+        size_t line = reduced_model_line(model, other);
+        bool alive = reduced_model_column(model, other) < self->exit[line];
         pressure[count] = alive ? self->band_pressure[reduced_model_band_place(model, other)] : 0;
         // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to it from
         // the exit, where there is no pressure either.
-        const band_line *line = &model->lines[reduced_model_line(model, other)];
-        film[count++] = line->end > line->begin ? nodes_band_film(self, z, other) : 0;
+        film[count++] = reduced_model_has_band(model, line) ? nodes_band_film(self, z, other) : 0;
     }
     reynolds_fluid_evaluate(&fluid, contact, pressure, count);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
@@ -130,7 +129,7 @@ static void expand_around(reduced_solver *self, const double *z, size_t window) 
     for (size_t l = 0; l < model->num_lines; l++) {
         const band_line *band = &model->lines[l];
         size_t first = self->exit[l], reach = window + 2;
-        if (band->end == band->begin) continue;
+        if (!reduced_model_has_band(model, l)) continue;
         for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->num_lines;
              beside++)
             if (model->lines[beside].end > model->lines[beside].begin && self->exit[beside] < first)
