@@ -83,6 +83,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->step_film);
         free(self->fluid_memory);
         free(self->band_pressure);
+        free(self->band_film);
         free(self->rows);
         free(self->system_row);
         free(self->matrix);
@@ -128,6 +129,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->step_film = malloc(model->num_needed * sizeof(double));
     self->fluid_memory = malloc(4 * model->num_needed * sizeof(double));
     self->band_pressure = malloc(model->num_band * sizeof(double));
+    self->band_film = malloc(model->num_band * sizeof(double));
     self->rows = malloc(model->num_rows * sizeof *self->rows);
     self->system_row = malloc(model->num_rows * sizeof *self->system_row);
     self->matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
@@ -139,9 +141,9 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
         !self->exit || !self->alive || !self->runs || !self->table_exit || !self->block ||
         !self->wanted || !self->moved || !self->watches || !self->cut || !self->cut_value ||
         !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
-        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->rows ||
-        !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
-        !self->observed || reduced_values_init(&self->values, model, error) ||
+        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->band_film ||
+        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
+        !self->start || !self->observed || reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -172,7 +174,7 @@ static double damping(reduced_solver *self, double *change) {
     const reduced_model *model = self->model;
     double least = INFINITY, factor = 1;
 
-    reduced_values_of(&self->step_values, model, self->step, self->exit);
+    nodes_values_at(&self->step_values, model, self->step, self->checkpoint);
     nodes_expand(self->step_pressure, self->step_film, self->step_cut, self, &self->step_values,
                  self->step);
     *change = 0;

@@ -20,8 +20,21 @@ static size_t window_begin(const reduced_model *model, size_t exit) {
     return begin < base ? begin : base;
 }
 
+/* H at a band node of the state whose exits are looked for, once: the rows of neighbouring lines share nodes. */
+static double film_at(reduced_solver *self, const double *z, size_t node) {
+    double *film = &self->band_film[nodes_band_place(self->model, node)];
+
+    if (isnan(*film)) *film = nodes_band_film(self, z, node);
+    return *film;
+}
+
+static void forget_films(reduced_solver *self) {
+    for (size_t k = 0; k < self->model->num_band; k++)
+        self->band_film[k] = NAN;
+}
+
 /* The Reynolds row at a band node, from the state around it; row.residual is -Lambda at the exit. */
-static reynolds_row band_row(const reduced_solver *self, const double *z, size_t node,
+static reynolds_row band_row(reduced_solver *self, const double *z, size_t node,
                              const ehd_contact *contact, const reduced_squeeze *squeeze,
                              double *flux) {
     const reduced_model *model = self->model;
@@ -43,7 +56,7 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to it from
         // the exit, where there is no pressure either.
         const band_line *line = &model->lines[reduced_model_line(model, other)];
-        film[count++] = line->end > line->begin ? nodes_band_film(self, z, other) : 0;
+        film[count++] = line->end > line->begin ? film_at(self, z, other) : 0;
     }
     reynolds_fluid_evaluate(&fluid, contact, pressure, count);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
@@ -87,7 +100,7 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
         end = exit + window < model->most_exit ? exit + window : model->most_exit;
     }
     for (node = from; node < end; node++)
-        if (contact->entrainment * nodes_band_film(self, z, node) >= flux) break;
+        if (contact->entrainment * film_at(self, z, node) >= flux) break;
     node = node > model->least_exit ? node : model->least_exit;
     return node < model->most_exit ? node : model->most_exit;
 }
@@ -122,22 +135,28 @@ static size_t adapt_exit_in_time(reduced_solver *self, const reduced_state *stat
     return exit_by_signs(self, state->coordinates, 0, window, contact, squeeze);
 }
 
-/* P at the band nodes around the exit line, as far as rows at the exits of the lines beside a line need them. */
+/* P and H at the band nodes around the exit line: as far as rows at the exits of a line and of those beside it need
+ * them, P in the whole window. */
 static void expand_around(reduced_solver *self, const double *z, size_t window) {
     const reduced_model *model = self->model;
 
     nodes_expand_runs(self, z);
     for (size_t l = 0; l < model->num_lines; l++) {
         const band_line *band = &model->lines[l];
-        size_t first = self->exit[l], reach = window + 2;
+        size_t exit = self->exit[l], first = exit, last = exit + 1, reach = window + 2;
         if (band->end == band->begin) continue;
         for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->num_lines;
-             beside++)
-            if (model->lines[beside].end > model->lines[beside].begin && self->exit[beside] < first)
-                first = self->exit[beside];
+             beside++) {
+            if (model->lines[beside].end == model->lines[beside].begin) continue;
+            first = self->exit[beside] < first ? self->exit[beside] : first;
+            last = self->exit[beside] > last ? self->exit[beside] : last;
+        }
+        size_t from = first < exit - 2 ? first : exit - 2;
+        nodes_band_films(self->band_film + band->offset + from - band->begin, self, z,
+                         l * grid_width(&model->grid) + from, last + 1 - from);
         first = first > band->begin + reach ? first - reach : band->begin;
-        if (first < self->exit[l])
-            nodes_expand_places(self, z, band->offset + first - band->begin, self->exit[l] - first);
+        if (first < exit)
+            nodes_expand_places(self, z, band->offset + first - band->begin, exit - first);
     }
 }
 
@@ -174,6 +193,7 @@ static void find_exits(reduced_solver *self, const reduced_state *state, const e
     const reduced_model *model = self->model;
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
 
+    forget_films(self);
     if (model->num_lines == 1) {
         self->wanted[0] = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                   : adapt_exit(self, state, contact);

@@ -52,6 +52,7 @@ struct reduced_solver {
     double *step_pressure, *step_film; // [num_needed]
     double *fluid_memory;              // [4, num_needed]
     double *band_pressure;             // [num_band] P at band nodes, filled where asked for
+    double *band_film;                 // [num_band] H there; NaN: not asked for yet
     reynolds_row *rows;                // [num_rows]
     size_t num_system;                 // rows of the least-squares problem
     size_t *system_row;                // [num_rows] selected rows before the exit
@@ -84,6 +85,10 @@ void nodes_expand_band(reduced_solver *self, const double *z, size_t from, size_
 /* P at the band nodes by which the exit differs from its checkpoint's. */
 void nodes_expand_runs(reduced_solver *self, const double *z);
 
+/* Values of coordinates at a checkpoint. */
+void nodes_values_at(reduced_values *values, const reduced_model *model, const double *z,
+                     size_t checkpoint);
+
 /* values += factor * of; both of the same checkpoint. */
 void nodes_add_values(reduced_values *values, double factor, const reduced_values *of,
                       const reduced_model *model);
@@ -103,8 +108,10 @@ double nodes_load(const reduced_solver *self);
 /* Place of a node of the band. */
 size_t nodes_band_place(const reduced_model *model, size_t node);
 
-/* H at one band node at the solver's exit. For the coupled basis the exit's checkpoint gives the deflection of what
+/* H at `count` neighbouring nodes of a line of the band, at the solver's exit, and at one. For the coupled basis the exit's checkpoint gives the deflection of what
  * lies before it, and nodes_expand_runs or nodes_expand_band must have filled the pressures by which the exit differs. */
+void nodes_band_films(double *film, const reduced_solver *self, const double *z, size_t node,
+                      size_t count);
 double nodes_band_film(const reduced_solver *self, const double *z, size_t node);
 
 /* target += factor * source. */
