@@ -315,6 +315,21 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
            now->change * next < fmin(PRESSURE_TOLERANCE, PRESSURE_OVER_FILM * tolerance);
 }
 
+/* Begins to watch the exits. Those of a stationary state may come from other contacts: with lines of them, whose exits
+ * follow one another, iterations are saved by those that the state itself asks for. */
+static void start_exits(reduced_info *info, reduced_solver *self, reduced_state *state,
+                        const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    const exit_watch watch = squeeze
+                                 ? exits_watch_in_time(CYCLE)
+                                 : exits_stationary_watch(self->model, self->settings.tolerance);
+
+    exits_watch(self, watch);
+    if (squeeze || self->model->num_lines == 1) return;
+    nodes_move_exit(self, reduced_state_exits(state));
+    exits_adapt(info, self, state, contact, NULL, INFINITY);
+    exits_watch(self, watch); // where it began does not count
+}
+
 /* Returns an error only where the observer or memory fails; the outcome is info->status. */
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
@@ -322,8 +337,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
     iterate before = {NAN, NAN, 0, NAN}, now;
 
     info->own_jacobian = true;
-    exits_watch(self, squeeze ? exits_watch_in_time(CYCLE)
-                              : exits_stationary_watch(self->model, self->settings.tolerance));
+    start_exits(info, self, state, contact, squeeze);
     for (size_t iteration = 0;; iteration++, before = now) {
         const reduced_values *known = iteration > 0 ? &self->values : NULL;
         size_t num_rows = build_system(info, self, state, known, contact, squeeze);
