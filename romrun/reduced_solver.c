@@ -69,6 +69,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->runs);
         free(self->table_exit);
         free(self->block);
+        free(self->block_right);
         free(self->wanted);
         free(self->moved);
         free(self->watches);
@@ -117,6 +118,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->runs = calloc(num_lines, sizeof *self->runs);
     self->table_exit = calloc(num_lines, sizeof *self->table_exit);
     self->block = malloc(block_size * sizeof(double));
+    self->block_right = malloc(CUT_BLOCK * model->num_pressure * sizeof(double));
     self->wanted = calloc(num_lines, sizeof *self->wanted);
     self->moved = calloc(num_lines, sizeof *self->moved);
     self->watches = calloc(num_lines, sizeof *self->watches);
@@ -139,11 +141,12 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->observed = malloc(2 * model->num_rows * sizeof(double));
     if (!self->least_squares || !self->kept || !self->kept_matrix || !self->kept_row ||
         !self->exit || !self->alive || !self->runs || !self->table_exit || !self->block ||
-        !self->wanted || !self->moved || !self->watches || !self->cut || !self->cut_value ||
-        !self->step_cut || !self->pressure || !self->film || !self->step_pressure ||
-        !self->step_film || !self->fluid_memory || !self->band_pressure || !self->band_film ||
-        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
-        !self->start || !self->observed || reduced_values_init(&self->values, model, error) ||
+        !self->block_right || !self->wanted || !self->moved || !self->watches || !self->cut ||
+        !self->cut_value || !self->step_cut || !self->pressure || !self->film ||
+        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
+        !self->band_film || !self->rows || !self->system_row || !self->matrix || !self->right ||
+        !self->step || !self->start || !self->observed ||
+        reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");

@@ -21,11 +21,9 @@ static size_t window_begin(const reduced_model *model, size_t exit) {
 }
 
 /* H at a band node of the state whose exits are looked for, once: the rows of neighbouring lines share nodes. */
-static double film_at(reduced_solver *self, const double *z, size_t node) {
-    double *film = &self->band_film[nodes_band_place(self->model, node)];
-
-    if (isnan(*film)) *film = nodes_band_film(self, z, node);
-    return *film;
+static double film_at(reduced_solver *self, const double *z, size_t node, size_t place) {
+    if (isnan(self->band_film[place])) self->band_film[place] = nodes_band_film(self, z, node);
+    return self->band_film[place];
 }
 
 static void forget_films(reduced_solver *self) {
@@ -50,13 +48,13 @@ static reynolds_row band_row(reduced_solver *self, const double *z, size_t node,
         size_t other = around.node[a];
         stencil.node[a] = other == NO_NODE ? NO_NODE : count;
         if (other == NO_NODE) continue;
-        bool alive =
-            reduced_model_column(model, other) < self->exit[reduced_model_line(model, other)];
-        pressure[count] = alive ? self->band_pressure[nodes_band_place(model, other)] : 0;
+        const grid_place at = reduced_model_place(model, other);
+        const band_line *line = &model->lines[at.line];
+        size_t place = line->offset + at.column - line->begin;
+        pressure[count] = at.column < self->exit[at.line] ? self->band_pressure[place] : 0;
         // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to it from
         // the exit, where there is no pressure either.
-        const band_line *line = &model->lines[reduced_model_line(model, other)];
-        film[count++] = line->end > line->begin ? film_at(self, z, other) : 0;
+        film[count++] = line->end > line->begin ? film_at(self, z, other, place) : 0;
     }
     reynolds_fluid_evaluate(&fluid, contact, pressure, count);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
@@ -100,7 +98,8 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
         end = exit + window < model->most_exit ? exit + window : model->most_exit;
     }
     for (node = from; node < end; node++)
-        if (contact->entrainment * film_at(self, z, node) >= flux) break;
+        if (contact->entrainment * film_at(self, z, node, nodes_band_place(model, node)) >= flux)
+            break;
     node = node > model->least_exit ? node : model->least_exit;
     return node < model->most_exit ? node : model->most_exit;
 }
