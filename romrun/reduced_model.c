@@ -124,16 +124,15 @@ void reduced_model_deflect(double *film, const reduced_model *model, grid_place 
     size_t width = grid_width(&model->grid);
     const double *kernel = model->kernel + index_distance(at.line, line) * width;
     const double *mirrored = model->kernel + (at.line + line) * width;
+    bool has_mirrored = model->grid.half && line > 0;
 
-    for (size_t a = 0; a < num_at; a++) {
-        size_t column = at.column + a;
-        double sum = film[a];
-        for (size_t i = 0; i < count; i++)
-            sum += kernel[index_distance(column, first + i)] * (sign * pressure[i]);
-        if (model->grid.half && line > 0)
-            for (size_t i = 0; i < count; i++)
-                sum += mirrored[index_distance(column, first + i)] * (sign * pressure[i]);
-        film[a] = sum;
+    for (size_t i = 0; i < count; i++) {
+        double source = sign * pressure[i];
+        for (size_t a = 0; a < num_at; a++) {
+            size_t apart = index_distance(at.column + a, first + i);
+            film[a] += kernel[apart] * source;
+            if (has_mirrored) film[a] += mirrored[apart] * source;
+        }
     }
 }
 
