@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_NEIGHBOURS = 6 };
+enum { NUM_NEIGHBOURS = 24, MOST_TERMS = 6 };
 
 /* Place of a contact among the training points: the film follows M and the viscosity's rise in
  * powers, so logarithms make neighbours alike. */
@@ -45,30 +45,46 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states, c
     return count;
 }
 
-/* Weights of the neighbours in an affine fit through them, taken at the wanted place (moving least
- * squares). Returns 0 where they do not span a plane, which rounding may hide from the factorisation but not from
- * the sum of the weights, or where the fit would extrapolate. */
-static int affine_weights(double *weights, const neighbour *nearest, size_t count) {
-    const double slack = 1e-6;
-    double normal[9] = {0}, unit[3] = {1, 0, 0}, largest = 0, sum = 0;
+/* A fit through neighbours: how many of them and of the terms 1, x, y, x^2, xy, y^2, and how large the sum of the
+ * weights' magnitudes may be, beyond which it is no interpolation. */
+typedef struct neighbour_fit {
+    size_t most_neighbours, num_terms;
+    double most_weight;
+} neighbour_fit;
 
-    if (count < 3) return 0;
+/* The best first. At half of the quadratic one's neighbours a regular training has no three rows of points. */
+static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, MOST_TERMS, 1.5}, {6, 3, 2}};
+
+/* Weights of the neighbours in a fit through them, taken at the wanted place (moving least squares). Returns false
+ * where they do not determine it, which rounding may hide from the factorisation but not from the sum of the weights,
+ * or where the fit would extrapolate. */
+static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
+                        const neighbour_fit *fit) {
+    const double slack = 1e-6;
+    const size_t num = fit->num_terms;
+    double normal[MOST_TERMS * MOST_TERMS] = {0}, unit[MOST_TERMS] = {1}, magnitude = 0, sum = 0;
+    double terms[NUM_NEIGHBOURS][MOST_TERMS], strength[NUM_NEIGHBOURS];
+
+    if (count < num) return false;
     for (size_t i = 0; i < count; i++) {
-        double term[3] = {1, nearest[i].away[0], nearest[i].away[1]};
-        double strength = 1 / (nearest[i].distance * nearest[i].distance + 1e-6);
-        for (int p = 0; p < 3; p++)
-            for (int q = 0; q < 3; q++)
-                normal[3 * p + q] += strength * term[p] * term[q];
+        double x = nearest[i].away[0], y = nearest[i].away[1];
+        const double here[MOST_TERMS] = {1, x, y, x * x, x * y, y * y};
+        memcpy(terms[i], here, sizeof here);
+        strength[i] = 1 / (nearest[i].distance * nearest[i].distance + 1e-6);
+        for (size_t p = 0; p < num; p++)
+            for (size_t q = 0; q < num; q++)
+                normal[num * p + q] += strength[i] * here[p] * here[q];
     }
-    if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', 3, 1, normal, 3, unit, 3)) return 0;
+    if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', (int)num, 1, normal, (int)num, unit, (int)num))
+        return false;
     for (size_t i = 0; i < count; i++) {
-        double strength = 1 / (nearest[i].distance * nearest[i].distance + 1e-6);
-        weights[i] =
-            strength * (unit[0] + unit[1] * nearest[i].away[0] + unit[2] * nearest[i].away[1]);
-        largest = fmax(largest, fabs(weights[i]));
+        weights[i] = 0;
+        for (size_t p = 0; p < num; p++)
+            weights[i] += strength[i] * unit[p] * terms[i][p];
+        magnitude += fabs(weights[i]);
         sum += weights[i];
     }
-    return largest < 1.5 && fabs(sum - 1) < slack;
+    return magnitude < fit->most_weight && fabs(sum - 1) < slack;
 }
 
 /* state = sum of weights[i] times the states given. */
@@ -102,10 +118,13 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
 
     place_of(here, moes_M, alpha_p_H);
     size_t count = nearest_states(nearest, &model->states, here, -1);
-    if (affine_weights(weights, nearest, count))
-        combine_states(state, model, nearest, weights, count);
-    else
-        combine_states(state, model, nearest, &one, 1);
+    for (size_t f = 0; f < sizeof FITS / sizeof *FITS; f++) {
+        size_t used = count < FITS[f].most_neighbours ? count : FITS[f].most_neighbours;
+        if (!fit_weights(weights, nearest, used, &FITS[f])) continue;
+        combine_states(state, model, nearest, weights, used);
+        return;
+    }
+    combine_states(state, model, nearest, &one, 1);
 }
 
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,

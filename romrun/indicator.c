@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/indicator.h"
 
+#include "romrun/reduced_cut.h"
+
 #include <cblas.h>
 #include <math.h>
 #include <stdbool.h>
@@ -10,7 +12,8 @@ struct indicator {
     const reduced_model *model;
     double *pressure, *film; // [num_needed] of the control rows
     double *fluid_memory;    // [4, num_needed]
-    double *band_pressure;   // [num_band]
+    double *band_pressure;   // [num_band] where the exit differs from its checkpoint's
+    cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
 };
 
@@ -20,6 +23,7 @@ indicator *indicator_free(indicator *self) {
         free(self->film);
         free(self->fluid_memory);
         free(self->band_pressure);
+        free(self->runs);
         free(self->rows);
         free(self);
     }
@@ -37,37 +41,26 @@ indicator *indicator_create(const reduced_model *model) {
     self->film = malloc(num_needed * sizeof(double));
     self->fluid_memory = malloc(4 * num_needed * sizeof(double));
     self->band_pressure = malloc(model->num_band * sizeof(double));
+    self->runs = malloc(model->num_lines * sizeof *self->runs);
     self->rows = malloc((control->num_rows + 1) * sizeof *self->rows);
     if (!self->pressure || !self->film || !self->fluid_memory || !self->band_pressure ||
-        !self->rows)
+        !self->runs || !self->rows)
         return indicator_free(self);
     return self;
 }
 
-/* H at a needed node but for what the band's pressure deflects. */
-static double film_before_band(const reduced_model *model, size_t q, const double *z) {
+/* H at a needed node but for what the exit's runs deflect. */
+static double film_at_checkpoint(const reduced_model *model, size_t q, const double *z,
+                                 size_t checkpoint) {
     const control_rows *control = &model->control;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
-    const double *coordinates = coupled ? z : z + model->num_pressure;
+    const double *film =
+        coupled ? control->checkpoint_film + (checkpoint * control->num_needed + q) * width
+                : control->film + q * width;
 
     return z[model->num_unknowns - 1] + grid_gap(&model->grid, control->needed_node[q]) +
-           cblas_ddot((int)width, control->film + q * width, 1, coordinates, 1);
-}
-
-/* What the pressure between the band's begin and the exit deflects at a node. */
-static double band_deflection(const indicator *self, size_t node, const size_t *exit) {
-    const reduced_model *model = self->model;
-    const grid_place at = reduced_model_place(model, node);
-    double deflection = 0;
-
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
-        deflection =
-            reduced_model_deflect(deflection, model, at, l, line->begin, exit[l] - line->begin,
-                                  self->band_pressure + line->offset);
-    }
-    return deflection;
+           cblas_ddot((int)width, film, 1, coupled ? z : z + model->num_pressure, 1);
 }
 
 static bool is_before(const reduced_model *model, size_t node, const size_t *exit) {
@@ -82,20 +75,26 @@ static void expand(indicator *self, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state);
     size_t num_pressure = model->num_pressure;
 
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
-        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)(exit[l] - line->begin), (int)num_pressure, 1,
-                    model->band_pressure + line->offset * num_pressure, (int)num_pressure, z, 1, 0,
-                    self->band_pressure + line->offset, 1);
-    }
+    size_t checkpoint = reduced_model_checkpoint(model, exit), num_runs = 0;
+
+    if (model->deformation == DEFORMATION_COUPLED)
+        num_runs = reduced_model_runs(self->runs, model,
+                                      model->checkpoint_exit + checkpoint * model->num_lines, exit);
+    for (size_t r = 0; r < num_runs; r++)
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)self->runs[r].count, (int)num_pressure, 1,
+                    model->band_pressure + self->runs[r].first * num_pressure, (int)num_pressure, z,
+                    1, 0, self->band_pressure + self->runs[r].first, 1);
     for (size_t q = 0; q < control->num_needed; q++) {
         size_t node = control->needed_node[q];
+        const grid_place at = reduced_model_place(model, node);
         const double *modes = control->pressure + q * num_pressure;
         self->pressure[q] =
-            is_before(model, node, exit) ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
-        self->film[q] = film_before_band(model, q, z);
-        if (model->deformation == DEFORMATION_COUPLED)
-            self->film[q] += band_deflection(self, node, exit);
+            at.column < exit[at.line] ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
+        self->film[q] = film_at_checkpoint(model, q, z, checkpoint);
+        for (size_t r = 0; r < num_runs; r++)
+            reduced_model_deflect(self->film + q, model, at, 1, self->runs[r].line,
+                                  self->runs[r].column, self->runs[r].count,
+                                  self->band_pressure + self->runs[r].first, self->runs[r].sign);
     }
 }
 

@@ -538,8 +538,7 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
         status = read_part(&control->weight, file, "control_weight", control->num_rows, 1, NULL,
                            control->num_rows, 1, error);
     if (!status) status = reduced_model_list_control(model, error);
-    if (!status) status = read_control_tables(model, file, stored, error);
-    return status ? status : reduced_model_complete_control(model, error);
+    return status ? status : read_control_tables(model, file, stored, error);
 }
 
 /* The states' coordinates in the chosen modes. */
@@ -617,6 +616,8 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
     if (!status) status = read_states(model, file, &stored, error);
     artefact_close(&file);
     if (!status) status = reduced_model_complete(model, error);
+    if (!status && model->control.num_rows > 0)
+        status = reduced_model_complete_control(model, error);
     if (status) reduced_model_free(model);
     return status;
 }

@@ -58,23 +58,23 @@ void reduced_model_change_cut(double *cut, const reduced_model *model, const cut
     if (rank > 0) add_to_cut(cut, model, left, right, rank);
 }
 
-/* The same for the deflections at the band's nodes (coupled). */
-static void change_band(double *band, const reduced_model *model, const cut_run *runs,
-                        size_t num_runs) {
+/* What a change of the exit makes of the deflections of the modes at `num_at` neighbouring nodes from `at` on,
+ * [num_at, num_pressure]. */
+static void change_films(double *films, const reduced_model *model, const cut_run *runs,
+                         size_t num_runs, grid_place at, size_t num_at) {
     size_t num_pressure = model->num_pressure;
 
-    for (size_t r = 0; r < num_runs; r++)
-        for (size_t i = 0; i < runs[r].count; i++)
-            for (size_t l = 0; l < model->num_lines; l++)
-                for (size_t c = model->lines[l].begin; c < model->lines[l].end; c++) {
-                    size_t place = model->lines[l].offset + c - model->lines[l].begin;
-                    double influence =
-                        reduced_model_deflect(0, model, (grid_place){l, c}, runs[r].line,
-                                              runs[r].column + i, 1, &runs[r].sign);
-                    cblas_daxpy((int)num_pressure, influence,
-                                model->band_pressure + (runs[r].first + i) * num_pressure, 1,
-                                band + place * num_pressure, 1);
-                }
+    for (size_t a = 0; a < num_at; a++, at.column++)
+        for (size_t r = 0; r < num_runs; r++)
+            for (size_t i = 0; i < runs[r].count; i++) {
+                const double unit = 1;
+                double influence = 0;
+                reduced_model_deflect(&influence, model, at, 1, runs[r].line, runs[r].column + i, 1,
+                                      &unit, runs[r].sign);
+                cblas_daxpy((int)num_pressure, influence,
+                            model->band_pressure + (runs[r].first + i) * num_pressure, 1,
+                            films + a * num_pressure, 1);
+            }
 }
 
 // ---- checkpoints
@@ -145,10 +145,40 @@ static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
+/* A table that depends on the exit, kept for all checkpoints. */
+typedef struct kept_table {
+    double *kept;       // [num_checkpoints, size]
+    const double *base; // [size] for an exit where the band begins
+    size_t size;
+    void (*change)(double *table, const reduced_model *model, const cut_run *runs, size_t num_runs,
+                   double *work); // brings it to another exit
+} kept_table;
+
+/* Deflections at the band's nodes. */
+static void change_band(double *band, const reduced_model *model, const cut_run *runs,
+                        size_t num_runs, double *work) {
+    (void)work;
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        change_films(band + line->offset * model->num_pressure, model, runs, num_runs,
+                     (grid_place){l, line->begin}, line->end - line->begin);
+    }
+}
+
+/* Deflections at the nodes that control rows need. */
+static void change_control(double *films, const reduced_model *model, const cut_run *runs,
+                           size_t num_runs, double *work) {
+    const control_rows *control = &model->control;
+
+    (void)work;
+    for (size_t q = 0; q < control->num_needed; q++)
+        change_films(films + q * model->num_pressure, model, runs, num_runs,
+                     reduced_model_place(model, control->needed_node[q]), 1);
+}
+
 /* Each checkpoint from the nearest one before it, the first from where the band begins. */
-static ehd_status fill_checkpoints(reduced_model *model, ehd_error *error) {
-    size_t cut_size = model->num_cut * model->num_pressure;
-    size_t band_size = model->num_band * model->num_pressure;
+static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
+                                   const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->num_lines * sizeof *runs);
     size_t *begin = malloc(model->num_lines * sizeof *begin);
     double *work = malloc(CUT_BLOCK * (model->num_cut + model->num_pressure) * sizeof *work);
@@ -160,14 +190,13 @@ static ehd_status fill_checkpoints(reduced_model *model, ehd_error *error) {
         const size_t *exit = model->checkpoint_exit + c * model->num_lines;
         size_t near = nearest_checkpoint(model, exit, c);
         const size_t *from = c > 0 ? model->checkpoint_exit + near * model->num_lines : begin;
-        const double *cut = c > 0 ? model->checkpoint_cut + near * cut_size : model->cut_base;
         size_t num_runs = reduced_model_runs(runs, model, from, exit);
-        memcpy(model->checkpoint_cut + c * cut_size, cut, cut_size * sizeof(double));
-        reduced_model_change_cut(model->checkpoint_cut + c * cut_size, model, runs, num_runs, work);
-        if (!model->checkpoint_band) continue;
-        const double *band = c > 0 ? model->checkpoint_band + near * band_size : model->band_film;
-        memcpy(model->checkpoint_band + c * band_size, band, band_size * sizeof(double));
-        change_band(model->checkpoint_band + c * band_size, model, runs, num_runs);
+        for (const kept_table *table = tables; table < tables + num_tables; table++) {
+            double *here = table->kept + c * table->size;
+            const double *there = c > 0 ? table->kept + near * table->size : table->base;
+            memcpy(here, there, table->size * sizeof(double));
+            table->change(here, model, runs, num_runs, work);
+        }
     }
     free(runs);
     free(begin);
@@ -190,5 +219,21 @@ ehd_status reduced_model_make_checkpoints(reduced_model *model, ehd_error *error
             malloc(model->num_checkpoints * model->num_band * num_pressure * sizeof(double));
     if (!model->checkpoint_cut || (coupled && !model->checkpoint_band))
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    return fill_checkpoints(model, error);
+    const kept_table tables[] = {
+        {model->checkpoint_cut, model->cut_base, model->num_cut * num_pressure,
+         reduced_model_change_cut},
+        {model->checkpoint_band, model->band_film, model->num_band * num_pressure, change_band}};
+    return fill_checkpoints(tables, coupled ? 2 : 1, model, error);
+}
+
+ehd_status reduced_model_make_control_checkpoints(reduced_model *model, ehd_error *error) {
+    control_rows *control = &model->control;
+    size_t size = control->num_needed * model->num_pressure;
+
+    if (model->deformation != DEFORMATION_COUPLED || size == 0) return EHD_OK;
+    control->checkpoint_film = malloc(model->num_checkpoints * size * sizeof(double));
+    if (!control->checkpoint_film)
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
+    const kept_table films = {control->checkpoint_film, control->film, size, change_control};
+    return fill_checkpoints(&films, 1, model, error);
 }

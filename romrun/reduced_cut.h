@@ -35,4 +35,7 @@ size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);
 /* Chooses the checkpoints of a model that has everything else, and fills their tables. EHD_MEMORY. */
 ehd_status reduced_model_make_checkpoints(reduced_model *model, ehd_error *error);
 
+/* The table of its control rows, for the same checkpoints. EHD_MEMORY. */
+ehd_status reduced_model_make_control_checkpoints(reduced_model *model, ehd_error *error);
+
 #endif

@@ -79,6 +79,7 @@ static void control_rows_free(control_rows *control) {
     free(control->needed_node);
     free(control->pressure);
     free(control->film);
+    free(control->checkpoint_film);
 }
 
 void reduced_model_free(reduced_model *model) {
@@ -127,18 +128,22 @@ size_t reduced_model_band_place(const reduced_model *model, size_t node) {
     return line->offset + reduced_model_column(model, node) - line->begin;
 }
 
-double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
-                             size_t first, size_t count, const double *pressure) {
-    size_t width = grid_width(&model->grid), column = at.column;
+void reduced_model_deflect(double *film, const reduced_model *model, grid_place at, size_t num_at,
+                           size_t line, size_t first, size_t count, const double *pressure,
+                           double sign) {
+    size_t width = grid_width(&model->grid);
     const double *kernel = model->kernel + index_distance(at.line, line) * width;
     const double *mirrored = model->kernel + (at.line + line) * width;
+    bool has_mirrored = model->grid.half && line > 0;
 
-    for (size_t i = 0; i < count; i++)
-        sum += kernel[index_distance(column, first + i)] * pressure[i];
-    if (model->grid.half && line > 0)
-        for (size_t i = 0; i < count; i++)
-            sum += mirrored[index_distance(column, first + i)] * pressure[i];
-    return sum;
+    for (size_t i = 0; i < count; i++) {
+        double source = sign * pressure[i];
+        for (size_t a = 0; a < num_at; a++) {
+            size_t apart = index_distance(at.column + a, first + i);
+            film[a] += kernel[apart] * source;
+            if (has_mirrored) film[a] += mirrored[apart] * source;
+        }
+    }
 }
 
 // ---- which nodes
@@ -600,9 +605,11 @@ static void fill_left_coupled(reduced_model *model) {
         const band_line *line = &model->lines[l];
         for (size_t c = line->begin; c < line->end; c++) {
             double *left = model->left + (line->offset + c - line->begin) * model->num_cut;
+            memset(left, 0, model->num_needed * sizeof(double));
             for (size_t q = 0; q < model->num_needed; q++)
-                left[q] = reduced_model_deflect(
-                    0, model, reduced_model_place(model, model->needed_node[q]), l, c, 1, &unit);
+                reduced_model_deflect(left + q, model,
+                                      reduced_model_place(model, model->needed_node[q]), 1, l, c, 1,
+                                      &unit, 1);
             left[model->num_needed] = load_weight(&model->grid, l * grid_width(&model->grid) + c);
         }
     }
@@ -642,5 +649,5 @@ ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
     fill_stencils(control->stencils, &model->grid, control->node, control->num_rows,
                   control->needed_node, control->num_needed);
-    return EHD_OK;
+    return reduced_model_make_control_checkpoints(model, error);
 }

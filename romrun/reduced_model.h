@@ -66,9 +66,10 @@ typedef struct control_rows {
     double *weight;             // [num_rows] D
     reynolds_stencil *stencils; // [num_rows] places in needed_node
     size_t num_needed;
-    size_t *needed_node; // [num_needed] ascending
-    double *pressure;    // [num_needed, num_pressure]
-    double *film;        // as needed_film below, at these nodes
+    size_t *needed_node;     // [num_needed] ascending
+    double *pressure;        // [num_needed, num_pressure]
+    double *film;            // as needed_film below, at these nodes
+    double *checkpoint_film; // coupled: [num_checkpoints, num_needed, num_pressure], else NULL
 } control_rows;
 
 /* The part of a grid line in which the exit and, where it is sought, the film minimum lie. On a point contact all
@@ -181,8 +182,14 @@ bool reduced_model_has_band(const reduced_model *model, size_t line);
 /* Place of a node of the band among its nodes. */
 size_t reduced_model_band_place(const reduced_model *model, size_t node);
 
-/* `sum` plus what `count` neighbouring nodes of a line from column `first` on deflect at a node. */
-double reduced_model_deflect(double sum, const reduced_model *model, grid_place at, size_t line,
-                             size_t first, size_t count, const double *pressure);
+/* Adds what `count` neighbouring nodes of a line from column `first` on deflect, times a sign, at `num_at` others from
+ * `at` on. */
+void reduced_model_deflect(
+    // in and out:
+    double *film, // [num_at]
+    // input:
+    const reduced_model *model, grid_place at, size_t num_at, size_t line, size_t first,
+    size_t count, const double *pressure, // [count]
+    double sign);
 
 #endif

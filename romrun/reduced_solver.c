@@ -70,6 +70,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->runs);
         free(self->table_exit);
         free(self->block);
+        free(self->block_right);
         free(self->wanted);
         free(self->moved);
         free(self->watches);
@@ -84,6 +85,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->step_film);
         free(self->fluid_memory);
         free(self->band_pressure);
+        free(self->band_film);
         free(self->rows);
         free(self->system_row);
         free(self->matrix);
@@ -120,6 +122,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->runs = calloc(num_lines, sizeof *self->runs);
     self->table_exit = calloc(num_lines, sizeof *self->table_exit);
     self->block = malloc(block_size * sizeof(double));
+    self->block_right = malloc(CUT_BLOCK * model->num_pressure * sizeof(double));
     self->wanted = calloc(num_lines, sizeof *self->wanted);
     self->moved = calloc(num_lines, sizeof *self->moved);
     self->watches = calloc(num_lines, sizeof *self->watches);
@@ -132,6 +135,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->step_film = malloc(model->num_needed * sizeof(double));
     self->fluid_memory = malloc(4 * model->num_needed * sizeof(double));
     self->band_pressure = malloc(model->num_band * sizeof(double));
+    self->band_film = malloc(model->num_band * sizeof(double));
     self->rows = malloc(model->num_rows * sizeof *self->rows);
     self->system_row = malloc(model->num_rows * sizeof *self->system_row);
     self->matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
@@ -141,11 +145,12 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->observed = malloc(2 * model->num_rows * sizeof(double));
     if (!self->least_squares || !self->kept || !self->kept_matrix || !self->kept_row ||
         !self->kept_exit || !self->start_exit || !self->exit || !self->alive || !self->runs ||
-        !self->table_exit || !self->block || !self->wanted || !self->moved || !self->watches ||
-        !self->cut || !self->cut_value || !self->step_cut || !self->pressure || !self->film ||
-        !self->step_pressure || !self->step_film || !self->fluid_memory || !self->band_pressure ||
-        !self->rows || !self->system_row || !self->matrix || !self->right || !self->step ||
-        !self->start || !self->observed || reduced_values_init(&self->values, model, error) ||
+        !self->table_exit || !self->block || !self->block_right || !self->wanted || !self->moved ||
+        !self->watches || !self->cut || !self->cut_value || !self->step_cut || !self->pressure ||
+        !self->film || !self->step_pressure || !self->step_film || !self->fluid_memory ||
+        !self->band_pressure || !self->band_film || !self->rows || !self->system_row ||
+        !self->matrix || !self->right || !self->step || !self->start || !self->observed ||
+        reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -176,7 +181,7 @@ static double damping(reduced_solver *self, double *change) {
     const reduced_model *model = self->model;
     double least = INFINITY, factor = 1;
 
-    reduced_values_of(&self->step_values, model, self->step, self->exit);
+    nodes_values_at(&self->step_values, model, self->step, self->checkpoint);
     nodes_expand(self->step_pressure, self->step_film, self->step_cut, self, &self->step_values,
                  self->step);
     *change = 0;
@@ -319,6 +324,21 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
            now->change * next < fmin(PRESSURE_TOLERANCE, PRESSURE_OVER_FILM * tolerance);
 }
 
+/* Begins to watch the exits. Those of a stationary state may come from other contacts: with lines of them, whose exits
+ * follow one another, iterations are saved by those that the state itself asks for. */
+static void start_exits(reduced_info *info, reduced_solver *self, reduced_state *state,
+                        const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    const exit_watch watch = squeeze
+                                 ? exits_watch_in_time(CYCLE)
+                                 : exits_stationary_watch(self->model, self->settings.tolerance);
+
+    exits_watch(self, watch);
+    if (squeeze || self->model->num_lines == 1) return;
+    nodes_move_exit(self, reduced_state_exits(state));
+    exits_adapt(info, self, state, contact, NULL, INFINITY);
+    exits_watch(self, watch); // where it began does not count
+}
+
 /* Returns an error only where the observer or memory fails; the outcome is info->status. */
 static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze,
@@ -326,8 +346,7 @@ static ehd_status newton(reduced_info *info, reduced_state *state, reduced_solve
     iterate before = {NAN, NAN, 0, NAN}, now;
 
     info->own_jacobian = true;
-    exits_watch(self, squeeze ? exits_watch_in_time(CYCLE)
-                              : exits_stationary_watch(self->model, self->settings.tolerance));
+    start_exits(info, self, state, contact, squeeze);
     for (size_t iteration = 0;; iteration++, before = now) {
         const reduced_values *known = iteration > 0 ? &self->values : NULL;
         size_t num_rows = build_system(info, self, state, known, contact, squeeze);

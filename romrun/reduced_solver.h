@@ -140,8 +140,8 @@ void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
-/* Start from the trained solutions: an affine fit through those nearest in (ln M, alpha p_H), or the
- * nearest one where the fit would extrapolate. */
+/* Start from the trained solutions: a quadratic fit through those nearest in (ln M, alpha p_H), an affine one
+ * where that would extrapolate, or the nearest one where this would. */
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
                    double alpha_p_H);
 

@@ -20,8 +20,19 @@ static size_t window_begin(const reduced_model *model, size_t exit) {
     return begin < base ? begin : base;
 }
 
+/* H at a band node of the state whose exits are looked for, once: the rows of neighbouring lines share nodes. */
+static double film_at(reduced_solver *self, const double *z, size_t node, size_t place) {
+    if (isnan(self->band_film[place])) self->band_film[place] = nodes_band_film(self, z, node);
+    return self->band_film[place];
+}
+
+static void forget_films(reduced_solver *self) {
+    for (size_t k = 0; k < self->model->num_band; k++)
+        self->band_film[k] = NAN;
+}
+
 /* The Reynolds row at a band node, from the state around it; row.residual is -Lambda at the exit. */
-static reynolds_row band_row(const reduced_solver *self, const double *z, size_t node,
+static reynolds_row band_row(reduced_solver *self, const double *z, size_t node,
                              const ehd_contact *contact, const reduced_squeeze *squeeze,
                              double *flux) {
     const reduced_model *model = self->model;
@@ -37,12 +48,14 @@ static reynolds_row band_row(const reduced_solver *self, const double *z, size_t
         size_t other = around.node[a];
         stencil.node[a] = other == NO_NODE ? NO_NODE : count;
         if (other == NO_NODE) continue;
-        size_t line = reduced_model_line(model, other);
-        bool alive = reduced_model_column(model, other) < self->exit[line];
-        pressure[count] = alive ? self->band_pressure[reduced_model_band_place(model, other)] : 0;
+        const grid_place at = reduced_model_place(model, other);
+        bool banded = reduced_model_has_band(model, at.line),
+             alive = at.column < self->exit[at.line];
+        size_t place = banded ? reduced_model_band_place(model, other) : 0;
+        pressure[count] = alive ? self->band_pressure[place] : 0;
         // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to it from
         // the exit, where there is no pressure either.
-        film[count++] = reduced_model_has_band(model, line) ? nodes_band_film(self, z, other) : 0;
+        film[count++] = banded ? film_at(self, z, other, place) : 0;
     }
     reynolds_fluid_evaluate(&fluid, contact, pressure, count);
     double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
@@ -86,7 +99,9 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
         end = exit + window < model->most_exit ? exit + window : model->most_exit;
     }
     for (node = from; node < end; node++)
-        if (contact->entrainment * nodes_band_film(self, z, node) >= flux) break;
+        if (contact->entrainment * film_at(self, z, node, reduced_model_band_place(model, node)) >=
+            flux)
+            break;
     node = node > model->least_exit ? node : model->least_exit;
     return node < model->most_exit ? node : model->most_exit;
 }
@@ -121,22 +136,28 @@ static size_t adapt_exit_in_time(reduced_solver *self, const reduced_state *stat
     return exit_by_signs(self, state->coordinates, 0, window, contact, squeeze);
 }
 
-/* P at the band nodes around the exit line, as far as rows at the exits of the lines beside a line need them. */
+/* P and H at the band nodes around the exit line: as far as rows at the exits of a line and of those beside it need
+ * them, P in the whole window. */
 static void expand_around(reduced_solver *self, const double *z, size_t window) {
     const reduced_model *model = self->model;
 
     nodes_expand_runs(self, z);
     for (size_t l = 0; l < model->num_lines; l++) {
         const band_line *band = &model->lines[l];
-        size_t first = self->exit[l], reach = window + 2;
+        size_t exit = self->exit[l], first = exit, last = exit + 1, reach = window + 2;
         if (!reduced_model_has_band(model, l)) continue;
         for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->num_lines;
-             beside++)
-            if (model->lines[beside].end > model->lines[beside].begin && self->exit[beside] < first)
-                first = self->exit[beside];
+             beside++) {
+            if (!reduced_model_has_band(model, beside)) continue;
+            first = self->exit[beside] < first ? self->exit[beside] : first;
+            last = self->exit[beside] > last ? self->exit[beside] : last;
+        }
+        size_t from = first < exit - 2 ? first : exit - 2;
+        nodes_band_films(self->band_film + band->offset + from - band->begin, self, z,
+                         l * grid_width(&model->grid) + from, last + 1 - from);
         first = first > band->begin + reach ? first - reach : band->begin;
-        if (first < self->exit[l])
-            nodes_expand_places(self, z, band->offset + first - band->begin, self->exit[l] - first);
+        if (first < exit)
+            nodes_expand_places(self, z, band->offset + first - band->begin, exit - first);
     }
 }
 
@@ -146,7 +167,7 @@ static bool is_looked_at(const reduced_solver *self, size_t line) {
     size_t spacing = (size_t)(self->settings.exit_spacing / grid->step);
     size_t inner = line - grid_first_line(grid);
 
-    if (self->model->lines[line].end == self->model->lines[line].begin) return false;
+    if (!reduced_model_has_band(self->model, line)) return false;
     return spacing < 2 || inner % spacing == 0 || inner + 1 == grid->inner_lines;
 }
 
@@ -173,6 +194,7 @@ static void find_exits(reduced_solver *self, const reduced_state *state, const e
     const reduced_model *model = self->model;
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
 
+    forget_films(self);
     if (model->num_lines == 1) {
         self->wanted[0] = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                   : adapt_exit(self, state, contact);

@@ -61,14 +61,19 @@ void nodes_expand_runs(reduced_solver *self, const double *z) {
         nodes_expand_places(self, z, self->runs[r].first, self->runs[r].count);
 }
 
-void reduced_values_of(reduced_values *values, const reduced_model *model, const double *z,
-                       const size_t *exit) {
+void nodes_values_at(reduced_values *values, const reduced_model *model, const double *z,
+                     size_t checkpoint) {
     size_t size = model->num_cut * model->num_pressure;
 
-    values->checkpoint = reduced_model_checkpoint(model, exit);
+    values->checkpoint = checkpoint;
     product(values->pressure, model->needed_pressure, z, model->num_needed, model->num_pressure);
     product(values->cut, model->checkpoint_cut + values->checkpoint * size, z, model->num_cut,
             model->num_pressure);
+}
+
+void reduced_values_of(reduced_values *values, const reduced_model *model, const double *z,
+                       const size_t *exit) {
+    nodes_values_at(values, model, z, reduced_model_checkpoint(model, exit));
 }
 
 void nodes_add_values(reduced_values *values, double factor, const reduced_values *of,
@@ -102,7 +107,7 @@ void nodes_expand(double *pressure, double *film, double *cut_value, reduced_sol
 
 void nodes_expand_state(reduced_solver *self, const reduced_values *known, const double *z) {
     if (!known || known->checkpoint != self->checkpoint) {
-        reduced_values_of(&self->values, self->model, z, self->exit);
+        nodes_values_at(&self->values, self->model, z, self->checkpoint);
         known = &self->values;
     }
     nodes_expand(self->pressure, self->film, self->cut_value, self, known, z);
@@ -112,33 +117,31 @@ double nodes_load(const reduced_solver *self) {
     return self->cut_value[self->model->num_cut - 1];
 }
 
-/* `film` with what a run of band nodes deflects at a node. */
-static double deflect_run(double film, const reduced_solver *self, const cut_run *run,
-                          grid_place at) {
-    const double *pressure = self->band_pressure + run->first;
+void nodes_band_films(double *film, const reduced_solver *self, const double *z, size_t node,
+                      size_t count) {
     const reduced_model *model = self->model;
+    size_t place = reduced_model_band_place(model, node), num_pressure = model->num_pressure;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? num_pressure : model->num_deformation;
+    const double *checkpoint =
+        model->checkpoint_band + self->checkpoint * model->num_band * num_pressure;
+    const double *basis = (coupled ? checkpoint : model->band_film) + place * width;
+    const grid_place at = reduced_model_place(model, node);
 
-    if (run->sign > 0)
-        return reduced_model_deflect(film, model, at, run->line, run->column, run->count, pressure);
-    return film - reduced_model_deflect(0, model, at, run->line, run->column, run->count, pressure);
+    for (size_t i = 0; i < count; i++)
+        film[i] = z[model->num_unknowns - 1] + grid_gap(&model->grid, node + i) +
+                  cblas_ddot((int)width, basis + i * width, 1, coupled ? z : z + num_pressure, 1);
+    for (size_t r = 0; coupled && r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        reduced_model_deflect(film, model, at, count, run->line, run->column, run->count,
+                              self->band_pressure + run->first, run->sign);
+    }
 }
 
 double nodes_band_film(const reduced_solver *self, const double *z, size_t node) {
-    const reduced_model *model = self->model;
-    size_t place = reduced_model_band_place(model, node), num_pressure = model->num_pressure;
-    double film = z[model->num_unknowns - 1] + grid_gap(&model->grid, node);
+    double film;
 
-    if (model->deformation == DEFORMATION_INDEPENDENT) {
-        const double *basis = model->band_film + place * model->num_deformation;
-        return film + cblas_ddot((int)model->num_deformation, basis, 1, z + num_pressure, 1);
-    }
-    film += cblas_ddot((int)num_pressure,
-                       model->checkpoint_band +
-                           (self->checkpoint * model->num_band + place) * num_pressure,
-                       1, z, 1);
-    const grid_place at = reduced_model_place(model, node);
-    for (size_t r = 0; r < self->num_runs; r++)
-        film = deflect_run(film, self, &self->runs[r], at);
+    nodes_band_films(&film, self, z, node, 1);
     return film;
 }
 

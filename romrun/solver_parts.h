@@ -43,6 +43,7 @@ struct reduced_solver {
     double *cut; // [num_cut, num_pressure] the cut table for table_exit, which Jacobians take
     size_t *table_exit;     // [num_lines]; 0: none yet
     double *block;          // [num_rows + 1, CUT_BLOCK] left sides of the system's rows
+    double *block_right;    // [CUT_BLOCK, num_pressure] their right sides
     size_t *wanted, *moved; // [num_lines] exits asked for, and where they go
     exit_watch *watches;    // [num_lines]
     double *cut_value;      // [num_cut] the exit's cut table times z, which everything else takes
@@ -53,6 +54,7 @@ struct reduced_solver {
     double *step_pressure, *step_film; // [num_needed]
     double *fluid_memory;              // [4, num_needed]
     double *band_pressure;             // [num_band] P at band nodes, filled where asked for
+    double *band_film;                 // [num_band] H there; NaN: not asked for yet
     reynolds_row *rows;                // [num_rows]
     size_t num_system;                 // rows of the least-squares problem
     size_t *system_row;                // [num_rows] selected rows before the exit
@@ -86,6 +88,10 @@ void nodes_expand_band(reduced_solver *self, const double *z, size_t from, size_
 /* P at the band nodes by which the exit differs from its checkpoint's. */
 void nodes_expand_runs(reduced_solver *self, const double *z);
 
+/* Values of coordinates at a checkpoint. */
+void nodes_values_at(reduced_values *values, const reduced_model *model, const double *z,
+                     size_t checkpoint);
+
 /* values += factor * of; both of the same checkpoint. */
 void nodes_add_values(reduced_values *values, double factor, const reduced_values *of,
                       const reduced_model *model);
@@ -102,8 +108,10 @@ void nodes_expand_state(reduced_solver *self, const reduced_values *known, const
 /* Load of the pressure expanded last, over the kind's unit. */
 double nodes_load(const reduced_solver *self);
 
-/* H at one band node at the solver's exit. For the coupled basis the exit's checkpoint gives the deflection of what
+/* H at `count` neighbouring nodes of a line of the band, at the solver's exit, and at one. For the coupled basis the exit's checkpoint gives the deflection of what
  * lies before it, and nodes_expand_runs or nodes_expand_band must have filled the pressures by which the exit differs. */
+void nodes_band_films(double *film, const reduced_solver *self, const double *z, size_t node,
+                      size_t count);
 double nodes_band_film(const reduced_solver *self, const double *z, size_t node);
 
 /* target += factor * source. */

@@ -126,23 +126,34 @@ static void weigh_left(double *left, size_t stride, const reduced_solver *self, 
     left[self->num_system * stride] = sign * load_weight * by_node[model->num_cut - 1];
 }
 
+/* matrix += left right of the first `rank` nodes in the block. */
+static void add_block(reduced_solver *self, size_t rank) {
+    const reduced_model *model = self->model;
+
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)self->num_system + 1,
+                (int)model->num_pressure, (int)rank, 1, self->block, CUT_BLOCK, self->block_right,
+                (int)model->num_pressure, 1, self->matrix, (int)model->num_unknowns);
+}
+
 /* Brings the rows of a coupled basis from the exit's checkpoint to the exit: eq. (36) with the stencils applied to its
  * left sides first. */
 static void add_runs(reduced_solver *self, double load_weight) {
     const reduced_model *model = self->model;
+    size_t rank = 0;
 
     for (size_t r = 0; r < self->num_runs; r++) {
         const cut_run *run = &self->runs[r];
-        for (size_t i = 0; i < run->count; i += CUT_BLOCK) {
-            size_t rank = run->count - i < CUT_BLOCK ? run->count - i : CUT_BLOCK;
-            for (size_t k = 0; k < rank; k++)
-                weigh_left(self->block + k, rank, self, run->first + i + k, run->sign, load_weight);
-            cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)self->num_system + 1,
-                        (int)model->num_pressure, (int)rank, 1, self->block, (int)rank,
-                        model->band_pressure + (run->first + i) * model->num_pressure,
-                        (int)model->num_pressure, 1, self->matrix, (int)model->num_unknowns);
+        for (size_t k = run->first; k < run->first + run->count; k++) {
+            weigh_left(self->block + rank, CUT_BLOCK, self, k, run->sign, load_weight);
+            memcpy(self->block_right + rank * model->num_pressure,
+                   model->band_pressure + k * model->num_pressure,
+                   model->num_pressure * sizeof(double));
+            if (++rank < CUT_BLOCK) continue;
+            add_block(self, rank);
+            rank = 0;
         }
     }
+    if (rank > 0) add_block(self, rank);
 }
 
 /* The projected elasticity of an independent basis, from row `count` on; returns the row behind. */

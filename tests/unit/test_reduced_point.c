@@ -157,6 +157,15 @@ static double dense_load(const reduced_basis *basis, const size_t *exit, size_t 
     return sum;
 }
 
+/* The same with tables of what the modes deflect at a list of nodes, [count, num_pressure]. */
+static void check_films(const double *films, const size_t *nodes, size_t count,
+                        const reduced_basis *basis, const size_t *exit) {
+    for (size_t q = 0; q < count; q += 7)
+        for (size_t j = 0; j < basis->num_pressure; j += 4)
+            check_close(films[q * basis->num_pressure + j],
+                        dense_deflection(basis, exit, nodes[q], j), 1e-11, 1e-11);
+}
+
 static void check_cut(const double *cut, const reduced_model *model, const reduced_basis *basis,
                       const size_t *exit) {
     for (size_t row = 0; row < model->num_cut; row += row + 8 < model->num_cut ? 7 : 1)
@@ -180,6 +189,7 @@ static size_t *some_rows(size_t *count, const ehd_grid *grid) {
 }
 
 static void cut_tables_equal_plain_sums(void **state) {
+    ehd_error error;
     (void)state;
     for (int g = 0; g < 2; g++) {
         const reduced_basis *basis = grids[g].basis;
@@ -192,6 +202,15 @@ static void cut_tables_equal_plain_sums(void **state) {
         for (size_t c = 0; c < model->num_checkpoints; c += 3)
             check_cut(model->checkpoint_cut + c * size, model, basis,
                       model->checkpoint_exit + c * model->num_lines);
+
+        const control_rows *control = &model->control;
+        assert_int_equal(reduced_model_add_control(&reduced.model, basis, rows, count / 2, &error),
+                         EHD_OK);
+        assert_true(control->num_needed > 7);
+        for (size_t c = 0; c < model->num_checkpoints; c += 3)
+            check_films(control->checkpoint_film + c * control->num_needed * model->num_pressure,
+                        control->needed_node, control->num_needed, basis,
+                        model->checkpoint_exit + c * model->num_lines);
 
         // lines to and fro of a checkpoint, more nodes than a block has
         cut_run *runs = malloc(model->num_lines * sizeof *runs);
