@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double COARSEST_STEP = 0.125; // half widths, as for scenes
+static const double COARSEST_STEP = 0.25; // half widths, as for scenes
 
 /* `along` is the distance in rows. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
