@@ -95,6 +95,21 @@ YAML
     close_to "$(number whole.h5 central_film_thickness)" "$(number half.h5 central_film_thickness)" 2e-3
 }
 
+# stability METHOD ROWS: what deimselect says of so many rows
+stability() {
+    deimselect r.h5 --basis b.h5 -o x.h5 --method "$1" --rows "$2" --force | sed -n 's/^stability: \([^ ]*\).*/\1/p'
+}
+
+@test "rows are stable at the exit lines of training" {
+    [ "$(stability sopt 561)" = 1 ]
+    deimselect r.h5 --basis b.h5 -o x.h5 --method exits --stability 3 --force >log
+    rows=$(sed -n 's/ rows of .*//p' log)
+    awk -v of="$(sed -n 's/^stability: \([^ ]*\).*/\1/p' log)" 'BEGIN { exit !(of <= 3) }'
+    awk -v of="$(stability exits $((rows - 1)))" 'BEGIN { exit !(of > 3) }'
+    # rows that are chosen for the exits do better there, of which qr knows nothing
+    awk -v exits="$(stability exits 24)" -v qr="$(stability qr 24)" 'BEGIN { exit !(exits < qr) }'
+}
+
 @test "an independent basis, of the half and of the whole" {
     for half in true false; do
         set -- --set grid.half=$half
