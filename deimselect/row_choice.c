@@ -162,24 +162,33 @@ static ehd_status check_rows(size_t num_rows, const reduced_basis *basis, ehd_er
     return EHD_OK;
 }
 
-static int compare_sizes(const void *a, const void *b) {
-    const size_t x = *(const size_t *)a, y = *(const size_t *)b;
+/* By the first line on which they differ. */
+static int compare_exits(const void *a, const void *b, void *context) {
+    const size_t *x = a, *y = b, *num_lines = context;
+    size_t l = 0;
 
-    return (x > y) - (x < y);
+    while (l + 1 < *num_lines && x[l] == y[l])
+        l++;
+    return (x[l] > y[l]) - (x[l] < y[l]);
 }
 
-/* The exits of training, each once and counted as the rows of the snapshots are; none of a point contact, whose exit
- * lines do not take rows away in one order. NULL: no memory. */
-static size_t *list_exits(size_t *num_exits, const reduced_states *states) {
-    size_t *exits = malloc((states->num_states + 1) * sizeof *exits);
+/* The exits of training, each once and in order, as numbers of rows before them on each inner line. NULL: no memory. */
+static size_t *list_exits(size_t *num_exits, const reduced_states *states, const ehd_grid *grid) {
+    size_t num_lines = grid->inner_lines, bytes = num_lines * sizeof(size_t);
+    size_t *exits = malloc((states->num_states + 1) * bytes);
 
     *num_exits = 0;
-    if (!exits || states->num_lines > 1) return exits;
+    if (!exits) return NULL;
     for (size_t s = 0; s < states->num_states; s++)
-        exits[s] = states->exit[s] - 1;
-    qsort(exits, states->num_states, sizeof *exits, compare_sizes);
-    for (size_t s = 0; s < states->num_states; s++)
-        if (s == 0 || exits[s] != exits[*num_exits - 1]) exits[(*num_exits)++] = exits[s];
+        for (size_t l = 0; l < num_lines; l++)
+            exits[s * num_lines + l] =
+                states->exit[s * states->num_lines + grid_first_line(grid) + l] - 1;
+    qsort_r(exits, states->num_states, bytes, compare_exits, &num_lines);
+    for (size_t s = 0; s < states->num_states; s++) {
+        const size_t *here = exits + s * num_lines;
+        if (s > 0 && memcmp(here, exits + (*num_exits - 1) * num_lines, bytes) == 0) continue;
+        memmove(exits + (*num_exits)++ * num_lines, here, bytes);
+    }
     return exits;
 }
 
@@ -192,6 +201,7 @@ static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *
         .modes = {pods[0].modes, pods[1].modes},
         .singular_values = {pods[0].singular_values, pods[1].singular_values},
         .num_leading = basis->num_pressure,
+        .num_lines = basis->grid.inner_lines,
         .num_exits = num_exits,
         .exits = exits};
 
@@ -305,7 +315,7 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     const size_t num_rows = settings->num_rows > 0 ? settings->num_rows : two_a_mode;
     pod_basis pods[2] = {{0}, {0}};
     selection_bases bases = {0};
-    size_t *exits = list_exits(&bases.num_exits, &basis->states);
+    size_t *exits = list_exits(&bases.num_exits, &basis->states, &basis->grid);
     ehd_status status = EHD_OK;
 
     memset(choice, 0, sizeof *choice);

@@ -14,8 +14,10 @@ typedef struct selection_bases {
     const double *singular_values[2]; // [num_modes]
     // what the rows have to determine, whatever the exit
     size_t num_leading;  // leading modes of each basis; 0: all
-    size_t num_exits;    // of training, ascending, each once
-    const size_t *exits; // [num_exits] the exit takes this node and those behind it away
+    size_t num_lines;    // of equal length, which the nodes are on one after the other; 0: one
+    size_t num_exits;    // of training, each once, neighbours like one another
+    const size_t *exits; // [num_exits, num_lines] nodes of each line before the exit, which takes
+                         // the others away
 } selection_bases;
 
 /* A method writes num_rows distinct rows in order, so that any prefix is a selection.

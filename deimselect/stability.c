@@ -18,8 +18,8 @@ static const double LEAST_SEEN = 1e-12;
 typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
     size_t num_modes;
-    size_t num_before; // nodes before the exit
-    size_t num_seen;   // directions of the modes that these nodes tell apart
+    const size_t *num_before; // [num_lines] nodes of each line before the exit
+    size_t num_seen;          // directions of the modes that these nodes tell apart
     double
         *seen; // [num_modes, num_seen] column-major: modes^T seen is orthonormal over these nodes
     double *gram;      // [num_seen, num_seen] of the rows taken, in these directions
@@ -29,10 +29,11 @@ typedef struct exit_block {
 } exit_block;
 
 struct row_stability {
-    size_t num_nodes;
-    size_t num_blocks;  // two an exit, and two for all nodes
-    exit_block *blocks; // [num_blocks]
-    bool *taken;        // [num_nodes]
+    size_t num_nodes, num_lines, width; // width: nodes of a line
+    size_t *none, *all;                 // [num_lines] exits before and behind all nodes
+    size_t num_blocks;                  // two an exit, and two for all nodes
+    exit_block *blocks;                 // [num_blocks]
+    bool *taken;                        // [num_nodes]
     // scratch
     double *row, *along;     // [num_modes] of the larger basis
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
@@ -50,6 +51,8 @@ row_stability *row_stability_free(row_stability *self) {
             free(self->blocks[b].direction);
         }
         free(self->blocks);
+        free(self->none);
+        free(self->all);
         free(self->taken);
         free(self->row);
         free(self->along);
@@ -60,11 +63,28 @@ row_stability *row_stability_free(row_stability *self) {
     return NULL;
 }
 
+static bool is_before(const exit_block *block, const row_stability *self, size_t node) {
+    return node % self->width < block->num_before[node / self->width];
+}
+
+/* Brings the modes' Gram matrix from the nodes before one exit to those before another. */
+static void move_gram(double *gram, const row_stability *self, const double *modes,
+                      size_t num_modes, const size_t *from, const size_t *to) {
+    for (size_t l = 0; l < self->num_lines; l++) {
+        const bool more = to[l] > from[l];
+        const size_t first = more ? from[l] : to[l], last = more ? to[l] : from[l];
+        if (last > first)
+            cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, (int)num_modes, (int)(last - first),
+                        more ? 1 : -1, modes + l * self->width + first, (int)self->num_nodes, 1,
+                        gram, (int)num_modes);
+    }
+}
+
 /* seen = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the exit. `so_far` is that
  * matrix over the nodes before `from`, in, and before the exit, out. */
-static ehd_status block_init(exit_block *block, row_stability *self, double *so_far, size_t from,
-                             const double *modes, size_t num_modes, size_t num_before,
-                             ehd_error *error) {
+static ehd_status block_init(exit_block *block, row_stability *self, double *so_far,
+                             const size_t *from, const double *modes, size_t num_modes,
+                             const size_t *num_before, ehd_error *error) {
     const int n = (int)num_modes;
     block->modes = modes;
     block->num_modes = num_modes;
@@ -74,8 +94,7 @@ static ehd_status block_init(exit_block *block, row_stability *self, double *so_
     block->direction = calloc(num_modes, sizeof(double));
     if (!block->seen || !block->gram || !block->direction) return no_memory(error);
 
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, n, (int)(num_before - from), 1, modes + from,
-                (int)self->num_nodes, 1, so_far, n);
+    move_gram(so_far, self, modes, num_modes, from, num_before);
     memcpy(block->seen, so_far, num_modes * num_modes * sizeof(double));
     ehd_status status = lapack_outcome(
         "dsyevd", LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'L', n, block->seen, n, self->values),
@@ -108,6 +127,10 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
         goto done;
     }
     self->num_nodes = bases->num_nodes;
+    self->num_lines = bases->num_lines > 0 ? bases->num_lines : 1;
+    self->width = self->num_nodes / self->num_lines;
+    self->none = calloc(self->num_lines, sizeof *self->none);
+    self->all = calloc(self->num_lines, sizeof *self->all);
     self->num_blocks = 2 * (bases->num_exits + 1);
     self->blocks = calloc(self->num_blocks, sizeof *self->blocks);
     self->taken = calloc(bases->num_nodes, sizeof *self->taken);
@@ -115,12 +138,15 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
     self->along = malloc(larger * sizeof(double));
     self->matrix = malloc(larger * larger * sizeof(double));
     self->values = malloc(larger * sizeof(double));
-    if (!self->blocks || !self->taken || !self->row || !self->along || !self->matrix ||
-        !self->values)
+    if (!self->blocks || !self->none || !self->all || !self->taken || !self->row || !self->along ||
+        !self->matrix || !self->values)
         status = no_memory(error);
+    for (size_t l = 0; l < self->num_lines && !status; l++)
+        self->all[l] = self->width;
     for (size_t b = 0; b < self->num_blocks && !status; b++) {
-        const size_t num_before = b / 2 < bases->num_exits ? bases->exits[b / 2] : bases->num_nodes;
-        const size_t from = b >= 2 ? self->blocks[b - 2].num_before : 0;
+        const size_t *num_before =
+            b / 2 < bases->num_exits ? bases->exits + b / 2 * self->num_lines : self->all;
+        const size_t *from = b >= 2 ? self->blocks[b - 2].num_before : self->none;
         status = block_init(&self->blocks[b], self, so_far[b % 2], from, bases->modes[b % 2],
                             num_modes[b % 2], num_before, error);
     }
@@ -138,7 +164,7 @@ void row_stability_add(row_stability *self, size_t row) {
     self->taken[row] = true;
     for (size_t b = 0; b < self->num_blocks; b++) {
         exit_block *block = &self->blocks[b];
-        if (row >= block->num_before || block->num_seen == 0) continue;
+        if (!is_before(block, self, row) || block->num_seen == 0) continue;
         const int seen = (int)block->num_seen, modes = (int)block->num_modes;
         cblas_dcopy(modes, block->modes + row, (int)self->num_nodes, self->row, 1);
         cblas_dgemv(CblasColMajor, CblasTrans, modes, seen, 1, block->seen, modes, self->row, 1, 0,
@@ -179,7 +205,7 @@ static size_t strongest_row(const exit_block *block, row_stability *self) {
                 block->seen, (int)block->num_modes, block->direction, 1, 0, self->along, 1);
     for (size_t i = 0; i < self->num_nodes; i++) {
         if (self->taken[i]) continue;
-        const double value = i < block->num_before
+        const double value = is_before(block, self, i)
                                  ? cblas_ddot((int)block->num_modes, self->along, 1,
                                               block->modes + i, (int)self->num_nodes)
                                  : 0;

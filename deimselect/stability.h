@@ -4,7 +4,7 @@
  * What all rows before an exit determine badly, no selection determines well: at the worst exit of the lower loaded
  * region all of them have a smallest singular value of 1.3e-4. Here the modes are made orthonormal over the rows before
  * each exit, so that all rows have 1, and a selection what it keeps of that. Without an exit this is the smallest
- * singular value of the modes sampled at the rows. */
+ * singular value of the modes sampled at the rows. The bases' exits have to outlive the object. */
 #ifndef EHD_STABILITY_H
 #define EHD_STABILITY_H
 

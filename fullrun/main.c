@@ -134,24 +134,6 @@ static ehd_status load_start(full_state *state, ehd_contact *start, double *film
 
 // ---- the solution
 
-/* Says what a point contact will take before it is taken. EHD_MEMORY: more than there is. */
-static ehd_status check_memory(const program *self, const ehd_contact *contact, double bytes,
-                               ehd_error *error) {
-    const double megabyte = 1e6, large = 1000;
-    double needed = bytes / megabyte;
-    double there = program_memory() / megabyte;
-
-    if (contact->kind->dimensions == 1) return EHD_OK;
-    if (needed > there)
-        return ehd_fail(error, EHD_MEMORY,
-                        "%s: grid: found %zu nodes, which take about %.0f MB, expected at most "
-                        "%.0f MB, which are free",
-                        self->arguments[0], contact->grid.num_inner, needed, there);
-    (needed > large ? program_note : program_detail)(self, "%zu nodes take about %.0f MB",
-                                                     contact->grid.num_inner, needed);
-    return EHD_OK;
-}
-
 static run_result make_result(const full_info *info, const full_state *state,
                               const ehd_contact *contact, bool with_fields) {
     contact_scalars scalars = full_evaluate_scalars(state, contact);
@@ -340,7 +322,8 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     artefact *file = NULL;
     double start_film = NAN;
     double *exits = NULL;
-    ehd_status status = check_memory(self, contact, full_solver_bytes(&contact->grid), error);
+    ehd_status status = grid_check_memory(self, self->arguments[0], contact,
+                                          full_solver_bytes(&contact->grid), 1, error);
 
     if (!status) status = full_state_init(&state, &contact->grid, error);
     if (!status && options->start)
@@ -394,7 +377,8 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                 ehd_error *error) {
     const full_settings settings = make_settings(options);
     full_march *in_time = NULL;
-    ehd_status status = check_memory(self, contact, full_march_bytes(contact), error);
+    ehd_status status =
+        grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
 
     if (!status) status = full_march_create(&in_time, contact, &settings, given->start_film, error);
 

@@ -90,10 +90,6 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
     basis->kind = set->kind;
     basis->grid = set->grid;
     basis->deformation = settings->kind;
-    if (set->kind->dimensions > 1 && settings->kind == DEFORMATION_INDEPENDENT)
-        return ehd_fail(error, EHD_DATA,
-                        "deformation: found independent, expected coupled, of a %s contact",
-                        set->kind->name);
     ehd_status status = pod_build(pressure_pod, set->snapshots, set->num_snapshots, num_nodes,
                                   &settings->pressure, error);
     if (!status && settings->kind == DEFORMATION_INDEPENDENT) {

@@ -11,13 +11,18 @@ static ehd_status no_memory(const artefact *file, ehd_error *error) {
 
 // ---- grid
 
-/* Axis film_x: the inner nodes and one boundary node at either end. */
-static ehd_status film_axis_write(artefact *file, const ehd_grid *grid, ehd_error *error) {
-    double *x = malloc(grid->num_nodes * sizeof *x);
-    if (!x) return no_memory(file, error);
-    for (size_t k = 0; k < grid->num_nodes; k++)
+ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error) {
+    size_t width = grid_width(grid), num_lines = grid_lines(grid);
+    double *x = malloc(width * sizeof *x), *y = malloc(num_lines * sizeof *y);
+    ehd_status status = x && y ? EHD_OK : no_memory(file, error);
+
+    for (size_t k = 0; k < width && !status; k++)
         x[k] = grid_x(grid, k);
-    ehd_status status = artefact_put_axis(file, "film_x", grid->num_nodes, x, error);
+    for (size_t l = 0; l < num_lines && !status; l++)
+        y[l] = grid_y(grid, l * width);
+    if (!status) status = artefact_put_axis(file, "film_x", width, x, error);
+    if (!status && num_lines > 1) status = artefact_put_axis(file, "film_y", num_lines, y, error);
+    free(y);
     free(x);
     return status;
 }
@@ -255,7 +260,7 @@ ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
         status = modes_write(file, "pressure_basis", basis->pressure, &basis->grid,
                              basis->num_pressure, true, error);
     if (!status && basis->num_deformation > 0) {
-        status = film_axis_write(file, &basis->grid, error);
+        status = film_axes_write(file, &basis->grid, error);
         if (!status)
             status =
                 artefact_put_axis(file, "deformation_mode", basis->num_deformation, NULL, error);

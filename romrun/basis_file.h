@@ -32,6 +32,9 @@ ehd_status basis_read(
     // input:
     const char *path, ehd_error *error);
 
+/* Axes film_x and, of a point contact, film_y of fields that boundary nodes have too. */
+ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error);
+
 /* The attribute `deformation` of an open file. */
 ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error);
 

@@ -307,6 +307,7 @@ ehd_status calibrate(const program *self, const char *plan_path, const char *mod
     artefact *model = NULL, *output = NULL;
     ehd_status status = load_scenes(&scenes.set, &range, self, plan_path, model_path, error);
 
+    if (!status) status = training_check_memory(&scenes.set, self, plan_path, num_workers, error);
     if (!status)
         status = create_output(&output, &model, self, &scenes.set, plan_path, model_path, error);
     if (!status) status = artefact_copy(output, model, trade_axes, error);

@@ -26,8 +26,7 @@ static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error
         status = artefact_put_axis(file, "pressure_mode", model->num_pressure, NULL, error);
     if (!status && model->num_deformation > 0)
         status = artefact_put_axis(file, "deformation_mode", model->num_deformation, NULL, error);
-    if (!status && model->num_deformation > 0)
-        status = artefact_put_axis(file, "film_x", model->grid.num_nodes, NULL, error);
+    if (!status && model->num_deformation > 0) status = film_axes_write(file, &model->grid, error);
     if (!status) status = artefact_put_axis(file, "state", model->states.num_states, NULL, error);
     return status;
 }
@@ -464,10 +463,8 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
                (model->num_cut - 1) * num_pressure * sizeof(double));
         memcpy(model->cut_base + (model->num_cut - 1) * num_pressure, load,
                num_pressure * sizeof(double));
-        for (size_t i = 0; i < model->num_band && !coupled; i++) {
+        for (size_t i = 0; i < model->num_band && !coupled; i++)
             memcpy(model->left + i * model->num_cut, kernel + i * width, width * sizeof(double));
-            model->left[i * model->num_cut + width] = grid_cell(&model->grid);
-        }
     }
     free(kernel);
     free(elasticity);

@@ -435,20 +435,25 @@ static void fill_cut_base(reduced_model *model, const reduced_basis *basis, cons
     }
 }
 
-/* Left sides of the independent basis: row i is (V_delta^T K e_i, step). */
+/* Left sides of the independent basis, but for the load: row i is V_delta^T K e_i = K^T V_delta at node i. K is
+ * symmetric where every node counts as often as the cells it stands for: K^T = W K W^-1 on a half grid. */
 static void fill_left_independent(reduced_model *model, const reduced_basis *basis,
                                   ehd_deflection *deflection, double *work) {
-    size_t width = model->num_cut, num_deformation = model->num_deformation;
+    const ehd_grid *grid = &basis->grid;
+    size_t num_deformation = model->num_deformation;
 
     for (size_t j = 0; j < num_deformation; j++) {
-        for (size_t k = 0; k < basis->grid.num_nodes; k++)
-            work[k] = basis->deformation_modes[k * num_deformation + j];
-        deflection_apply(work, deflection, work); // K is symmetric
-        for (size_t i = 0; i < model->num_band; i++)
-            model->left[i * width + j] = work[model->band_begin + i];
+        for (size_t k = 0; k < grid->num_nodes; k++)
+            work[k] = basis->deformation_modes[k * num_deformation + j] / grid_weight(grid, k);
+        deflection_apply(work, deflection, work);
+        for (size_t l = 0; l < model->num_lines; l++) {
+            const band_line *line = &model->lines[l];
+            for (size_t c = line->begin; c < line->end; c++) {
+                size_t node = l * grid_width(grid) + c, place = line->offset + c - line->begin;
+                model->left[place * model->num_cut + j] = grid_weight(grid, node) * work[node];
+            }
+        }
     }
-    for (size_t i = 0; i < model->num_band; i++)
-        model->left[i * width + num_deformation] = load_weight(&model->grid, 0);
 }
 
 static ehd_status copy_states(reduced_states *target, const reduced_states *source,
@@ -597,7 +602,7 @@ ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *
 
 // ---- what follows from the tables
 
-/* Left sides of the coupled basis: row i is (K at the needed nodes from band node i, step). */
+/* Left sides of the coupled basis, but for the load: row i is K at the needed nodes from band node i. */
 static void fill_left_coupled(reduced_model *model) {
     const double unit = 1;
 
@@ -610,8 +615,17 @@ static void fill_left_coupled(reduced_model *model) {
                 reduced_model_deflect(left + q, model,
                                       reduced_model_place(model, model->needed_node[q]), 1, l, c, 1,
                                       &unit, 1);
-            left[model->num_needed] = load_weight(&model->grid, l * grid_width(&model->grid) + c);
         }
+    }
+}
+
+/* And of either basis what a band node adds to the load. */
+static void fill_left_load(reduced_model *model) {
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        double weight = load_weight(&model->grid, l * grid_width(&model->grid) + line->begin);
+        for (size_t i = line->offset; i < line->offset + line->end - line->begin; i++)
+            model->left[(i + 1) * model->num_cut - 1] = weight;
     }
 }
 
@@ -638,6 +652,7 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
             model->kernel[l * width + d] =
                 model->kind->kernel((double)d * grid->step, (double)l * grid->step, grid->step);
     if (model->deformation == DEFORMATION_COUPLED) fill_left_coupled(model);
+    fill_left_load(model);
     return reduced_model_make_checkpoints(model, error);
 }
 

@@ -104,7 +104,9 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     size_t most_rows = model->num_rows + model->num_deformation + 1;
     size_t num_lines = model->num_lines;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
-    size_t block_size = CUT_BLOCK * (model->num_rows + 1);
+    // of left sides of rows, or of those of the cut table with their right sides
+    size_t block_size =
+        CUT_BLOCK * (coupled ? model->num_rows + 1 : model->num_cut + model->num_pressure);
     reduced_solver *self = calloc(1, sizeof *self);
 
     *solver = NULL;

@@ -34,7 +34,7 @@ void nodes_make_cut_table(reduced_solver *self) {
     if (memcmp(self->table_exit, self->exit, bytes) == 0) return;
     memcpy(self->cut, nodes_checkpoint_table(self), size * sizeof(double));
     if (self->num_runs > 0)
-        reduced_model_change_cut(self->cut, model, self->runs, self->num_runs, NULL);
+        reduced_model_change_cut(self->cut, model, self->runs, self->num_runs, self->block);
     memcpy(self->table_exit, self->exit, bytes);
 }
 

@@ -41,9 +41,10 @@ struct reduced_solver {
     cut_run *runs;     // [num_lines] by which the exit differs from that one's
     size_t num_runs;
     double *cut; // [num_cut, num_pressure] the cut table for table_exit, which Jacobians take
-    size_t *table_exit;     // [num_lines]; 0: none yet
-    double *block;          // [num_rows + 1, CUT_BLOCK] left sides of the system's rows
-    double *block_right;    // [CUT_BLOCK, num_pressure] their right sides
+    size_t *table_exit;  // [num_lines]; 0: none yet
+    double *block;       // coupled: [num_rows + 1, CUT_BLOCK] left sides of the system's rows;
+                         // independent: [CUT_BLOCK, num_cut + num_pressure] work of the cut table
+    double *block_right; // [CUT_BLOCK, num_pressure] right sides of those of rows
     size_t *wanted, *moved; // [num_lines] exits asked for, and where they go
     exit_watch *watches;    // [num_lines]
     double *cut_value;      // [num_cut] the exit's cut table times z, which everything else takes

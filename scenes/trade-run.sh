@@ -44,7 +44,8 @@ for scene in "$folder"/scene-*.yml; do
             awk -v name="$name" '{ printf "formula %s %s %s %s %.3g\n", name, $1, $2, $4, $5 * 1e-9 }'
         h5dump -A 0 -y -m %.17g -a /step_effect -a /inlet_effect "$result" 2>/dev/null |
             awk -v name="$name" '/^ATTRIBUTE/ { item = $2 } /^ *[-+.0-9a-z]+$/ { value[item] = $1 }
-                END { print "effect", name, value["\"step_effect\""] + 0, value["\"inlet_effect\""] + 0 }'
+                function effect(of) { of = "\"" of "_effect\""; return of in value ? value[of] : "nan" }
+                END { print "effect", name, effect("step"), effect("inlet") }'
     fi
     [ $code -eq 0 ] && [ "$start" = neighbour ] && before=$result || before=
 done

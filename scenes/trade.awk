@@ -43,7 +43,7 @@ $1 == "result" && $3 == "reduced" { extra[$2] = $6; next }
 $1 == "result" {
     split($3, way, "-")
     tolerance = substr($3, length(way[1] way[2]) + 3)
-    row = "full " (way[1] == "cold" ? "cold" : "from " way[1]) ",step " way[2] " times tolerance " tolerance ",central"
+    row = "full " (way[1] == "cold" ? "cold" : "from " way[1]) ",step " sprintf("%.3g", way[2]) " times tolerance " tolerance ",central"
     see(row)
     if ($4 == 1) { failures[row]++; next }
     if (way[1] == "reduced") { polish = row; polished[$2] = $6 }
@@ -59,8 +59,8 @@ $1 == "formula" && files == 1 {
     add(row "seconds", $6)
 }
 $1 == "effect" && files == 1 {
-    add("reference,step,central" "deviation", magnitude($3))
-    add("reference,inlet,central" "deviation", magnitude($4))
+    if ($3 != "nan") add("reference,step,central" "deviation", magnitude($3))
+    if ($4 != "nan") add("reference,inlet,central" "deviation", magnitude($4)) # known of a line contact
 }
 
 END {
@@ -68,5 +68,5 @@ END {
     for (scene in polished) add(polish "seconds", polished[scene] + extra[scene])
     for (i = 1; i <= num_rows; i++) print_row(rows[i], 1)
     print_row("reference,step,central", 0)
-    print_row("reference,inlet,central", 0)
+    if (count["reference,inlet,central" "deviation"]) print_row("reference,inlet,central", 0)
 }

@@ -38,8 +38,8 @@ do for [ending in "png svg"] {
     set key outside bottom center horizontal Left reverse maxcols 2 width -6 samplen 1 spacing 1.2
     set arrow 1 from graph 0, first of_grid("step", 6) to graph 1, first of_grid("step", 6) nohead dashtype 2 linewidth 1.5 linecolor "#666666"
     set arrow 2 from graph 0, first of_grid("step", 8) to graph 1, first of_grid("step", 8) nohead dashtype 3 linewidth 1.5 linecolor "#666666"
-    set label 1 "published grid itself, worst" at graph 0.01, first of_grid("step", 6) offset 0, 0.5 textcolor "#444444"
-    set label 2 "published grid itself, median" at graph 0.01, first of_grid("step", 8) offset 0, -0.6 textcolor "#444444"
+    set label 1 "the grid itself, worst" at graph 0.01, first of_grid("step", 6) offset 0, 0.5 textcolor "#444444"
+    set label 2 "the grid itself, median" at graph 0.01, first of_grid("step", 8) offset 0, -0.6 textcolor "#444444"
     set label 3 "none (or less): the reference" at graph 0.01, first lowest offset 0, 0.6 textcolor "#444444"
     set label 4 formulas at graph 0.012, graph 0.4 font ",12" textcolor "black"
     bars(alternative, position) = points(alternative, position, 0)

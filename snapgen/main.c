@@ -255,6 +255,8 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     ehd_status status = load_set(&set, self, options->piece, error);
 
     if (!status && options->cold) status = training_set_make_cold(&set, self->arguments[0], error);
+    if (!status)
+        status = training_check_memory(&set, self, self->arguments[0], options->num_jobs, error);
     if (!status) status = training_init(&points, self, &set, error);
     if (!status) status = open_output(&file, &points, self, options->resume, error);
     if (!status) {
@@ -294,6 +296,8 @@ static ehd_status train_adaptively(const program *self, const snapgen_options *o
     ehd_status status = load_set(&set, self, options->piece, error);
     how.cold = options->cold;
     if (!status && how.cold) status = training_set_make_cold(&set, self->arguments[0], error);
+    if (!status)
+        status = training_check_memory(&set, self, self->arguments[0], options->num_jobs, error);
     if (!status)
         status = adaptive_train(self, &set, self->arguments[0], &how, options->resume,
                                 options->allowed_failures, options->num_jobs, error);

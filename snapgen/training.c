@@ -2,8 +2,10 @@
 #include "snapgen/training.h"
 
 #include "common/output/grid_file.h"
+#include "fullrun/full_march.h"
 #include "snapgen/pool.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -149,6 +151,25 @@ static ehd_status finish_point(void *shared, void *given, size_t point, size_t p
 }
 
 // ---- all
+
+static size_t smaller(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+ehd_status training_check_memory(const training_set *set, const program *caller,
+                                 const char *plan_path, size_t num_jobs, ehd_error *error) {
+    size_t num_solvers = smaller(num_jobs, set->num_points);
+    size_t num_marches = smaller(num_jobs, set->num_trajectories);
+    double of_points = (double)num_solvers * full_solver_bytes(&set->grid), of_marches = 0;
+    double kept = (double)set->num_points * (double)set->grid.num_nodes * sizeof(double);
+    const ehd_contact *first = num_solvers > 0 ? &set->contacts[0] : &set->trajectories[0].contact;
+
+    if (num_marches > 0)
+        of_marches = (double)num_marches * full_march_bytes(&set->trajectories[0].contact);
+    // one after the other
+    return grid_check_memory(caller, plan_path, first, kept + fmax(of_points, of_marches),
+                             of_points > of_marches ? num_solvers : num_marches, error);
+}
 
 ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
     const training_set *set = self->set;

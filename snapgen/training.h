@@ -45,6 +45,11 @@ typedef struct training {
     size_t num_before; // points done by an earlier run
 } training;
 
+/* Says what solving the points and trajectories of a plan, num_jobs at a time, takes of memory before it is taken: the
+ * solvers, and the pressures that further points start from. EHD_MEMORY: more than there is, of point contacts. */
+ehd_status training_check_memory(const training_set *set, const program *caller,
+                                 const char *plan_path, size_t num_jobs, ehd_error *error);
+
 ehd_status training_init(training *self, const program *caller, const training_set *set,
                          ehd_error *error); // free with training_free
 void training_free(training *self);

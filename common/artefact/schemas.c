@@ -24,7 +24,14 @@
             "the reference; of a point contact",                                                   \
             true                                                                                   \
     }
-#define FILM_X_AXIS        AXIS("film_x", "1", "nodes of the film: x and one boundary node at either end")
+#define FILM_X_AXIS AXIS("film_x", "1", "nodes of the film: x and one boundary node at either end")
+#define FILM_Y_AXIS                                                                                \
+    {                                                                                              \
+        "film_y", "1",                                                                             \
+            "lines of the film: y and the boundary lines beside it, of which a half domain has "   \
+            "one; of a point contact",                                                             \
+            true                                                                                   \
+    }
 #define STATE_AXIS         AXIS("state", "1", "index of the training solution")
 #define PRESSURE_MODE_AXIS AXIS("pressure_mode", "1", "index of the pressure mode, strongest first")
 #define DEFORMATION_MODE_AXIS                                                                      \
@@ -266,6 +273,7 @@ const artefact_schema schema_snapshots = {"ehdrom-snapshots",
 static const artefact_axis basis_axes[] = {
     Y_AXIS,
     X_AXIS,
+    FILM_Y_AXIS,
     FILM_X_AXIS,
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
@@ -278,7 +286,8 @@ static const artefact_axis basis_axes[] = {
 static const artefact_field basis_fields[] = {
     REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
     REAL("deformation_basis", "1", NEED_OPTIONAL,
-         "deformation modes, only for deformation = independent", "deformation_mode", "film_x"),
+         "deformation modes, only for deformation = independent", "deformation_mode", "film_y",
+         "film_x"),
     REAL("pressure_singular_values", "1", NEED_OWN,
          "singular values of the pressure snapshots, descending", "pressure_singular_value"),
     REAL("deformation_singular_values", "1", NEED_OPTIONAL,
@@ -364,6 +373,7 @@ const artefact_schema schema_residuals = {
 static const artefact_axis model_axes[] = {
     Y_AXIS,
     X_AXIS,
+    FILM_Y_AXIS,
     FILM_X_AXIS,
     AXIS("row", "1", "index of the selected row, in order of selection"),
     AXIS("needed_node", "1",
@@ -467,7 +477,7 @@ static const artefact_field model_fields[] = {
     REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
     REAL("deformation_basis", "1", NEED_OPTIONAL,
          "deformation modes, only for deformation = independent; for transient scenes",
-         "deformation_mode", "film_x"),
+         "deformation_mode", "film_y", "film_x"),
     STATE_FIELDS,
     REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "

@@ -4,10 +4,11 @@
 #include "common/settings/scene.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const double COARSEST_STEP = 0.125; // half widths, as for scenes
+static const double COARSEST_STEP = 0.25; // half widths, as for scenes
 
 /* `along` is the distance in rows. */
 static ehd_status write_axis(artefact *file, const char *name, size_t length, size_t along,
@@ -145,6 +146,25 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
                     "%s: x: found %zu nodes from %g by %g, expected %zu from %g by %g, as in %s",
                     path, grid->num_inner, grid->x_min, grid->step, expected->num_inner,
                     expected->x_min, expected->step, expected_path);
+}
+
+ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
+                             double bytes, size_t num_jobs, ehd_error *error) {
+    const double megabyte = 1e6, large = 1000;
+    double needed = bytes / megabyte, there = program_memory() / megabyte;
+    size_t num_nodes = contact->grid.num_inner;
+    char jobs[48] = "";
+
+    if (contact->kind->dimensions == 1) return EHD_OK;
+    if (num_jobs > 1) snprintf(jobs, sizeof jobs, " with --jobs %zu", num_jobs);
+    if (needed > there)
+        return ehd_fail(error, EHD_MEMORY,
+                        "%s: grid: found %zu nodes, which take about %.0f MB%s, expected at most "
+                        "%.0f MB, which are free",
+                        object, num_nodes, needed, jobs, there);
+    (needed > large ? program_note : program_detail)(caller, "%zu nodes take about %.0f MB%s",
+                                                     num_nodes, needed, jobs);
+    return EHD_OK;
 }
 
 ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const program *caller,

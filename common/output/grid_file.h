@@ -46,6 +46,11 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);
 
+/* Says what solutions of a point contact on a grid, `num_jobs` at a time, will take in all before it is taken.
+ * EHD_MEMORY, naming `object`: more than there is. */
+ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
+                             double bytes, size_t num_jobs, ehd_error *error);
+
 /* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the scene. */
 ehd_status contact_load(
     // output:

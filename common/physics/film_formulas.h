@@ -9,10 +9,10 @@
 /* A contact by the numbers that formulas are written in. */
 typedef struct film_numbers {
     double moes_M, moes_L;
-    // of a line contact
-    double speed;    // U = eta0 u_m/(E'R)
-    double material; // G = alpha E', 0: isoviscous
-    double load;     // W = w/(E'R)
+    double speed;      // U = eta0 u_m/(E'R)
+    double material;   // G = alpha E', 0: isoviscous
+    double load;       // W = w/(E'R), of a point contact w/(E'R^2)
+    double half_width; // a/R
 } film_numbers;
 
 typedef struct film_formula film_formula;
@@ -38,8 +38,8 @@ double film_moes(double moes_M, double moes_L);
 double film_nijenbanning(double moes_M, double moes_L);
 
 /* The numbers of a contact as it is now. Its film depends on two alone, M and alpha p_H, and most formulas respect
- * that (optimum similarity); the third, E', enters that of Pan and Hamrock, by 1 % for 20 % of E'. Only a physical
- * scene tells it: steel on steel stands for the others. */
+ * that (optimum similarity); the third, E', enters those of Pan and Hamrock and of Hamrock and Dowson, by 1 % or less
+ * for 20 % of E'. Only a physical scene tells it: steel on steel stands for the others. */
 film_numbers film_numbers_of(const ehd_contact *contact);
 
 #endif

@@ -118,7 +118,7 @@ const setting scene_settings[] = {
      "First inner node, in contact half widths; below -1", ALWAYS, false},
     {"grid.x_max", REAL(x_max), "2", NULL, 1, 1e3, "1",
      "Last inner node, in contact half widths; above 1", ALWAYS, false},
-    {"grid.step", REAL(step), NULL, NULL, 1e-6, 0.125, "1",
+    {"grid.step", REAL(step), NULL, NULL, 1e-6, 0.25, "1",
      "Distance of the nodes, in contact half widths; a whole number of steps fits; default 0.005, of "
      "a point contact 0.0625", ALWAYS, false},
     {"grid.y_max", REAL(y_max), "3", NULL, 1, 1e3, "1",

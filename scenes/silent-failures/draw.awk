@@ -4,7 +4,8 @@
 # Writes FOLDER/plan.yml with its scenes, and FOLDER/scenes.txt with a line each in the plan's order: where
 # (inside, outside), whose lubricant (own, other), scene file, and the settings of the point. With own=1 all
 # are inside and of the lubricant that the model was trained with. Half lie inside of the hull of the training
-# points, half outside but within a rectangle of twice its extent. The grid is that of the scene that was trained on.
+# points, half outside but within a rectangle of twice its extent. Kind of contact, grid and the lubricant called its own
+# are those of the scene that was trained on.
 
 # The same numbers with any awk (Park and Miller 1988).
 function random() {
@@ -42,12 +43,28 @@ function add_law(settings, alpha, limit) {
     law_limit[num_laws] = limit
 }
 
+# The law of the scene that was trained on, where it is none of those that are always drawn.
+function add_own_law(   settings, alpha) {
+    settings = scene_line["  viscosity"]
+    sub(/^[^{]*{/, "", settings)
+    sub(/}.*/, "", settings)
+    if (settings ~ /preset: no1/) return
+    alpha = settings
+    if (!sub(/.*alpha: */, "", alpha)) { print scene ": found viscosity " settings ", expected an alpha" > "/dev/stderr"; exit 1 }
+    add_law(settings, alpha + 0, 1e12)
+}
+
+# Moes' L of a place.
+function moes_L(m, p) {
+    return p / (contact == "point" ? (1.5 * m) ^ (1 / 3) / pi : sqrt(m / (2 * pi)))
+}
+
 function draw_place(want,   stretch) {
     stretch = want ? 1 : 2
     do {
         m = (least_M + most_M) / 2 + stretch * (random() - 0.5) * (most_M - least_M)
         p = (least_P + most_P) / 2 + stretch * (random() - 0.5) * (most_P - least_P)
-    } while (m < 1 || p < 0 || inside(m, p) != want || p / sqrt(m / (2 * pi)) > most_L)
+    } while (m < 1 || p < 0 || inside(m, p) != want || moes_L(m, p) > most_L)
 }
 
 function draw(want,   which, density, alpha, key, L) {
@@ -58,7 +75,7 @@ function draw(want,   which, density, alpha, key, L) {
         alpha = law_alpha[which] ? law_alpha[which] : (1 + 2 * random()) * 1e-8
     } while (p / alpha > law_limit[which])
     key = which SUBSEP density
-    L = p / sqrt(m / (2 * pi))
+    L = moes_L(m, p)
     places[key] = places[key] sprintf("%.12g,%.12g%s\n", m, L,
         law_alpha[which] ? "" : sprintf(",%.12g", alpha))
     lines[key] = lines[key] sprintf("%s %s scene-%d-%d.yml moes.M=%.12g moes.L=%.12g%s\n",
@@ -66,18 +83,23 @@ function draw(want,   which, density, alpha, key, L) {
         law_alpha[which] ? "" : sprintf(" lubricant.viscosity.alpha=%.12g", alpha))
 }
 
-# "": the default one
-function grid_of(file,   line) {
-    while ((getline line < file) > 0)
-        if (line ~ /^grid:/) return line
+# Lines of a scene by their keys, indented as they are.
+function read_scene(file,   line, key) {
+    while ((getline line < file) > 0) {
+        key = line
+        if (sub(/:.*/, "", key)) scene_line[key] = line
+    }
+    contact = scene_line["contact"]
+    sub(/^contact: */, "", contact)
+    sub(/[ #].*/, "", contact)
 }
 
 function write_group(which, density,   name, key) {
     key = which SUBSEP density
     if (!(key in places)) return
     name = which "-" density
-    printf "contact: line\nregime: stationary\nlubricant:\n  viscosity: {%s}\n  density: {law: %s}\n%s\n",
-        law[which], density == 1 ? "dowson-higginson" : "incompressible", grid > (folder "/scene-" name ".yml")
+    printf "contact: %s\nregime: stationary\nlubricant:\n  viscosity: {%s}\n  density: {law: %s}\n%s\n", contact,
+        law[which], density == 1 ? "dowson-higginson" : "incompressible", scene_line["grid"] > (folder "/scene-" name ".yml")
     printf "moes.M,moes.L%s\n%s", law_alpha[which] ? "" : ",lubricant.viscosity.alpha",
         places[key] > (folder "/points-" name ".csv")
     printf "  - {scene: scene-%s.yml, points: points-%s.csv}\n", name, name > (folder "/plan.yml")
@@ -87,9 +109,10 @@ function write_group(which, density,   name, key) {
 BEGIN {
     pi = atan2(0, -1)
     most_L = 40
-    grid = grid_of(scene)
+    read_scene(scene)
     state = seed % 2147483646 + 1
     for (i = 0; i < 10; i++) random() # seeds that are near one another start alike
+    add_own_law()
     add_law("law: wlf, preset: no1", 23.60e-9, 9e9)
     add_law("law: wlf, preset: no2", 12.51e-9, 4e9)
     add_law("law: wlf, preset: no3", 18.05e-9, 3.8e9)

@@ -153,6 +153,37 @@ with h5py.File("s.h5") as s, h5py.File("y.h5") as y:
 PYTHON
 }
 
+@test "a point contact: far fewer points than candidates, and the accuracy is met at the others" {
+    cat >ball.yml <<'YAML'
+contact: point
+regime: stationary
+moes: {M: 13, L: 5}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -2.5, x_max: 1.5, step: 0.125, y_max: 2}
+YAML
+    cat >candidates.yml <<'YAML'
+groups:
+  - scene: ball.yml
+    vary:
+      moes.M: [8, 8.7, 9.5, 10.3, 11, 12, 13, 14, 15, 16.2, 17.5, 18.7, 20]
+      moes.L: [2, 2.4, 2.8, 3.2, 3.5, 3.9, 4.3, 4.7, 5, 5.5, 6]
+YAML
+    snapgen candidates.yml --adaptive --start 12 -o p.h5 --jobs 1 | tee report.txt
+    [[ $(head -n 1 report.txt) =~ ^([0-9]+)" points of 143, "([0-9]+)" converged, "([0-9]+)" rounds, " ]]
+    ((BASH_REMATCH[1] == BASH_REMATCH[2] && BASH_REMATCH[1] < 60 && BASH_REMATCH[3] > 1))
+    snapgen candidates.yml --adaptive --start 12 -o two.h5 --jobs 2 --quiet
+    same_training p.h5 two.h5
+    podbuild p.h5 -o pb.h5 --energy 1e-18
+    snapgen candidates.yml --adaptive --basis pb.h5 -o pr.h5 --quiet
+    deimselect pr.h5 --basis pb.h5 -o pm.h5
+    for place in 9.5-2.8 10.3-5 12-4.7 14-3.2 17.5-5.5 18.7-2.4; do
+        set -- --set moes.M=${place%-*} --set moes.L=${place#*-}
+        fullrun ball.yml -o full.h5 --force "$@" >/dev/null
+        romrun ball.yml --model pm.h5 -o red.h5 --force "$@" >/dev/null
+        close_to "$(number red.h5 central_film_thickness)" "$(number full.h5 central_film_thickness)" 1e-3
+    done
+}
+
 @test "points that the full model does not solve are reported and are not chosen again" {
     cat >failing.yml <<'YAML'
 groups:

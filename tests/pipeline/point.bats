@@ -182,6 +182,31 @@ PYTHON
     )
 }
 
+# megabytes PROGRAM...: what it says that its nodes take
+megabytes() { "$@" 2>&1 >/dev/null | sed -n 's/.* nodes take about \([0-9]*\) MB.*/\1/p'; }
+
+@test "a training states the memory of all jobs together, and refuses what is not there" {
+    cat >plan.yml <<'YAML'
+groups:
+  - {scene: scene.yml, vary: {moes.M: [12, 13, 14], moes.L: [4, 5]}}
+YAML
+    fine="--set grid.step=0.03125"
+    one=$(megabytes fullrun scene.yml $fine -o one.h5 --verbose)
+    for jobs in 1 3; do
+        all=$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs $jobs)
+        ((one > 3 && all >= jobs * (one - 1) && all <= jobs * (one + 1) + 3))
+    done
+    # no more than there are points
+    [ "$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs 6)" -eq \
+        "$(megabytes snapgen plan.yml $fine -o s.h5 --force --verbose --jobs 60)" ]
+    [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"
+    (
+        ulimit -v 300000
+        refuse 71 "plan.yml: grid: found [0-9]* nodes, which take about [0-9]* MB with --jobs 6, expected" \
+            snapgen plan.yml --set grid.step=0.0125 --jobs 6 -o x.h5
+    )
+}
+
 @test "shows how far it is, and stops soon when interrupted" {
     fullrun scene.yml --set grid.step=0.0078125 -o x.h5 2>log &
     pid=$!

@@ -56,6 +56,29 @@ value() { awk -F, -v name="$1" -v position="$2" -v column="$3" '$1 == name && $2
     [[ $status == 2 && $output == *"check-plan.yml: found 4 stationary scenes, expected the 2 that"* ]]
 }
 
+@test "a point contact: its own formulas, grids that are no whole multiples, no effect of the inlet" {
+    copy_scene point-stationary
+    sed -i -e 's/step: 0.02/step: 0.125/' scene.yml
+    sed -i -e 's/moes.M: .*/moes.M: [15, 17, 19.5, 22.5]/' -e 's/moes.L: .*/moes.L: [4.7, 5.5, 6.3]/' plan.yml
+    sed -i -e 's/moes.M: .*/moes.M: [16, 21]/' -e 's/moes.L: .*/moes.L: [5, 6]/' check-plan.yml
+    run_make trade model.PRESSURE_MODES=9 model.ROWS=60 TRADE_STRETCHES="1.333333333333 2" TRADE_TOLERANCES=1e-2 TRADE_REPEAT=1
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [ "$(head -c 4 out/trade.png | tail -c 3)" = PNG ]
+    [ "$(awk -F, '$1 == "formula" { print $2, $3 }' out/trade.csv)" = "nijenbanning central
+hamrock-dowson-central central
+hamrock-dowson-minimum minimum" ]
+    [ "$(rows formula)" -eq 3 ]
+    [ "$(rows "full cold")" -eq 4 ]
+    [ "$(rows "full from neighbour")" -eq 6 ]
+    [ "$(rows "full from reduced")" -eq 1 ]
+    [ "$(awk -F, '$1 == "reduced" && $4 == 4' out/trade.csv | wc -l)" -eq "$(wc -l <out/trade/ladder.txt)" ]
+    [ "$(awk -F, '$1 == "reference" { print $2 }' out/trade.csv)" = step ]
+    awk -v a="$(value "full from reduced" "step 1 times tolerance 1e-10" 6)" 'BEGIN { exit !(a < 1e-9) }'
+    awk -v a="$(value "full cold" "step 1.33 times tolerance 1e-10" 6)" -v b="$(value "full cold" "step 2 times tolerance 1e-10" 6)" \
+        'BEGIN { exit !(0 < a && a < b) }'
+}
+
 @test "a transient scene: sizes, steps, grids and formulas at each time" {
     copy_scene transient-load
     sed -i 's/end_time: .*/end_time: 0.2/' scene.yml

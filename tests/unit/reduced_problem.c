@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/reduced_problem.h"
 
+#include "common/physics/deflection.h"
+
 #include "romrun/model_file.h"
 #include "tests/unit/check.h"
 
@@ -36,31 +38,53 @@ void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact) {
     assert_int_equal(self->info.status, EHD_OK);
 }
 
-reduced_basis identity_basis(const snapshot_set *set, const double *weight) {
+/* Modes that are nodes: one where `node` of the mode is. */
+static double *unit_modes(size_t num_nodes, size_t num_modes,
+                          size_t node_of(const ehd_grid *, size_t), const ehd_grid *grid) {
+    double *modes = calloc(num_nodes * num_modes, sizeof *modes);
+
+    assert_non_null(modes);
+    for (size_t j = 0; j < num_modes; j++)
+        modes[node_of(grid, j) * num_modes + j] = 1;
+    return modes;
+}
+
+static size_t node_itself(const ehd_grid *grid, size_t node) {
+    (void)grid;
+    return node;
+}
+
+reduced_basis identity_basis(const snapshot_set *set, deformation_kind kind, const double *weight) {
     const ehd_grid *grid = &set->grid;
     size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, num_lines = grid_lines(grid);
+    bool independent = kind == DEFORMATION_INDEPENDENT;
     reduced_basis basis = {.kind = set->kind,
                            .grid = *grid,
-                           .deformation = DEFORMATION_COUPLED,
-                           .num_pressure = num_inner};
+                           .deformation = kind,
+                           .num_pressure = num_inner,
+                           .num_deformation = independent ? num_nodes : 0};
+    size_t num_unknowns = reduced_num_unknowns(basis.num_pressure, basis.num_deformation);
+    ehd_deflection *deflection = deflection_create(set->kind, grid);
 
-    basis.pressure = calloc(num_nodes * num_inner, sizeof(double));
+    assert_non_null(deflection);
+    basis.pressure = unit_modes(num_nodes, num_inner, grid_node_of_row, grid);
+    if (independent) basis.deformation_modes = unit_modes(num_nodes, num_nodes, node_itself, grid);
     basis.weight = calloc(num_nodes, sizeof(double));
     assert_int_equal(
-        reduced_states_init(&basis.states, set->num_states, num_lines, num_inner + 1, NULL),
-        EHD_OK);
+        reduced_states_init(&basis.states, set->num_states, num_lines, num_unknowns, NULL), EHD_OK);
     memcpy(basis.weight, weight, num_nodes * sizeof(double));
-    for (size_t r = 0; r < num_inner; r++)
-        basis.pressure[grid_node_of_row(grid, r) * num_inner + r] = 1;
     memcpy(basis.states.exit, set->exit, set->num_states * num_lines * sizeof *set->exit);
     for (size_t s = 0; s < set->num_states; s++) {
-        double *coordinates = basis.states.coordinates + s * (num_inner + 1);
+        double *coordinates = basis.states.coordinates + s * num_unknowns;
+        const double *pressure = set->pressure + s * num_nodes;
         for (size_t r = 0; r < num_inner; r++)
-            coordinates[r] = set->pressure[s * num_nodes + grid_node_of_row(grid, r)];
-        coordinates[num_inner] = set->rigid_approach[s];
+            coordinates[r] = pressure[grid_node_of_row(grid, r)];
+        if (independent) deflection_apply(coordinates + num_inner, deflection, pressure);
+        coordinates[num_unknowns - 1] = set->rigid_approach[s];
         basis.states.moes_M[s] = set->moes_M[s];
         basis.states.alpha_p_H[s] = set->alpha_p_H[s];
     }
+    deflection_free(deflection);
     return basis;
 }
 

@@ -23,17 +23,19 @@ static double film_of(const char *name, const ehd_contact *contact) {
     return formula->film(formula, &numbers);
 }
 
-// ---- a roller of steel
+// ---- a roller and a ball of steel
 
-static const double LOAD = 300e3, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08, ALPHA = 2e-8;
+static const double LOAD = 300e3, BALL_LOAD = 50, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08,
+                    ALPHA = 2e-8;
 
-/* The roller with another modulus, in Pa. */
-static ehd_contact roller(double modulus) {
+/* A contact of this kind and modulus, in Pa. */
+static ehd_contact steel(const char *kind, double load, double modulus) {
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
     ehd_contact contact;
     ehd_error error;
 
-    given.load = LOAD;
+    strcpy(given.contact, kind);
+    given.load = load;
     given.radius = RADIUS;
     given.speed = SPEED;
     given.modulus = modulus;
@@ -41,6 +43,14 @@ static ehd_contact roller(double modulus) {
     given.lubricant.alpha = ALPHA;
     if (contact_init(&contact, &given, &error)) fail_msg("%s", error.text);
     return contact;
+}
+
+static ehd_contact roller(double modulus) {
+    return steel("line", LOAD, modulus);
+}
+
+static ehd_contact ball(double modulus) {
+    return steel("point", BALL_LOAD, modulus);
 }
 
 /* The same contact by its Moes numbers alone. */
@@ -53,15 +63,23 @@ static ehd_contact without_modulus(const ehd_contact *contact) {
 
 static void numbers_of_a_physical_contact(void **unused) {
     const double modulus = 150e9;
-    const ehd_contact contact = roller(modulus);
-    const film_numbers numbers = film_numbers_of(&contact);
+    const struct {
+        ehd_contact contact;
+        double load;
+    } cases[] = {{roller(modulus), LOAD / (modulus * RADIUS)},
+                 {ball(modulus), BALL_LOAD / (modulus * RADIUS * RADIUS)}};
     (void)unused;
 
-    check_close(numbers.speed, VISCOSITY * SPEED / (modulus * RADIUS), 1e-12, 0);
-    check_close(numbers.material, ALPHA * modulus, 1e-12, 0);
-    check_close(numbers.load, LOAD / (modulus * RADIUS), 1e-12, 0);
-    check_close(numbers.moes_M, contact.moes_M, 1e-12, 0);
-    check_close(numbers.moes_L, contact.moes_L, 1e-12, 0);
+    for (int i = 0; i < 2; i++) {
+        const ehd_contact *contact = &cases[i].contact;
+        const film_numbers numbers = film_numbers_of(contact);
+        check_close(numbers.speed, VISCOSITY * SPEED / (modulus * RADIUS), 1e-12, 0);
+        check_close(numbers.material, ALPHA * modulus, 1e-12, 0);
+        check_close(numbers.load, cases[i].load, 1e-12, 0);
+        check_close(numbers.half_width, contact->half_width / RADIUS, 1e-12, 0);
+        check_close(numbers.moes_M, contact->moes_M, 1e-12, 0);
+        check_close(numbers.moes_L, contact->moes_L, 1e-12, 0);
+    }
 }
 
 /* h in metres, by the formulas as they are printed. */
@@ -85,17 +103,41 @@ static void films_of_a_physical_contact(void **unused) {
                 RADIUS * 1.714 * pow(u, 0.694) * pow(g, 0.568) * pow(w, -0.128), 1e-12, 0);
 }
 
-/* Steel stands for a modulus that is not known; only that of Pan and Hamrock sees it. */
+static void films_of_a_ball(void **unused) {
+    const double modulus = 226e9, ellipticity = 1;
+    const ehd_contact contact = ball(modulus);
+    const double u = VISCOSITY * SPEED / (modulus * RADIUS), g = ALPHA * modulus,
+                 w = BALL_LOAD / (modulus * RADIUS * RADIUS);
+    const double scale = contact_film_scale(&contact);
+    (void)unused;
+
+    check_close(scale * film_of("hamrock-dowson-central", &contact),
+                RADIUS * 2.69 * pow(u, 0.67) * pow(g, 0.53) * pow(w, -0.067) *
+                    (1 - 0.61 * exp(-0.73 * ellipticity)),
+                1e-7, 0);
+    check_close(scale * film_of("hamrock-dowson-minimum", &contact),
+                RADIUS * 3.63 * pow(u, 0.68) * pow(g, 0.49) * pow(w, -0.073) *
+                    (1 - exp(-0.68 * ellipticity)),
+                1e-7, 0);
+    // h/R in Moes units, (h/R) (2 U)^(-1/2)
+    check_close(film_of("nijenbanning", &contact) * pow(1.5 * contact.moes_M, 2. / 3),
+                scale * film_of("nijenbanning", &contact) / (RADIUS * sqrt(2 * u)), 1e-12, 0);
+}
+
+/* Steel stands for a modulus that is not known; only those of Pan, Hamrock and Dowson see it. */
 static void the_modulus_hardly_matters(void **unused) {
-    const ehd_contact steel = roller(226e9), soft = roller(180e9);
-    const ehd_contact bare_steel = without_modulus(&steel), bare = without_modulus(&soft);
+    const ehd_contact known_steel[] = {roller(226e9), ball(226e9)};
+    const ehd_contact soft[] = {roller(180e9), ball(180e9)};
     (void)unused;
 
     for (const film_formula *formula = film_formulas; formula->name; formula++) {
-        if (formula->dimensions > 1) continue;
-        bool sees_it = strncmp(formula->name, "pan-hamrock", 11) == 0;
-        double known = film_of(formula->name, &soft), unknown = film_of(formula->name, &bare);
-        check_close(film_of(formula->name, &bare_steel), film_of(formula->name, &steel), 1e-12, 0);
+        const int i = formula->dimensions - 1;
+        const ehd_contact bare_steel = without_modulus(&known_steel[i]);
+        const ehd_contact bare = without_modulus(&soft[i]);
+        bool sees_it = strstr(formula->name, "hamrock") != NULL;
+        double known = film_of(formula->name, &soft[i]), unknown = film_of(formula->name, &bare);
+        check_close(film_of(formula->name, &bare_steel), film_of(formula->name, &known_steel[i]),
+                    1e-12, 0);
         check_close(unknown, known, sees_it ? 0.012 : 1e-12, 0);
         if (sees_it) assert_false(is_close(unknown, known, 1e-3, 0));
     }
@@ -188,6 +230,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_of_a_physical_contact),
         cmocka_unit_test(films_of_a_physical_contact),
+        cmocka_unit_test(films_of_a_ball),
         cmocka_unit_test(the_modulus_hardly_matters),
         cmocka_unit_test(the_hertz_pressure_wins),
         cmocka_unit_test(moes_goes_to_its_asymptotes),

@@ -38,7 +38,7 @@ static int tear_down(void **state) {
 
 /* Every node a mode of its own, and exits that may lie farther out than in training. */
 static reduced_basis nodes_basis(void) {
-    reduced_basis nodes = identity_basis(&training.set, basis.weight);
+    reduced_basis nodes = identity_basis(&training.set, DEFORMATION_COUPLED, basis.weight);
     size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
 
     for (size_t l = 0; l < inner; l++)

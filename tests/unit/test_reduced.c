@@ -113,7 +113,7 @@ static size_t *shuffled_nodes(size_t count) {
 
 static void full_rank_reproduces_the_full_model(void **state) {
     (void)state;
-    reduced_basis basis = identity_basis(&training.set, coupled.weight);
+    reduced_basis basis = identity_basis(&training.set, DEFORMATION_COUPLED, coupled.weight);
     reduced_problem reduced;
 
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);

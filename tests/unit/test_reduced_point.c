@@ -12,26 +12,31 @@
 
 static trained half, whole;                   // 33 by 33 nodes, and the half of them
 static reduced_basis half_basis, whole_basis; // all modes that the training spans
+static reduced_basis half_independent, whole_independent;
 
 static const struct {
-    const char *name;
-    const trained *training;
-    const reduced_basis *basis;
-} grids[] = {{"half", &half, &half_basis}, {"whole", &whole, &whole_basis}};
+    trained *training;
+    reduced_basis *basis;
+    deformation_kind kind;
+} bases[] = {{&half, &half_basis, DEFORMATION_COUPLED},
+             {&whole, &whole_basis, DEFORMATION_COUPLED},
+             {&half, &half_independent, DEFORMATION_INDEPENDENT},
+             {&whole, &whole_independent, DEFORMATION_INDEPENDENT}};
+enum { NUM_BASES = sizeof bases / sizeof *bases };
 
 static int set_up(void **state) {
     (void)state;
     trained_init_point(&half, true);
     trained_init_point(&whole, false);
-    trained_basis(&half_basis, &half, DEFORMATION_COUPLED, 0, 0);
-    trained_basis(&whole_basis, &whole, DEFORMATION_COUPLED, 0, 0);
+    for (int b = 0; b < NUM_BASES; b++)
+        trained_basis(bases[b].basis, bases[b].training, bases[b].kind, 0, 0);
     return 0;
 }
 
 static int tear_down(void **state) {
     (void)state;
-    reduced_basis_free(&half_basis);
-    reduced_basis_free(&whole_basis);
+    for (int b = 0; b < NUM_BASES; b++)
+        reduced_basis_free(bases[b].basis);
     trained_free(&half);
     trained_free(&whole);
     return 0;
@@ -71,13 +76,12 @@ static bool has_two_exits(size_t s) {
 
 // ---- the reduced model is the full one
 
-static void full_rank_reproduces_the_full_model(void **state) {
-    (void)state;
-    reduced_basis basis = identity_basis(&half.set, half_basis.weight);
+static void check_full_rank(deformation_kind kind, size_t stride) {
+    reduced_basis basis = identity_basis(&half.set, kind, half_basis.weight);
     reduced_problem reduced;
 
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
-    for (size_t s = 0; s < TRAINED_STATES; s += 3) {
+    for (size_t s = 0; s < TRAINED_STATES; s += stride) {
         if (has_two_exits(s)) continue;
         reduced_neighbour(&reduced.state, &reduced.model, half.set.moes_M[s],
                           half.set.alpha_p_H[s]);
@@ -88,11 +92,17 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
+static void full_rank_reproduces_the_full_model(void **state) {
+    (void)state;
+    check_full_rank(DEFORMATION_COUPLED, 3);
+    check_full_rank(DEFORMATION_INDEPENDENT, 6); // more than a thousand unknowns
+}
+
 /* Started near by; on the whole grid and on the half of it. */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
-    for (int g = 0; g < 2; g++) {
-        const reduced_basis *basis = grids[g].basis;
+    for (int b = 0; b < NUM_BASES; b++) {
+        const reduced_basis *basis = bases[b].basis;
         const reduced_states *states = &basis->states;
         reduced_problem reduced;
         reduced_problem_init(&reduced, basis, NULL, 0, &strict_settings);
@@ -104,8 +114,8 @@ static void a_basis_with_the_solution_finds_it(void **state) {
                     states->coordinates[s * n + j] * (1 + (j % 2 ? 1e-3 : -1e-3));
             reduced_state_set_exits(&reduced.state, &reduced.model,
                                     states->exit + s * states->num_lines);
-            reduced_problem_solve(&reduced, &grids[g].training->contacts[s]);
-            check_is_training_state(&reduced, basis, grids[g].training, s, 1e-9);
+            reduced_problem_solve(&reduced, &bases[b].training->contacts[s]);
+            check_is_training_state(&reduced, basis, bases[b].training, s, 1e-9);
             assert_true(reduced.info.residual < 1e-6);
         }
         reduced_problem_free(&reduced);
@@ -146,6 +156,25 @@ static double dense_deflection(const reduced_basis *basis, const size_t *exit, s
     return sum;
 }
 
+/* The same everywhere, by FFT, on a deformation mode. */
+static double projected_deflection(const reduced_basis *basis, const size_t *exit, size_t row,
+                                   size_t mode) {
+    const ehd_grid *grid = &basis->grid;
+    ehd_deflection *deflection = deflection_create(basis->kind, grid);
+    double *work = calloc(grid->num_nodes, sizeof *work), sum = 0;
+
+    assert_true(deflection && work);
+    for (size_t i = 0; i < grid->num_nodes; i++)
+        if (i % grid_width(grid) < exit[i / grid_width(grid)])
+            work[i] = basis->pressure[i * basis->num_pressure + mode];
+    deflection_apply(work, deflection, work);
+    for (size_t i = 0; i < grid->num_nodes; i++)
+        sum += basis->deformation_modes[i * basis->num_deformation + row] * work[i];
+    deflection_free(deflection);
+    free(work);
+    return sum;
+}
+
 static double dense_load(const reduced_basis *basis, const size_t *exit, size_t mode) {
     const ehd_grid *grid = &basis->grid;
     double sum = 0;
@@ -155,6 +184,14 @@ static double dense_load(const reduced_basis *basis, const size_t *exit, size_t 
             sum += (grid->half && i >= grid_width(grid) ? 2 : 1) * grid->step * grid->step *
                    basis->pressure[i * basis->num_pressure + mode];
     return sum;
+}
+
+static double dense_cut(const reduced_model *model, const reduced_basis *basis, const size_t *exit,
+                        size_t row, size_t mode) {
+    if (row + 1 == model->num_cut) return dense_load(basis, exit, mode);
+    return basis->deformation == DEFORMATION_COUPLED
+               ? dense_deflection(basis, exit, model->needed_node[row], mode)
+               : projected_deflection(basis, exit, row, mode);
 }
 
 /* The same with tables of what the modes deflect at a list of nodes, [count, num_pressure]. */
@@ -170,10 +207,7 @@ static void check_cut(const double *cut, const reduced_model *model, const reduc
                       const size_t *exit) {
     for (size_t row = 0; row < model->num_cut; row += row + 8 < model->num_cut ? 7 : 1)
         for (size_t j = 0; j < basis->num_pressure; j += 4)
-            check_close(cut[row * basis->num_pressure + j],
-                        row + 1 < model->num_cut
-                            ? dense_deflection(basis, exit, model->needed_node[row], j)
-                            : dense_load(basis, exit, j),
+            check_close(cut[row * basis->num_pressure + j], dense_cut(model, basis, exit, row, j),
                         1e-11, 1e-11);
 }
 
@@ -191,8 +225,8 @@ static size_t *some_rows(size_t *count, const ehd_grid *grid) {
 static void cut_tables_equal_plain_sums(void **state) {
     ehd_error error;
     (void)state;
-    for (int g = 0; g < 2; g++) {
-        const reduced_basis *basis = grids[g].basis;
+    for (int b = 0; b < NUM_BASES; b++) {
+        const reduced_basis *basis = bases[b].basis;
         size_t count, *rows = some_rows(&count, &basis->grid);
         reduced_problem reduced;
         reduced_problem_init(&reduced, basis, rows, count, &strict_settings);
@@ -207,7 +241,8 @@ static void cut_tables_equal_plain_sums(void **state) {
         assert_int_equal(reduced_model_add_control(&reduced.model, basis, rows, count / 2, &error),
                          EHD_OK);
         assert_true(control->num_needed > 7);
-        for (size_t c = 0; c < model->num_checkpoints; c += 3)
+        bool coupled = model->deformation == DEFORMATION_COUPLED;
+        for (size_t c = 0; coupled && c < model->num_checkpoints; c += 3)
             check_films(control->checkpoint_film + c * control->num_needed * model->num_pressure,
                         control->needed_node, control->num_needed, basis,
                         model->checkpoint_exit + c * model->num_lines);
@@ -237,7 +272,7 @@ static void cut_tables_equal_plain_sums(void **state) {
 static void exit_lines_are_found(void **state) {
     (void)state;
     const size_t s = 6;
-    reduced_basis basis = identity_basis(&half.set, half_basis.weight);
+    reduced_basis basis = identity_basis(&half.set, DEFORMATION_COUPLED, half_basis.weight);
     reduced_problem reduced;
 
     reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
@@ -320,9 +355,9 @@ static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state)
     (void)state;
     for (int g = 0; g < 2; g++) {
         reduced_problem reduced;
-        reduced_problem_init(&reduced, grids[g].basis, NULL, 0, &strict_settings);
+        reduced_problem_init(&reduced, bases[g].basis, NULL, 0, &strict_settings);
         reduced_model *model = &reduced.model;
-        const reduced_states *states = &grids[g].basis->states;
+        const reduced_states *states = &bases[g].basis->states;
         size_t width = grid_width(&model->grid), num_lines = model->num_lines, s = 3;
         size_t table = model->num_band * model->num_pressure, tail = width * model->num_pressure;
         size_t last = grid_first_line(&model->grid) + model->grid.inner_lines - 1;
@@ -339,8 +374,8 @@ static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state)
         memcpy(reduced.state.coordinates, states->coordinates + s * model->num_unknowns,
                model->num_unknowns * sizeof(double));
         reduced_state_set_exits(&reduced.state, model, exits);
-        reduced_problem_solve(&reduced, &grids[g].training->contacts[s]);
-        check_is_training_state(&reduced, grids[g].basis, grids[g].training, s, 1e-9);
+        reduced_problem_solve(&reduced, &bases[g].training->contacts[s]);
+        check_is_training_state(&reduced, bases[g].basis, bases[g].training, s, 1e-9);
         free(exits);
         reduced_problem_free(&reduced);
     }
@@ -351,7 +386,7 @@ static void the_band_has_what_rows_at_exits_need(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {
         reduced_problem reduced;
-        reduced_problem_init(&reduced, grids[g].basis, NULL, 0, &strict_settings);
+        reduced_problem_init(&reduced, bases[g].basis, NULL, 0, &strict_settings);
         const reduced_model *model = &reduced.model;
         size_t first = grid_first_line(&model->grid), count = 0;
         for (size_t l = first; l < first + model->grid.inner_lines; l++) {

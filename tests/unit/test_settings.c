@@ -324,16 +324,16 @@ static void refuses_grids_that_do_not_fit(void **state) {
     refuses_grid("x_max: 1", "grid.x_max: found 1, expected more than 1");
     refuses_grid("step: 0.007", "grid.step: found 0.007, expected a whole number of steps from -4 "
                                 "to 2, such as with 0.0070011668611435");
-    refuses_grid("step: 0.2", "grid.step: found 0.2, expected a number from 1e-06 to 0.125");
+    refuses_grid("step: 0.3", "grid.step: found 0.3, expected a number from 1e-06 to 0.25");
     refuses_grid("step: 0", "grid.step: found 0, expected a number");
     refuses_grid("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
     refuses_grid("x_max: 2.00001", "expected a whole number of steps");
-    // the nearest whole number, 48, would make the step too wide
-    refuses_grid("x_max: 2.04, step: 0.125", "such as with 0.1232653061224");
+    // the nearest whole number, 24, would make the step too wide
+    refuses_grid("x_max: 2.04, step: 0.25", "such as with 0.2416");
     // in binary 5.6 is not exactly 2800 times 0.002, but within the tolerance
     snprintf(text, sizeof text, "%sgrid: {x_max: 1.6, step: 0.002}\n", good);
     accepts(&of, text);
-    snprintf(text, sizeof text, "%sgrid: {step: 0.125}\n", good);
+    snprintf(text, sizeof text, "%sgrid: {step: 0.25}\n", good);
     accepts(&of, text);
 }
 
