@@ -67,8 +67,23 @@ static double point_primitive(double a, double b) {
     return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
 }
 
+/* Sides of a cell beyond which a series replaces the closed form, which takes thirty times as long: of it less than
+ * 1e-12 is missing from there on. */
+static const double FAR_CELL = 40;
+
+/* The integral of 1/r over a cell far away, by the cell's moments up to the fourth. */
+static double far_cell(double x, double y, double step) {
+    double square = x * x + y * y, cell = step * step, small = cell / square;
+    double fourth = (105 * (x * x * x * x + y * y * y * y) / (square * square) - 72) / 1920 +
+                    (105 * x * x * y * y / (square * square) - 12) / 576;
+
+    return cell / sqrt(square) * (1 + small * (1. / 24 + small * fourth));
+}
+
 /* (2/pi^2) iint 1/r over the cell (model.md, section 2). */
 static double point_kernel(double x, double y, double step) {
+    if (x * x + y * y > FAR_CELL * FAR_CELL * step * step)
+        return 2 / (M_PI * M_PI) * far_cell(x, y, step);
     double left = x - step / 2, right = x + step / 2, low = y - step / 2, high = y + step / 2;
 
     return 2 / (M_PI * M_PI) *
