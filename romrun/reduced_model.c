@@ -12,6 +12,7 @@
 const char *const deformation_names[] = {"independent", "coupled", NULL};
 
 static const double EXIT_MARGIN = 0.1;     // beyond the trained exits, half widths
+static const double LINES_MARGIN = 0.3;    // where there are several, of which each wanders farther
 static const double MINIMUM_MARGIN = 0.05; // before the trained film minima, half widths
 
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation) {
@@ -308,7 +309,8 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
 /* Where the exit may lie on each line. A row at the exit needs the two nodes before it. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
-    size_t margin = (size_t)ceil(EXIT_MARGIN / grid->step), width = grid_width(grid);
+    size_t margin = (size_t)ceil((model->num_lines > 1 ? LINES_MARGIN : EXIT_MARGIN) / grid->step),
+           width = grid_width(grid);
     // on a line contact it lies behind the centre
     size_t foremost = model->num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
 

@@ -107,7 +107,9 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
 }
 
 /* With a film that varies in time, and across the lines of a point contact, there is no such flux: the exit of a
- * line goes by the signs of pressure and multiplier at each node of the window. */
+ * line goes by the signs of pressure and multiplier at each node of the window. In time a node that leaves or enters
+ * with a pressure changes the film at once, and with it the multipliers of a whole region, which would ask for nodes
+ * whose pressure is negative: these stay outside on a point contact, where exits would not come to rest otherwise. */
 static size_t exit_by_signs(reduced_solver *self, const double *z, size_t line, size_t window,
                             const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const reduced_model *model = self->model;
@@ -121,7 +123,8 @@ static size_t exit_by_signs(reduced_solver *self, const double *z, size_t line, 
     while (column < exit && pressure[column - band->begin] >= -NOISE)
         column++;
     if (column < exit) return column > band->least ? column : band->least;
-    while (column < end &&
+    bool by_pressure = squeeze && model->num_lines > 1;
+    while (column < end && !(by_pressure && pressure[column - band->begin] < -NOISE) &&
            band_row(self, z, first + column, contact, squeeze, &ignored).residual > 0)
         column++;
     return column;
@@ -137,7 +140,7 @@ static size_t adapt_exit_in_time(reduced_solver *self, const reduced_state *stat
 }
 
 /* P and H at the band nodes around the exit line: as far as rows at the exits of a line and of those beside it need
- * them, P in the whole window. */
+ * them, P in the whole window, what the modes say behind the exit too. */
 static void expand_around(reduced_solver *self, const double *z, size_t window) {
     const reduced_model *model = self->model;
 
@@ -156,8 +159,8 @@ static void expand_around(reduced_solver *self, const double *z, size_t window) 
         nodes_band_films(self->band_film + band->offset + from - band->begin, self, z,
                          l * grid_width(&model->grid) + from, last + 1 - from);
         first = first > band->begin + reach ? first - reach : band->begin;
-        if (first < exit)
-            nodes_expand_places(self, z, band->offset + first - band->begin, exit - first);
+        size_t end = exit + window < band->end ? exit + window : band->end;
+        nodes_expand_places(self, z, band->offset + first - band->begin, end - first);
     }
 }
 
@@ -213,13 +216,12 @@ static size_t settled_distance(const reduced_model *model) {
 }
 
 bool exits_settled(const reduced_solver *self) {
-    const size_t *exit = self->exit, *wanted = self->wanted;
+    const reduced_model *model = self->model;
+    size_t sum = 0;
 
-    for (size_t l = 0; l < self->model->num_lines; l++)
-        if ((wanted[l] > exit[l] ? wanted[l] - exit[l] : exit[l] - wanted[l]) >
-            settled_distance(self->model))
-            return false;
-    return true;
+    for (size_t l = 0; l < model->num_lines; l++)
+        sum += index_distance(self->wanted[l], self->exit[l]);
+    return sum <= settled_distance(model) * model->grid.inner_lines;
 }
 
 exit_watch exits_stationary_watch(const reduced_model *model, double tolerance) {

@@ -120,7 +120,7 @@ void nodes_add_row(double *target, double factor, const double *source, size_t c
 
 // ---- the exit boundary (solver_exits.c)
 
-/* Whether all exits lie near enough to where they should be. */
+/* Whether the exits lie near enough to where they should be, in the mean of all lines. */
 bool exits_settled(const reduced_solver *self);
 
 /* Stationary, where the exit goes by the flux. A node's move changes the film by 1e-5 or a few of them: where

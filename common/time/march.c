@@ -135,9 +135,29 @@ static double least_step(const march *self) {
     return fmax(LEAST_STEP * self->settings.first_step, ROUNDING * self->state.time);
 }
 
+/* Where a step is shorter than the one tried before and its error not even less by as much, what is left is the
+ * solver's own noise, of exits that move by whole nodes, which no shorter one takes away: then that much more is
+ * accepted, until errors are as small again as they should be. Not more than what all steps together are asked for. */
+static void watch_noise(march *self, const march_step *outcome) {
+    march_state *state = &self->state;
+    double error = outcome->local_error, tolerance = self->settings.tolerance;
+    bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
+
+    if (error <= tolerance)
+        state->noise *= 0.5;
+    else if (state->rejected_step > 0 && hardly_less && error <= PASSAGE * tolerance)
+        state->noise = fmax(state->noise, error);
+}
+
+static double accepted_error(const march *self) {
+    double tolerance = self->settings.tolerance;
+
+    return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
+}
+
 static double next_step(const march *self, const march_step *outcome) {
     if (!isnan(self->settings.fixed_step)) return self->settings.fixed_step;
-    double relative = outcome->local_error / self->settings.tolerance;
+    double relative = outcome->local_error / accepted_error(self);
     double factor = relative > 0 ? SAFETY * pow(relative, -1. / 3) : MOST_GROWTH;
     return outcome->step * fmin(fmax(factor, LEAST_SHRINK), MOST_GROWTH);
 }
@@ -172,8 +192,11 @@ static ehd_status advance(march *self, ehd_error *error) {
     state->num_iterations += (double)outcome.iterations;
 
     bool failed = outcome.status == EHD_NOT_CONVERGED;
-    if (failed || (adaptive && !(outcome.local_error <= self->settings.tolerance))) {
+    if (!failed) watch_noise(self, &outcome);
+    if (failed || (adaptive && !(outcome.local_error <= accepted_error(self)))) {
         state->num_rejected++;
+        state->rejected_step = failed ? 0 : step;
+        state->rejected_error = outcome.local_error;
         state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, &outcome), 0.9 * step);
         if ((adaptive || failed) && !(state->step > least_step(self)))
             snprintf(self->reason, sizeof self->reason,
@@ -195,6 +218,7 @@ static ehd_status advance(march *self, ehd_error *error) {
         state->last_step = state->step_before = 0;
         state->step = self->settings.first_step;
     }
+    state->rejected_step = 0;
     // where this is too long, the march ends as soon as it is rejected
     state->step = fmax(state->step, 2 * least_step(self));
     return self->store(self->sink, &outcome, (size_t)state->num_steps, error);

@@ -25,6 +25,7 @@ typedef struct follower {
     double fails_after;     // no step beyond this time converges
     size_t fails_at;        // number of the attempt that does not
     size_t untrusted_at;    // and of the one that is not to be trusted
+    double noise;           // in each step's error, whatever its length
     double longest_step;    // above it the local error is too large; 0: as it is
     double hardest_step;    // and above this it does not converge; 0: it does
     ehd_status breaks_with; // from attempt fails_at on, an error
@@ -55,6 +56,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
                             .scalars = {.central_film_thickness = value, .load = 1},
                             .local_error = formula.error * fabs(value - prediction),
                             .iterations = 3};
+    if (formula.error > 0) outcome->local_error += self->noise;
     if (self->longest_step > 0 && step > self->longest_step) outcome->local_error = 1;
     self->least_step = fmin(self->least_step, step);
     self->num_attempts++;
@@ -527,6 +529,27 @@ static void noise_underflows(void **state) {
     run_end(&first);
 }
 
+/* Errors that no shorter step makes less: where one is tried and no better, the steps go on; not above what all of them
+ * together are asked for. */
+static void steps_stand_above_noise(void **state) {
+    (void)state;
+    run_begin(&second, "end_time: 1, tolerance: 1e-3");
+    assert_int_equal(run_on(&second), EHD_OK);
+    run_begin(&first, "end_time: 1, tolerance: 1e-3");
+    first.follower.noise = 10 * first.march.settings.tolerance;
+    assert_int_equal(run_on(&first), EHD_OK);
+    assert_true(first.march.state.num_rejected > 0 &&
+                first.follower.num_attempts < 10 * second.follower.num_attempts);
+    run_end(&first);
+    run_end(&second);
+
+    run_begin(&first, "end_time: 1, tolerance: 1e-3");
+    first.follower.noise = 40 * first.march.settings.tolerance;
+    assert_int_equal(run_on(&first), EHD_NOT_CONVERGED);
+    assert_non_null(strstr(first.march.reason, "local error"));
+    run_end(&first);
+}
+
 /* Steps that are accepted, but so short that the end is out of reach. */
 static void crawling_ends(void **state) {
     (void)state;
@@ -675,6 +698,7 @@ int main(void) {
         cmocka_unit_test(step_size_underflows),
         cmocka_unit_test(step_size_ends_above_rounding),
         cmocka_unit_test(noise_underflows),
+        cmocka_unit_test(steps_stand_above_noise),
         cmocka_unit_test(crawling_ends),
         cmocka_unit_test(errors_end_the_march),
         cmocka_unit_test(first_untrusted_step_is_kept),
