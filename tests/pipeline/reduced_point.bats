@@ -141,3 +141,42 @@ stability() {
     /usr/bin/python3 -c "import h5py; f = h5py.File('bad.h5', 'r+'); f['band_line_least_exit'][3] = 1" &&
         refuse 65 "bad.h5: .*" romrun scene.yml --model bad.h5 -o x.h5
 }
+
+@test "a point contact in time: from two trajectories to one between them" {
+    point_scene 20 -3
+    sed -i 's/regime: stationary/regime: transient/' scene.yml
+    cat >>scene.yml <<'YAML'
+transient:
+  load: {law: sine, amplitude: 0.1, period: 1}
+  end_time: 0.5
+YAML
+    printf 'groups: [{scene: scene.yml, vary: {transient.load.period: [0.8, 1.2]}}]\n' >plan.yml
+    snapgen plan.yml -o st.h5
+    podbuild st.h5 -o bt.h5 --pressure-modes 40
+    snapgen plan.yml --basis bt.h5 -o rt.h5
+    deimselect rt.h5 --basis bt.h5 -o mt.h5 --method exits --rows 140
+    for steps in adaptive fixed; do
+        set --
+        [ $steps = adaptive ] || set -- --set transient.fixed_step=0.02
+        fullrun scene.yml -o full.h5 --force "$@"
+        romrun scene.yml --model mt.h5 -o rom.h5 --force --set output.fields=true --against full.h5 "$@"
+        /usr/bin/python3 - $steps <<'PYTHON'
+import sys, h5py, numpy
+full, rom = h5py.File("full.h5"), h5py.File("rom.h5")
+same = lambda name: numpy.interp(full["time"], rom["time"], rom[name])
+for name, most in ("central_film_thickness", 1e-4), ("minimum_film_thickness", 1e-3), ("central_pressure", 2e-4):
+    off = abs(same(name) / full[name][...] - 1).max()
+    assert off < most, (name, off)
+assert numpy.ptp(full["central_film_thickness"]) > 1e-4
+assert len(rom["time"]) < 1.5 * len(full["time"])
+for name in "pressure", "film_thickness", "exit_position":
+    assert rom[name].shape == (len(rom["time"]),) + full[name].shape[1:], name
+if sys.argv[1] == "fixed":
+    assert abs(rom["exit_position"][...] - full["exit_position"][...]).max() < 0.26
+    assert abs(rom["pressure"][...] - full["pressure"][...]).max() < 5e-3
+PYTHON
+    done
+    romrun scene.yml --model mt.h5 -o twice.h5
+    romrun scene.yml --model mt.h5 -o again.h5
+    same_data twice.h5 again.h5
+}
