@@ -5,6 +5,7 @@ colour(period) = word("#0072b2 #d55e00 #009e73 #cc79a7 #e69f00 #56b4e9", int(sys
 
 # Periods far above the time a_ref/u_ref have a column of their own, over parts of the period.
 of_column(long) = system(sprintf("echo %s | tr ' ' '\\n' | awk '($1 > 100) == %d' | tr '\\n' ' '", periods, long))
+right_end = words(of_column(1)) > 0 ? 0.665 : 0.985 # of the first column
 heading(row) = row == 0 ? "P_c, reference frame" : row == 1 ? "H_c, reference frame" : row == 2 ? "P_c, deviation / %" : "H_c, deviation / %"
 row_top(row) = 0.945 - 0.22 * row
 
@@ -23,7 +24,7 @@ do for [ending in "png svg"] {
         shown = of_column(long)
         if (words(shown) == 0) { continue }
         set lmargin at screen (long ? 0.765 : 0.085)
-        set rmargin at screen (long ? 0.985 : 0.665)
+        set rmargin at screen (long ? 0.985 : right_end)
         set xrange [0:*] noextend
         do for [row = 0:3] {
             set tmargin at screen row_top(row)
@@ -31,7 +32,7 @@ do for [ending in "png svg"] {
             set format x (row == 3 ? "%g" : "")
             set xlabel (row < 3 ? "" : long ? "T / T_{exc}" : "time T = t u_{ref} / a_{ref}")
             set ylabel (long ? "" : heading(row)) offset (row == 1 ? 1.5 : 0), 0
-            set key at screen (long ? 0.985 : 0.665), 0.985 right top horizontal maxrows 1 samplen 2
+            set key at screen (long ? 0.985 : right_end), 0.985 right top horizontal maxrows 1 samplen 2
             if (row == 0) {
                 set key
             } else {

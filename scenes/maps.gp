@@ -5,7 +5,7 @@
 if (!exists("width")) width = 1200
 if (!exists("times")) times = ""
 num_panels = times eq "" ? 2 : words(times)
-height = times eq "" ? 0.9 : 1.1 * 2 / num_panels
+height = times eq "" ? 0.9 : 0.15 + 1.8 / num_panels
 panel_column(i) = times eq "" && i == 1 ? 3 : 4
 panel_map(kind, i) = case."-".kind.(times eq "" ? "" : "-".word(times, i)).".map"
 panel_title(i) = times ne "" ? "T = ".word(times, i) : i == 1 ? "pressure p / p_H, lines every 0.1" : "film thickness h R / a^2, lines every 0.02"
@@ -21,6 +21,7 @@ do for [ending in "png svg"] {
     set yrange [-1.7:1.7]
     set size ratio -1
     set tics nomirror out
+    if (times ne "") { set tics 1 }
     set palette defined (0 "#440154", 1 "#3b528b", 2 "#21918c", 3 "#5ec962", 4 "#fde725")
     set contour base
     unset key
@@ -43,7 +44,7 @@ do for [ending in "png svg"] {
             set title panel_title(i)
             if (panel_column(i) == 3) { set cbrange [0:1.2] }
             if (panel_column(i) == 4) { set cbrange [0.2:0.6] }
-            if (times ne "" && i < num_panels) { unset colorbox } else { set colorbox }
+            if (times ne "") { unset colorbox }
             plot map index 0 using 1:2:(column(panel_column(i))) with image, \
                  contours using 1:2 with lines linewidth 0.8 linecolor rgb "#303030", \
                  map index 1 using 1:2 with lines linewidth 2.5 linecolor rgb "white"

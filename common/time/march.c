@@ -137,15 +137,13 @@ static double least_step(const march *self) {
 
 /* Where a step is shorter than the one tried before and its error not even less by as much, what is left is the
  * solver's own noise, of exits that move by whole nodes, which no shorter one takes away: then that much more is
- * accepted, until errors are as small again as they should be. Not more than what all steps together are asked for. */
+ * accepted, for some steps, and then it is tried again. Not more than what all steps together are asked for. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
     bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
 
-    if (error <= tolerance)
-        state->noise *= 0.5;
-    else if (state->rejected_step > 0 && hardly_less && error <= PASSAGE * tolerance)
+    if (state->rejected_step > 0 && hardly_less && error <= PASSAGE * tolerance)
         state->noise = fmax(state->noise, error);
 }
 
@@ -166,6 +164,9 @@ static void take(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double load = outcome->scalars.load * outcome->frame.load;
 
+    const double forgotten = 0.9; // in a step
+
+    state->noise *= forgotten;
     state->step_before = state->last_step;
     state->last_step = outcome->step;
     state->load_rate = (load - state->load) / outcome->step;
