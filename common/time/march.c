@@ -209,9 +209,10 @@ static ehd_status advance(march *self, ehd_error *error) {
     self->solver.accept(self->solver.self);
     take(self, &outcome);
     state->at_kink = is_kink;
-    // a step cut short by an event says nothing about the length of the next one
+    // neither a step cut short by an event nor one shortened for noise says anything about the length of the next one
+    double before = outcome.local_error > self->settings.tolerance ? state->rejected_step : 0;
     if (adaptive)
-        state->step = fmax(next_step(self, &outcome), fmin(state->step, 2 * step));
+        state->step = fmax(next_step(self, &outcome), fmin(fmax(state->step, before), 2 * step));
     else
         state->step = self->settings.fixed_step;
     if (jump) {
