@@ -120,22 +120,23 @@ static size_t count_outlet(const central_line *line) {
 
 // ---- the step
 
-/* Node of a grid at the place of an inner node of one whose step is `stride` times as long. */
+/* Node of a grid at the place of an inner node of one whose step is `stride` times as long; NO_NODE where that reaches
+ * farther to the side. */
 static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_t node,
                              size_t stride) {
     size_t column = node % grid_width(coarse), line = 0;
 
     if (grid->inner_lines > 1)
         line = (size_t)lround((grid_y(coarse, node) - grid_y(grid, 0)) / grid->step);
-    return line * grid_width(grid) + stride * (column - 1) + 1;
+    return line < grid_lines(grid) ? line * grid_width(grid) + stride * (column - 1) + 1 : NO_NODE;
 }
 
 /* The solution at every `stride`-th of its inner nodes. */
 static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_state *solution,
                            const ehd_grid *fine, size_t stride) {
     for (size_t r = 0; r < grid->num_inner; r++) {
-        size_t k = grid_node_of_row(grid, r);
-        coarse->pressure[k] = solution->pressure[node_of_coarse(fine, grid, k, stride)];
+        size_t k = grid_node_of_row(grid, r), node = node_of_coarse(fine, grid, k, stride);
+        coarse->pressure[k] = node != NO_NODE ? solution->pressure[node] : 0;
     }
     full_state_set_zone(coarse, grid, (solution->exit + 2 * stride - 2) / stride);
     coarse->rigid_approach = solution->rigid_approach;
