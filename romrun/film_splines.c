@@ -157,17 +157,34 @@ static ehd_status deflect_modes(film_splines *self, const reduced_model *model,
     return status;
 }
 
-/* The modes of a line contact themselves, going on straight before the model's grid. */
-static void continue_modes(film_splines *self, const double *modes) {
-    size_t width = self->layout.width, column = self->layout.column, margin = self->margin;
+/* What modes that go on straight have at a node: twice what is at the next one inwards, less what is behind that. */
+static void go_on_straight(double *node, ptrdiff_t inwards, size_t width) {
+    const double *next = node + inwards, *behind = next + inwards;
 
-    for (size_t k = margin; k < self->grid.num_nodes; k++)
-        memcpy(self->film + k * column, modes + (k - margin) * width, width * sizeof *modes);
-    for (size_t k = margin; k-- > 0;)
-        for (size_t j = 0; j < width; j++) {
-            double *mode = self->film + k * column + j;
-            *mode = 2 * mode[column] - mode[2 * column];
-        }
+    for (size_t j = 0; j < width; j++)
+        node[j] = 2 * next[j] - behind[j];
+}
+
+/* The modes themselves, going on straight before the model's grid and at its sides. */
+static void continue_modes(film_splines *self, const reduced_model *model, const double *modes) {
+    const spline_layout *layout = &self->layout;
+    size_t width = layout->width, column = layout->column, line = layout->line;
+    size_t own = grid_width(&model->grid);
+
+    for (size_t l = 0; l < model->num_lines; l++) {
+        double *node = self->film + (l + self->side) * line + self->margin * column;
+        for (size_t c = 0; c < own; c++)
+            memcpy(node + c * column, modes + (l * own + c) * width, width * sizeof *modes);
+        for (size_t m = 0; m < self->margin; m++)
+            go_on_straight(node -= column, (ptrdiff_t)column, width);
+    }
+    for (size_t c = 0; c < layout->num_columns; c++) {
+        double *node = self->film + c * column;
+        for (size_t l = self->side; l-- > 0;)
+            go_on_straight(node + l * line, (ptrdiff_t)line, width);
+        for (size_t l = self->side + model->num_lines; l < layout->num_lines; l++)
+            go_on_straight(node + l * line, -(ptrdiff_t)line, width);
+    }
 }
 
 static bool is_coupled(const reduced_model *model) {
@@ -183,7 +200,7 @@ static ehd_status make_film_table(film_splines *self, const reduced_model *model
     if (!status && is_coupled(model))
         status = deflect_modes(self, model, pressure_basis, error);
     else if (!status)
-        continue_modes(self, deformation_basis);
+        continue_modes(self, model, deformation_basis);
     return status ? status : fill_bends(self->film, &self->layout, error);
 }
 

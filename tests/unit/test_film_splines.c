@@ -171,7 +171,8 @@ static void point_film_init(point_film *self, const reduced_basis *basis, bool t
     self->reference = half_training.contacts[STATE];
     self->reference.grid = basis->grid;
     check_ok(reduced_model_build(&self->model, basis, NULL, 0, &error));
-    check_ok(film_splines_build(&self->splines, &self->model, basis->pressure, NULL, &error));
+    check_ok(film_splines_build(&self->splines, &self->model, basis->pressure,
+                                basis->deformation_modes, &error));
     check_ok(earlier_film_init(&self->film, &self->model, &error));
     self->film.frame = point_frame(1, 1);
     memcpy(self->film.state.coordinates, states->coordinates + STATE * states->num_unknowns,
@@ -412,6 +413,42 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
+/* Modes of an independent basis that are straight are themselves everywhere, before the grid and at its sides too. */
+static void straight_modes_go_on_straight(void **unused) {
+    (void)unused;
+    for (int i = 0; i < 2; i++) { // the half, and the whole, where they may lean across
+        reduced_basis basis = i == 0 ? half_basis : whole_basis;
+        const double lean = i == 0 ? 0 : -0.05, approach = 0.1;
+        const contact_frame frames[] = {point_frame(0.9, 1), point_frame(2, 1), point_frame(4, 1)};
+        const ehd_grid *grid = &basis.grid;
+        point_film self;
+
+        basis.deformation = DEFORMATION_INDEPENDENT;
+        basis.num_deformation = 2;
+        basis.deformation_modes = calloc(2 * grid->num_nodes, sizeof(double));
+        assert_non_null(basis.deformation_modes);
+        for (size_t k = 0; k < grid->num_nodes; k++) {
+            basis.deformation_modes[2 * k] = 1 + grid_x(grid, k);
+            basis.deformation_modes[2 * k + 1] = lean * grid_y(grid, k);
+        }
+        point_film_init(&self, &basis, true);
+        self.reference.lubricant.density = NULL;
+        double *z = self.film.state.coordinates + basis.num_pressure;
+        z[0] = 0.3, z[1] = 1, z[2] = approach;
+        for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
+            for (size_t r = 0; r < grid->num_inner; r++) {
+                size_t node = grid_node_of_row(grid, r);
+                double stretch = frame_stretch(&frames[f], &self.film.frame);
+                double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node);
+                double film = approach + 0.3 * (1 + x) + lean * y + contact_gap(x, y);
+                check_close(mass_at(&self, node, &frames[f]),
+                            film * frame_film_ratio(&frames[f], &self.film.frame), 1e-12, 1e-12);
+            }
+        point_film_free(&self);
+        free(basis.deformation_modes);
+    }
+}
+
 static int set_up(void **state) {
     (void)state;
     trained_init(&training, 0.05);
@@ -437,6 +474,7 @@ int main(void) {
         cmocka_unit_test(coarse_grids_have_splines_too),
         cmocka_unit_test(films_of_point_contacts_equal_tensor_splines),
         cmocka_unit_test(a_frame_that_stands_still_gives_the_nodes),
-        cmocka_unit_test(films_of_the_half_are_those_of_the_whole)};
+        cmocka_unit_test(films_of_the_half_are_those_of_the_whole),
+        cmocka_unit_test(straight_modes_go_on_straight)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
