@@ -317,7 +317,8 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
-/* Compares with direct tensor splines at nodes of a frame that is `now`. */
+/* Compares with direct tensor splines at nodes of a frame that is `now`, away from where the model's splines end: with
+ * the farthest exits there is pressure up to there. */
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance) {
     const ehd_grid *grid = &self->basis->grid;
     double stretch = frame_stretch(now, &self->film.frame);
@@ -338,7 +339,7 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
     for (size_t r = 0; r < grid->num_inner; r += 5) {
         size_t node = grid_node_of_row(grid, r);
         double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node), density = 1;
-        if (x > 1 || fabs(y) > film.y[film.lines - 1] || x < film.x[0]) continue;
+        if (x > 0.9 || fabs(y) > film.y[film.lines - 1] || x < film.x[0]) continue;
         double expected = plane_at(&film, x, y) + contact_gap(x, y);
         double there =
             is_before_exit(self, x, y) && x > grid_x(grid, 0) ? plane_at(&uncut, x, y) : 0;
