@@ -17,7 +17,7 @@ ehd_status kept_states_init(kept_states *self, size_t num_nodes, size_t num_line
         kept_state *target = &self->states[i];
         target->pressure = num_nodes > 0 ? malloc(num_nodes * sizeof(double)) : NULL;
         target->film = num_nodes > 0 ? malloc(num_nodes * sizeof(double)) : NULL;
-        target->exits = num_lines > 0 ? malloc(num_lines * sizeof *target->exits) : NULL;
+        target->exits = num_lines > 0 ? calloc(num_lines, sizeof *target->exits) : NULL;
         if ((num_nodes > 0 && (!target->pressure || !target->film)) ||
             (num_lines > 0 && !target->exits)) {
             kept_states_free(self);

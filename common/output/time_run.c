@@ -166,9 +166,9 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
 static const double *take_exits(runner *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->task->reference->grid;
     size_t num_lines = grid_whole(grid).inner_lines;
-    double *exits = self->exits + self->num_waiting * num_lines;
 
     if (!self->exits) return NULL;
+    double *exits = self->exits + self->num_waiting * num_lines;
     self->march.solver.exits(self->exit_columns, self->march.solver.self);
     grid_exits(exits, self->exit_columns, grid);
     for (size_t l = 0; l < num_lines; l++)
