@@ -460,10 +460,6 @@ static inline void kernel_rows(const double *kernel[NUM_WEIGHTS], const film_spl
     kernel[3] = kernel[2] + layout->y_bend;
 }
 
-static size_t distance(size_t a, size_t b) {
-    return a > b ? a - b : b - a;
-}
-
 /* What the place sees in all, with the weights along. */
 INLINE double weigh_seen(const seen *sum, size_t v, const double *along) {
     const four_numbers l = sum->left[v], r = sum->right[v];
@@ -498,7 +494,7 @@ static double cut_deflection_across(const earlier_film *self, const spline_place
         const cut_run *run = &self->runs[r];
         const double *pressure = self->cut_pressure + run->first;
         size_t line = run->line + splines->side, column = run->column + splines->margin;
-        kernel_rows(kernel, splines, distance(own, line), distance(own + 1, line));
+        kernel_rows(kernel, splines, index_distance(own, line), index_distance(own + 1, line));
         add_run(&sum, node, kernel, NUM_WEIGHTS, column, run->count, pressure);
         if (!splines->grid.half || line == 0) continue; // else its mirrored one
         kernel_rows(kernel, splines, own + line, own + 1 + line);

@@ -73,17 +73,15 @@ static void expand(indicator *self, const reduced_state *state) {
     const control_rows *control = &model->control;
     const double *z = state->coordinates;
     const size_t *exit = reduced_state_exits(state);
-    size_t num_pressure = model->num_pressure;
-
-    size_t checkpoint = reduced_model_checkpoint(model, exit), num_runs = 0;
+    size_t num_pressure = model->num_pressure, num_runs = 0;
+    size_t checkpoint = reduced_model_checkpoint(model, exit);
 
     if (model->deformation == DEFORMATION_COUPLED)
         num_runs = reduced_model_runs(self->runs, model,
                                       model->checkpoint_exit + checkpoint * model->num_lines, exit);
     for (size_t r = 0; r < num_runs; r++)
-        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)self->runs[r].count, (int)num_pressure, 1,
-                    model->band_pressure + self->runs[r].first * num_pressure, (int)num_pressure, z,
-                    1, 0, self->band_pressure + self->runs[r].first, 1);
+        reduced_band_pressure(self->band_pressure + self->runs[r].first, model, z,
+                              self->runs[r].first, self->runs[r].count);
     for (size_t q = 0; q < control->num_needed; q++) {
         size_t node = control->needed_node[q];
         const grid_place at = reduced_model_place(model, node);

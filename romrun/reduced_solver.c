@@ -469,7 +469,7 @@ static bool is_near_kept(const reduced_solver *self, const reduced_state *state,
     const size_t *exit = reduced_state_exits(state), *kept = self->kept_exit;
 
     for (size_t l = 0; l < self->model->num_lines; l++)
-        if ((exit[l] > kept[l] ? exit[l] - kept[l] : kept[l] - exit[l]) > most) return false;
+        if (index_distance(exit[l], kept[l]) > most) return false;
     return true;
 }
 

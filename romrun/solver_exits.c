@@ -242,7 +242,7 @@ exit_watch exits_watch_in_time(double stalled) {
 static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t next) {
     const double decrease = 0.6; // that is none
     int direction = next > exit ? 1 : next < exit ? -1 : 0;
-    bool near = (next > exit ? next - exit : exit - next) <= watch->near;
+    bool near = index_distance(next, exit) <= watch->near;
     bool stalls = change < watch->stalled && change > decrease * watch->change;
     bool cycles = near && (change < watch->small || stalls);
 
