@@ -20,8 +20,8 @@ typedef struct exit_block {
     size_t num_modes;
     const size_t *num_before; // [num_lines] nodes of each line before the exit
     size_t num_seen;          // directions of the modes that these nodes tell apart
-    double
-        *seen; // [num_modes, num_seen] column-major: modes^T seen is orthonormal over these nodes
+    double *seen;      // [num_modes, num_seen] column-major: modes^T seen is orthonormal over
+                       // these nodes
     double *gram;      // [num_seen, num_seen] of the rows taken, in these directions
     double smallest;   // eigenvalue of gram; a lower bound when rows have come since
     double *direction; // [num_seen] its eigenvector

@@ -12,8 +12,8 @@
 
 typedef struct row_stability row_stability;
 
-/* For the leading modes of the bases over the rows before each exit and over all nodes, no rows taken yet. Directions of the modes that
- * nearly vanish before an exit are left out there. EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+/* For the leading modes of the bases over the rows before each exit and over all nodes, no rows taken yet. Directions
+ * of the modes that nearly vanish before an exit are left out there. EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status row_stability_create(
     // output:
     row_stability **self, // free with row_stability_free

@@ -25,18 +25,17 @@ typedef struct spline_layout {
 /* Tables by node; read-only once made. Of a point contact with 129 nodes a line, half of it and 120 modes, 90 MB;
  * they grow as the number of nodes. */
 typedef struct film_splines {
-    ehd_grid
-        grid; // the model's, with `margin` nodes more before it, and of a point contact lines at its sides
+    ehd_grid grid; // the model's, with `margin` nodes more before it, and of a point contact
+                   // lines at its sides
     size_t margin;
     size_t side;          // lines before the model's first one
     spline_layout layout; // of the film's modes
-    double *
-        film; // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure modes cut at
-              // cut_exits
-    size_t *cut_exits; // [num_lines of the model], amid the trained exits
+    double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
+                          // modes cut at cut_exits
+    size_t *cut_exits;    // [num_lines of the model], amid the trained exits
     spline_layout kernel_layout;
-    double *
-        kernel; // [lines, 1 or 2, columns, 2] by distance; of a half grid twice the lines, for mirrored nodes too
+    double *kernel; // [lines, 1 or 2, columns, 2] by distance; of a half grid twice the lines, for
+                    // mirrored nodes too
     spline_layout pressure_layout;
     double *pressure;             // [num_nodes of the model, 2 or 4, num_pressure] uncut
     const double *pressure_basis; // [num_nodes of the model, num_pressure], the caller's

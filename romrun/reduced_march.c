@@ -145,8 +145,8 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     return false;
 }
 
-/* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film that ruptures before the
- * contact, where it has no boundary. */
+/* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film
+ * that ruptures before the contact, where it has no boundary. */
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
     const double rupture = -1e-3; // of the Hertz pressure; truncated bases show a tenth of it

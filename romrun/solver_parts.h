@@ -109,8 +109,9 @@ void nodes_expand_state(reduced_solver *self, const reduced_values *known, const
 /* Load of the pressure expanded last, over the kind's unit. */
 double nodes_load(const reduced_solver *self);
 
-/* H at `count` neighbouring nodes of a line of the band, at the solver's exit, and at one. For the coupled basis the exit's checkpoint gives the deflection of what
- * lies before it, and nodes_expand_runs or nodes_expand_band must have filled the pressures by which the exit differs. */
+/* H at `count` neighbouring nodes of a line of the band, at the solver's exit, and at one. For the coupled basis the
+ * exit's checkpoint gives the deflection of what lies before it, and nodes_expand_runs or nodes_expand_band must have
+ * filled the pressures by which the exit differs. */
 void nodes_band_films(double *film, const reduced_solver *self, const double *z, size_t node,
                       size_t count);
 double nodes_band_film(const reduced_solver *self, const double *z, size_t node);

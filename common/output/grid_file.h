@@ -46,8 +46,8 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);
 
-/* Says what solutions of a point contact on a grid, `num_jobs` at a time, will take in all before it is taken.
- * EHD_MEMORY, naming `object`: more than there is. */
+/* Says how many `bytes` solutions of a point contact, `num_jobs` at a time, will take in all, before they are taken;
+ * nothing of a line. EHD_MEMORY, naming `object`: more than there are. */
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error);
 

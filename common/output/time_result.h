@@ -24,8 +24,8 @@ typedef struct time_entry {
     double load;               // relative to the reference
     double contact_half_width; // relative to the reference
     double exit_position;
-    const double
-        *exits; // [lines of the whole grid] of a point contact, NULL of a line; NaN: no pressure
+    const double *exits; // [lines of the whole grid] of a point contact, NULL of a line; NaN: no
+                         // pressure
     size_t newton_iterations;
     double residual;
     ehd_status status;      // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
