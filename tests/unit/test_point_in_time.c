@@ -67,7 +67,8 @@ static void marching_init(marching *self, const reduced_basis *of) {
     self->reference = training.contacts[STATE];
     self->reference.grid = of->grid;
     check_ok(reduced_model_build(&self->model, of, NULL, 0, &error));
-    check_ok(film_splines_build(&self->splines, &self->model, of->pressure, NULL, &error));
+    check_ok(film_splines_build(&self->splines, &self->model, of->pressure, of->deformation_modes,
+                                &error));
     check_ok(reduced_march_create(&self->march, &self->model, &self->splines, &self->reference,
                                   &strict_settings, &error));
     self->solver = reduced_march_solver(self->march);
@@ -212,6 +213,29 @@ static void full_rank_marches_as_the_full_model(void **state) {
     reduced_basis_free(&nodes);
 }
 
+/* In a frame that gets wider and narrower, which looks beside the grid. Both are as far apart as modes of stationary
+ * contacts are from contacts in time. */
+static void an_independent_basis_marches_as_the_coupled_one(void **state) {
+    (void)state;
+    reduced_basis own_films;
+    marching coupled, independent;
+
+    trained_basis(&own_films, &training, DEFORMATION_INDEPENDENT, 0, 0);
+    marching_init(&coupled, &basis);
+    marching_init(&independent, &own_films);
+    for (size_t i = 1; i <= 20; i++) {
+        march_steps(&coupled, i, i);
+        march_steps(&independent, i, i);
+        check_close(independent.last.scalars.central_film_thickness,
+                    coupled.last.scalars.central_film_thickness, 2e-3, 0);
+        check_close(independent.last.scalars.minimum_film_thickness,
+                    coupled.last.scalars.minimum_film_thickness, 1e-2, 0);
+    }
+    marching_free(&coupled);
+    marching_free(&independent);
+    reduced_basis_free(&own_films);
+}
+
 static void the_half_marches_as_the_whole(void **state) {
     (void)state;
     marching half, whole;
@@ -290,6 +314,7 @@ int main(void) {
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
         cmocka_unit_test(a_step_of_full_rank_is_one_of_the_full_model),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
+        cmocka_unit_test(an_independent_basis_marches_as_the_coupled_one),
         cmocka_unit_test(the_half_marches_as_the_whole),
         cmocka_unit_test(a_restored_march_goes_on_as_the_saved_one),
         cmocka_unit_test(saved_exits_outside_of_the_band_are_refused),
