@@ -364,7 +364,7 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
                           3e-5); // at the grid's ends the pressure's splines differ
         self.reference.lubricant.density = NULL;
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            compare_point(&self, &frames[f], 3e-6); // and those of the film a little
+            compare_point(&self, &frames[f], 1e-6);
         point_film_free(&self);
     }
 }
