@@ -115,7 +115,9 @@ PYTHON
     [[ $stderr == "romrun: --accuracy "*": $modes pressure modes, $rows rows, the fastest of "* ]]
     [ "${#stderr_lines[@]}" -eq 1 ]
     romrun scene.yml --model c.h5 --pressure-modes "$modes" --rows "$rows" -o y.h5 --quiet
-    [ "$(number x.h5 central_film_thickness)" = "$(number y.h5 central_film_thickness)" ]
+    # which size is the fastest depends on the machine, and how far it has to iterate on the accuracy
+    close_to "$(number x.h5 central_film_thickness)" "$(number y.h5 central_film_thickness)" \
+        "$(awk "BEGIN { print $wanted / 10 }")"
     [[ $(h5dump -a settings x.h5) == *"# $modes pressure modes, 0 deformation modes, $rows rows (0: all), accuracy "* ]]
     rm x.h5 y.h5
     refuse 65 "--accuracy: found .*, expected at least .*, the best that c.h5 was measured to give" \
