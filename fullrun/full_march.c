@@ -447,14 +447,8 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
 
 static void exits(size_t *columns, const void *solver) {
     const full_march *self = solver;
-    const full_state *state = full_march_state(self, NULL);
-    size_t width = grid_width(&self->reference.grid);
 
-    for (size_t l = 0; l < grid_lines(&self->reference.grid); l++) {
-        columns[l] = width - 1;
-        while (columns[l] > 1 && !full_has_pressure(state, l * width + columns[l] - 1))
-            columns[l]--;
-    }
+    grid_exit_columns(columns, full_march_state(self, NULL)->pressure, &self->reference.grid);
 }
 
 march_solver full_march_solver(full_march *self) {

@@ -322,6 +322,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     artefact *file = NULL;
     double start_film = NAN;
     double *exits = NULL;
+    size_t *columns = NULL;
     ehd_status status = grid_check_memory(self, self->arguments[0], contact,
                                           full_solver_bytes(&contact->grid), 1, error);
 
@@ -336,11 +337,13 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
 
     if (contact->kind->dimensions > 1) {
         exits = malloc(grid_whole(&contact->grid).inner_lines * sizeof *exits);
-        if (!exits) {
+        columns = malloc(grid_lines(&contact->grid) * sizeof *columns);
+        if (!exits || !columns) {
             status = ehd_fail(error, EHD_MEMORY, "exit: found no memory for its lines");
             goto done;
         }
-        grid_exit_positions(exits, state.pressure, &contact->grid, true);
+        grid_exit_columns(columns, state.pressure, &contact->grid);
+        grid_exits(exits, columns, &contact->grid);
     }
     run_result result = make_result(&info, &state, contact, given->output_fields != 0);
     result.exits = exits;
@@ -361,6 +364,7 @@ done:
     artefact_close(&file);
     full_state_free(&state);
     free(exits);
+    free(columns);
     return status;
 }
 

@@ -71,31 +71,41 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
 // ---- storing
 
-/* Pressure, film and where the pressure ends, [num_nodes] each. */
-static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
-                             const double *pressure, const double *film, ehd_error *error) {
-    double *inner = malloc(grid->num_inner * sizeof *inner);
-    double *positions = malloc(grid->inner_lines * sizeof *positions);
-    int64_t *exits = malloc(grid->inner_lines * sizeof *exits);
-    ehd_status status = EHD_OK;
+/* Where the pressure ends on each line, as index into x and as X. */
+static ehd_status put_exits(artefact *file, const ehd_grid *grid, size_t place,
+                            const double *pressure, ehd_error *error) {
+    size_t num_lines = grid->inner_lines, whole_lines = grid_whole(grid).inner_lines;
+    size_t *columns = malloc(grid_lines(grid) * sizeof *columns);
+    double *positions = malloc(whole_lines * sizeof *positions);
+    int64_t *exits = malloc(num_lines * sizeof *exits);
+    ehd_status status =
+        columns && positions && exits
+            ? EHD_OK
+            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
-    if (!inner || !positions || !exits) {
-        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-        goto done;
+    if (!status) {
+        grid_exit_columns(columns, pressure, grid);
+        grid_exits(positions, columns, grid);
+        for (size_t l = 0; l < num_lines; l++)
+            exits[l] = (int64_t)columns[grid_first_line(grid) + l] - 1;
+        status = artefact_put_integers_part(file, "exit_node", place, 1, exits, error);
     }
-    grid_take_inner(inner, pressure, grid, false);
-    status = artefact_put_part(file, "pressure", place, 1, inner, error);
-    grid_take_inner(inner, film, grid, false);
-    if (!status) status = artefact_put_part(file, "film_thickness", place, 1, inner, error);
-    grid_exit_nodes(exits, pressure, grid, false);
-    if (!status) status = artefact_put_integers_part(file, "exit_node", place, 1, exits, error);
-    grid_exit_positions(positions, pressure, grid, false);
-    if (!status) status = artefact_put_part(file, "exit_position", place, 1, positions, error);
-done:
-    free(inner);
+    if (!status)
+        status = artefact_put_part(file, "exit_position", place, 1,
+                                   positions + whole_lines - num_lines, error);
+    free(columns);
     free(positions);
     free(exits);
     return status;
+}
+
+/* Pressure, film and where the pressure ends, [num_nodes] each. */
+static ehd_status put_fields(artefact *file, const ehd_grid *grid, size_t place,
+                             const double *pressure, const double *film, ehd_error *error) {
+    ehd_status status = grid_put_field(file, "pressure", place, pressure, grid, false, error);
+
+    if (!status) status = grid_put_field(file, "film_thickness", place, film, grid, false, error);
+    return status ? status : put_exits(file, grid, place, pressure, error);
 }
 
 static ehd_status put_solution(artefact *file, const training_set *set, size_t point,
@@ -173,18 +183,13 @@ static ehd_status put_kept_state(artefact *file, const ehd_grid *grid, size_t pl
 
 static ehd_status put_compressed(artefact *file, const ehd_grid *grid, const compressed_set *set,
                                  ehd_error *error) {
-    double *inner = malloc(grid->num_inner * sizeof *inner);
-    ehd_status status =
-        inner ? artefact_put_axis(file, "compressed", set->rank, NULL, error)
-              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    ehd_status status = artefact_put_axis(file, "compressed", set->rank, NULL, error);
 
     if (!status) status = artefact_declare(file, "compressed_pressure", error);
     // a row at a time, because boundary nodes are not in the file
-    for (size_t i = 0; i < set->rank && !status; i++) {
-        grid_take_inner(inner, set->rows + i * set->num_nodes, grid, false);
-        status = artefact_put_part(file, "compressed_pressure", i, 1, inner, error);
-    }
-    free(inner);
+    for (size_t i = 0; i < set->rank && !status; i++)
+        status = grid_put_field(file, "compressed_pressure", i, set->rows + i * set->num_nodes,
+                                grid, false, error);
     if (!status)
         status = artefact_put(file, "compressed_singular_values", set->singular_values, error);
     if (!status)

@@ -42,7 +42,7 @@ static size_t node_of_inner(const ehd_grid *grid, size_t row, bool mirrored) {
     return grid_node_of_row(grid, mirrored ? grid_row_of_whole(grid, row) : row);
 }
 
-void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored) {
+static void take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored) {
     size_t count = count_inner(grid, mirrored);
 
     for (size_t r = 0; r < count; r++)
@@ -56,30 +56,18 @@ void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bo
         nodes[node_of_inner(grid, r, mirrored)] = inner[r];
 }
 
-static size_t line_exit(const double *pressure, const ehd_grid *grid, size_t line, bool mirrored) {
-    const double *first = pressure + node_of_inner(grid, line * grid->inner_x, mirrored);
-    size_t exit = grid->inner_x;
+ehd_status grid_put_field(artefact *file, const char *name, size_t index, const double *nodes,
+                          const ehd_grid *grid, bool mirrored, ehd_error *error) {
+    size_t count = count_inner(grid, mirrored);
+    double *inner = malloc(count * sizeof *inner);
+    if (!inner)
+        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
+                        artefact_path(file), name, count);
 
-    while (exit > 0 && !(first[exit - 1] != 0))
-        exit--;
-    return exit;
-}
-
-void grid_exit_nodes(int64_t *exits, const double *pressure, const ehd_grid *grid, bool mirrored) {
-    size_t num_lines = count_inner(grid, mirrored) / grid->inner_x;
-
-    for (size_t l = 0; l < num_lines; l++)
-        exits[l] = (int64_t)line_exit(pressure, grid, l, mirrored);
-}
-
-void grid_exit_positions(double *positions, const double *pressure, const ehd_grid *grid,
-                         bool mirrored) {
-    size_t num_lines = count_inner(grid, mirrored) / grid->inner_x;
-
-    for (size_t l = 0; l < num_lines; l++) {
-        size_t exit = line_exit(pressure, grid, l, mirrored);
-        positions[l] = exit > 0 ? grid->x_min + (double)exit * grid->step : NAN;
-    }
+    take_inner(inner, nodes, grid, mirrored);
+    ehd_status status = artefact_put_part(file, name, index, 1, inner, error);
+    free(inner);
+    return status;
 }
 
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,

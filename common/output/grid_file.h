@@ -19,20 +19,15 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error);
 
-/* Values at the inner nodes, [inner_lines, inner_x] as files have them, of the whole grid where `mirrored`;
- * and back, where the grid is a half its own half of them. */
-void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored);
+/* Puts values at the inner nodes, [inner_lines, inner_x] as files have them, of the whole grid where `mirrored`, to the
+ * grid's nodes, where the grid is a half its own half of them. */
 void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bool mirrored);
 
-/* Where the pressure ends on each line, as index into x, 0 where it has none; and as X, NaN there. */
-void grid_exit_nodes(
-    // output:
-    int64_t *exits, // [inner_lines], of the whole grid where `mirrored`
-    // input:
-    const double *pressure, // [num_nodes]
-    const ehd_grid *grid, bool mirrored);
-void grid_exit_positions(double *positions, const double *pressure, const ehd_grid *grid,
-                         bool mirrored);
+/* Writes values at the inner nodes as entry `index` of a field whose last axes are (y and) x. EHD_MEMORY; and as
+ * artefact_put_part. */
+ehd_status grid_put_field(artefact *file, const char *name, size_t index,
+                          const double *nodes, // [num_nodes]
+                          const ehd_grid *grid, bool mirrored, ehd_error *error);
 
 /* Lines of an open file's inner nodes, 1 of a line contact. EHD_DATA: not as many as the kind has. */
 ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,

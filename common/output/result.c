@@ -56,30 +56,15 @@ ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_erro
     return status;
 }
 
-/* The boundary nodes lie outside of the axes. */
-static ehd_status put_field(artefact *file, const char *name, const double *nodes,
-                            const ehd_grid *grid, ehd_error *error) {
-    const ehd_grid whole = grid_whole(grid);
-    double *inner = malloc(whole.num_inner * sizeof *inner);
-    if (!inner)
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
-                        artefact_path(file), name, whole.num_inner);
-
-    grid_take_inner(inner, nodes, grid, true);
-    ehd_status status = artefact_put(file, name, inner, error);
-    free(inner);
-    return status;
-}
-
 static ehd_status put_fields(artefact *file, const run_result *result, const ehd_grid *grid,
                              ehd_error *error) {
     bool on_line = grid->inner_lines == 1, any = result->pressure || result->film;
     ehd_status status = on_line && any ? grid_write_axes(file, grid, error) : EHD_OK;
 
     if (!status && result->pressure)
-        status = put_field(file, "pressure", result->pressure, grid, error);
+        status = grid_put_field(file, "pressure", 0, result->pressure, grid, true, error);
     if (!status && result->film)
-        status = put_field(file, "film_thickness", result->film, grid, error);
+        status = grid_put_field(file, "film_thickness", 0, result->film, grid, true, error);
     return status;
 }
 

@@ -114,25 +114,14 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
     return status;
 }
 
-/* The boundary nodes lie outside of the axes. */
-static ehd_status put_field(artefact *file, const char *name, const double *nodes,
-                            const ehd_grid *grid, size_t index, ehd_error *error) {
-    double *inner = malloc(grid_whole(grid).num_inner * sizeof *inner);
-    if (!inner) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
-
-    grid_take_inner(inner, nodes, grid, true);
-    ehd_status status = artefact_put_part(file, name, index, 1, inner, error);
-    free(inner);
-    return status;
-}
-
 static ehd_status put_fields(artefact *file, const time_entry *entry, const ehd_grid *grid,
                              size_t index, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    if (entry->pressure) status = put_field(file, "pressure", entry->pressure, grid, index, error);
+    if (entry->pressure)
+        status = grid_put_field(file, "pressure", index, entry->pressure, grid, true, error);
     if (!status && entry->film)
-        status = put_field(file, "film_thickness", entry->film, grid, index, error);
+        status = grid_put_field(file, "film_thickness", index, entry->film, grid, true, error);
     return status;
 }
 

@@ -216,6 +216,16 @@ size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {
     return line * grid->inner_x + row % grid->inner_x;
 }
 
+void grid_exit_columns(size_t *columns, const double *pressure, const ehd_grid *grid) {
+    size_t width = grid_width(grid);
+
+    for (size_t l = 0; l < grid_lines(grid); l++) {
+        columns[l] = width - 1;
+        while (columns[l] > 1 && !(pressure[l * width + columns[l] - 1] != 0))
+            columns[l]--;
+    }
+}
+
 void grid_exits(double *positions, const size_t *columns, const ehd_grid *grid) {
     const ehd_grid whole = grid_whole(grid);
     const size_t *inner = columns + grid_first_line(grid);

@@ -74,8 +74,16 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node);
 ehd_grid grid_whole(const ehd_grid *grid);
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
 
-/* X of the exits on the inner lines of the whole grid from the first columns without pressure on all lines of
- * `grid`, [grid_lines]; NaN where column 1 has none. */
+/* The first columns without pressure, counted with the boundary nodes, on all lines; 1 where a line has none. */
+void grid_exit_columns(
+    // output:
+    size_t *columns, // [grid_lines]
+    // input:
+    const double *pressure, // [num_nodes], zero where there is none
+    const ehd_grid *grid);
+
+/* X of the exits on the inner lines of the whole grid from such columns on all lines of `grid`,
+ * [grid_lines]; NaN where column 1 has none. The lines of a half grid are the last ones. */
 void grid_exits(
     // output:
     double *positions, // [inner lines of grid_whole]
