@@ -134,8 +134,8 @@ void reduced_model_deflect(double *film, const reduced_model *model, grid_place 
                            double sign) {
     size_t width = grid_width(&model->grid);
     const double *kernel = model->kernel + index_distance(at.line, line) * width;
-    const double *mirrored = model->kernel + (at.line + line) * width;
     bool has_mirrored = model->grid.half && line > 0;
+    const double *mirrored = has_mirrored ? model->kernel + (at.line + line) * width : NULL;
 
     for (size_t i = 0; i < count; i++) {
         double source = sign * pressure[i];

@@ -86,6 +86,7 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
         free(self->fluid_memory);
         free(self->band_pressure);
         free(self->band_film);
+        free(self->band_search);
         free(self->rows);
         free(self->system_row);
         free(self->matrix);
@@ -138,6 +139,7 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->fluid_memory = malloc(4 * model->num_needed * sizeof(double));
     self->band_pressure = malloc(model->num_band * sizeof(double));
     self->band_film = malloc(model->num_band * sizeof(double));
+    self->band_search = calloc(model->num_band, sizeof *self->band_search);
     self->rows = malloc(model->num_rows * sizeof *self->rows);
     self->system_row = malloc(model->num_rows * sizeof *self->system_row);
     self->matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
@@ -150,9 +152,9 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
         !self->table_exit || !self->block || !self->block_right || !self->wanted || !self->moved ||
         !self->watches || !self->cut || !self->cut_value || !self->step_cut || !self->pressure ||
         !self->film || !self->step_pressure || !self->step_film || !self->fluid_memory ||
-        !self->band_pressure || !self->band_film || !self->rows || !self->system_row ||
-        !self->matrix || !self->right || !self->step || !self->start || !self->observed ||
-        reduced_values_init(&self->values, model, error) ||
+        !self->band_pressure || !self->band_film || !self->band_search || !self->rows ||
+        !self->system_row || !self->matrix || !self->right || !self->step || !self->start ||
+        !self->observed || reduced_values_init(&self->values, model, error) ||
         reduced_values_init(&self->step_values, model, error)) {
         reduced_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");

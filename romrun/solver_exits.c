@@ -22,13 +22,20 @@ static size_t window_begin(const reduced_model *model, size_t exit) {
 
 /* H at a band node of the state whose exits are looked for, once: the rows of neighbouring lines share nodes. */
 static double film_at(reduced_solver *self, const double *z, size_t node, size_t place) {
-    if (isnan(self->band_film[place])) self->band_film[place] = nodes_band_film(self, z, node);
+    if (self->band_search[place] != self->search) {
+        self->band_film[place] = nodes_band_film(self, z, node);
+        self->band_search[place] = self->search;
+    }
     return self->band_film[place];
 }
 
-static void forget_films(reduced_solver *self) {
-    for (size_t k = 0; k < self->model->num_band; k++)
-        self->band_film[k] = NAN;
+/* The same at `count` neighbouring nodes together. */
+static void take_films(reduced_solver *self, const double *z, size_t node, size_t count) {
+    size_t place = reduced_model_band_place(self->model, node);
+
+    nodes_band_films(self->band_film + place, self, z, node, count);
+    for (size_t i = place; i < place + count; i++)
+        self->band_search[i] = self->search;
 }
 
 /* The Reynolds row at a band node, from the state around it; row.residual is -Lambda at the exit. */
@@ -156,8 +163,7 @@ static void expand_around(reduced_solver *self, const double *z, size_t window) 
             last = self->exit[beside] > last ? self->exit[beside] : last;
         }
         size_t from = first < exit - 2 ? first : exit - 2;
-        nodes_band_films(self->band_film + band->offset + from - band->begin, self, z,
-                         l * grid_width(&model->grid) + from, last + 1 - from);
+        take_films(self, z, l * grid_width(&model->grid) + from, last + 1 - from);
         first = first > band->begin + reach ? first - reach : band->begin;
         size_t end = exit + window < band->end ? exit + window : band->end;
         nodes_expand_places(self, z, band->offset + first - band->begin, end - first);
@@ -197,7 +203,7 @@ static void find_exits(reduced_solver *self, const reduced_state *state, const e
     const reduced_model *model = self->model;
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
 
-    forget_films(self);
+    self->search++;
     if (model->num_lines == 1) {
         self->wanted[0] = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                   : adapt_exit(self, state, contact);

@@ -55,16 +55,17 @@ struct reduced_solver {
     double *step_pressure, *step_film; // [num_needed]
     double *fluid_memory;              // [4, num_needed]
     double *band_pressure;             // [num_band] P at band nodes, filled where asked for
-    double *band_film;                 // [num_band] H there; NaN: not asked for yet
-    reynolds_row *rows;                // [num_rows]
-    size_t num_system;                 // rows of the least-squares problem
-    size_t *system_row;                // [num_rows] selected rows before the exit
-    double *matrix;                    // [num_rows + num_deformation + 1, num_unknowns]
-    double *right;                     // [num_rows + num_deformation + 1]
-    double *step;                      // [num_unknowns]
-    double *start;                     // [num_unknowns] to go back to; also scratch
-    size_t *start_exit;                // [num_lines]
-    double *observed;                  // [2, num_rows]
+    double *band_film;           // [num_band] H there, as the search for the exits asks for it
+    size_t search, *band_search; // number of the search; [num_band] of the one that has asked
+    reynolds_row *rows;          // [num_rows]
+    size_t num_system;           // rows of the least-squares problem
+    size_t *system_row;          // [num_rows] selected rows before the exit
+    double *matrix;              // [num_rows + num_deformation + 1, num_unknowns]
+    double *right;               // [num_rows + num_deformation + 1]
+    double *step;                // [num_unknowns]
+    double *start;               // [num_unknowns] to go back to; also scratch
+    size_t *start_exit;          // [num_lines]
+    double *observed;            // [2, num_rows]
 };
 
 // ---- the state at nodes (solver_nodes.c)
