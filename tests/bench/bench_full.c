@@ -2,9 +2,7 @@
 /* Full-order solver: against the dense Newton, and how time and memory grow with the nodes.
  *
  *     bench_full [repeats] */
-#include "common/program/program.h"
-#include "fullrun/full_solver.h"
-#include "tests/bench/measure.h"
+#include "tests/bench/cold.h"
 #include "tests/unit/dense.h"
 #include "tests/unit/sample.h"
 
@@ -14,12 +12,6 @@
 #include <stdlib.h>
 
 static const double LEAST_RATIO = 10, MOST_EXPONENT = 1.3;
-
-static void must_converge(const full_info *info) {
-    if (info->status == EHD_OK) return;
-    fprintf(stderr, "bench_full: %s\n", info->reason);
-    exit(1);
-}
 
 // ---- n = 3001 against the dense Newton
 
@@ -79,64 +71,20 @@ static int bench_dense(size_t repeats) {
 
 // ---- growth with the nodes
 
-typedef struct cold_record {
-    spread seconds;
-    size_t newton, gmres; // on the finest grid
-} cold_record;
-
-/* Median of cold solves, everything included that a program would do for one. */
-static cold_record solve_cold(double step, size_t repeats) {
-    cold_record record = {0};
-    double *times = malloc(repeats * sizeof *times);
-
-    if (!times) abort();
-    for (size_t i = 0; i < repeats; i++) {
-        ehd_contact contact = sample_contact("no1", "dowson-higginson", 12, 12, step);
-        full_settings settings = full_default_settings();
-        full_solver *solver;
-        full_state state;
-        full_info info;
-        ehd_error error;
-        double before = program_seconds();
-
-        must(full_solver_create(&solver, contact.kind, &contact.grid, &settings, &error), &error);
-        must(full_state_init(&state, &contact.grid, &error), &error);
-        must(full_solve_cold(&info, &state, solver, &contact, &error), &error);
-        must_converge(&info);
-        full_state_free(&state);
-        full_solver_free(solver);
-        times[i] = program_seconds() - before;
-        record.newton = info.newton_iterations;
-        record.gmres = info.gmres_iterations;
-    }
-    record.seconds = spread_of(times, repeats);
-    free(times);
-    return record;
-}
-
-/* A step of zero solves nothing and shows what the program itself takes. */
-typedef struct cold_task {
-    double step;
-    size_t repeats;
-} cold_task;
-
-static void run_cold(void *result, const void *given) {
-    const cold_task *task = given;
-    if (task->step > 0) *(cold_record *)result = solve_cold(task->step, task->repeats);
-}
-
 static int bench_growth(size_t repeats) {
     enum { NUM_SIZES = 5 };
     double nodes[NUM_SIZES], seconds[NUM_SIZES], megabytes[NUM_SIZES], idle;
+    cold_task task = {.settings = full_default_settings()};
+    cold_record record = {0};
     char text[SPREAD_TEXT];
 
-    cold_record record = {0};
-    run_apart(&record, sizeof record, &idle, run_cold, &(cold_task){0, 0});
+    run_apart(&record, sizeof record, &idle, cold_solve, &task);
+    task.repeats = repeats;
     for (size_t i = 0; i < NUM_SIZES; i++) {
         double step = 0.005 / (double)(1 << i);
-        nodes[i] = 6 / step + 1;
-        const cold_task task = {step, repeats};
-        run_apart(&record, sizeof record, &megabytes[i], run_cold, &task);
+        task.contact = sample_contact("no1", "dowson-higginson", 12, 12, step);
+        nodes[i] = (double)task.contact.grid.num_inner;
+        run_apart(&record, sizeof record, &megabytes[i], cold_solve, &task);
         seconds[i] = record.seconds.median;
         megabytes[i] -= idle;
         printf("cold solve, n = %5.0f: %s ms, %zu Newton, %zu GMRES, peak memory %.1f MB "

@@ -5,8 +5,7 @@
  *
  *     bench_point [repeats [largest number of cells]] */
 #include "common/program/program.h"
-#include "fullrun/full_solver.h"
-#include "tests/bench/measure.h"
+#include "tests/bench/cold.h"
 #include "tests/unit/sample.h"
 
 #include <cblas.h>
@@ -42,81 +41,44 @@ static double time_product(size_t repeats) {
 
 // ---- one size
 
-typedef struct cold_task {
-    size_t cells; // 0: nothing is solved, which shows what the program itself takes
-    size_t repeats;
-    double tolerance;
-} cold_task;
-
-typedef struct cold_record {
-    spread seconds;
-    size_t nodes, newton, gmres; // iterations on the finest grid
-    double central, minimum;     // film in Moes units
-} cold_record;
-
-static void solve_once(cold_record *record, double *seconds, const cold_task *task) {
-    const ehd_contact contact = sample_point("barus", "incompressible", 20, 10, task->cells, true);
-    const double unit = pow(1.5 * contact.moes_M, 2. / 3);
-    full_settings settings = full_default_settings();
-    full_solver *solver;
-    full_state state;
-    full_info info;
-    ehd_error error;
-    double before = program_seconds();
-
-    settings.tolerance = task->tolerance;
-    must(full_solver_create(&solver, contact.kind, &contact.grid, &settings, &error), &error);
-    must(full_state_init(&state, &contact.grid, &error), &error);
-    must(full_solve_cold(&info, &state, solver, &contact, &error), &error);
-    *seconds = program_seconds() - before;
-    if (info.status != EHD_OK) {
-        fprintf(stderr, "bench_point: %s\n", info.reason);
-        exit(1);
-    }
-    contact_scalars scalars = full_evaluate_scalars(&state, &contact);
-    record->nodes = contact.grid.num_inner;
-    record->newton = info.newton_iterations;
-    record->gmres = info.gmres_iterations;
-    record->central = scalars.central_film_thickness * unit;
-    record->minimum = scalars.minimum_film_thickness * unit;
-    full_state_free(&state);
-    full_solver_free(solver);
+static cold_task task_of(size_t cells, double tolerance, size_t repeats) {
+    cold_task task = {sample_point("barus", "incompressible", 20, 10, cells, true),
+                      full_default_settings(), repeats};
+    task.settings.tolerance = tolerance;
+    return task;
 }
 
-static void solve_cold(void *result, const void *given) {
-    const cold_task *task = given;
-    cold_record *record = result;
-    double *seconds = must_allocate((task->repeats + 1) * sizeof *seconds);
-
-    for (size_t i = 0; i < task->repeats && task->cells > 0; i++)
-        solve_once(record, &seconds[i], task);
-    if (task->cells > 0) record->seconds = spread_of(seconds, task->repeats);
-    free(seconds);
+/* Film in Moes units. */
+static double in_moes(double film, const cold_task *task) {
+    return film * pow(1.5 * task->contact.moes_M, 2. / 3);
 }
 
-static void print_record(const char *what, const cold_record *record, size_t cells,
+static void print_record(const char *what, const cold_record *record, const cold_task *task,
                          double product) {
+    size_t across = task->contact.grid.inner_x + 2;
     char text[SPREAD_TEXT];
 
     printf("%s, %zu by %zu nodes (half of it solved): %s s, %.1f products, %zu Newton, %zu GMRES, "
            "H_c %.4f, H_m %.4f",
-           what, cells + 1, cells + 1, spread_text(text, &record->seconds, 1, 2),
-           record->seconds.median / product, record->newton, record->gmres, record->central,
-           record->minimum);
+           what, across, across, spread_text(text, &record->seconds, 1, 2),
+           record->seconds.median / product, record->newton, record->gmres,
+           in_moes(record->scalars.central_film_thickness, task),
+           in_moes(record->scalars.minimum_film_thickness, task));
 }
 
 // ---- all
 
 static int compare_truncated(const cold_record *converged, double product, size_t repeats) {
-    const cold_task task = {COMPARED_CELLS, repeats, TRUNCATED};
+    const cold_task task = task_of(COMPARED_CELLS, TRUNCATED, repeats);
     const double finer = 4.801; // H_c of twice the cells (model.md, section 6)
     cold_record record = {0};
 
-    solve_cold(&record, &task);
+    cold_solve(&record, &task);
     double units = record.seconds.median / product;
-    double error = fabs(record.central - converged->central);
-    double truncation = fabs(finer - converged->central);
-    print_record("to the truncation error", &record, COMPARED_CELLS, product);
+    double central = in_moes(converged->scalars.central_film_thickness, &task);
+    double error = fabs(in_moes(record.scalars.central_film_thickness, &task) - central);
+    double truncation = fabs(finer - central);
+    print_record("to the truncation error", &record, &task, product);
     printf(", off by %.1e of the converged one, truncation %.1e\n", error, truncation);
     printf("products: converged %.1f (at most %g), to the truncation error %.1f (at most %g)\n",
            converged->seconds.median / product, MOST_CONVERGED, units, MOST_TRUNCATED);
@@ -136,14 +98,15 @@ int main(int argc, char **argv) {
     if (repeats == 0) abort();
     openblas_set_num_threads(1);
     // children first: they start from a small process
-    run_apart(&record, sizeof record, &idle, solve_cold, &(cold_task){0, 0, 0});
+    cold_task task = task_of(FEWEST_CELLS, full_default_settings().tolerance, 0);
+    run_apart(&record, sizeof record, &idle, cold_solve, &task);
     for (size_t cells = FEWEST_CELLS; cells <= most && count < NUM_SIZES; cells *= 2, count++) {
-        const cold_task task = {cells, repeats, full_default_settings().tolerance};
-        run_apart(&record, sizeof record, &megabytes[count], solve_cold, &task);
-        nodes[count] = (double)record.nodes;
+        task = task_of(cells, task.settings.tolerance, repeats);
+        run_apart(&record, sizeof record, &megabytes[count], cold_solve, &task);
+        nodes[count] = (double)task.contact.grid.num_inner;
         seconds[count] = record.seconds.median;
         megabytes[count] -= idle;
-        print_record("cold solve", &record, cells, time_product(3));
+        print_record("cold solve", &record, &task, time_product(3));
         printf(", peak memory %.0f MB\n", megabytes[count]);
         if (cells == COMPARED_CELLS) compared = record;
     }
@@ -152,6 +115,6 @@ int main(int argc, char **argv) {
     printf("growth with the nodes N: time N^%.2f (at most %g), memory N^%.2f (at most %g)\n",
            time_exponent, MOST_TIME_EXPONENT, memory_exponent, MOST_MEMORY_EXPONENT);
     int slow = time_exponent > MOST_TIME_EXPONENT || memory_exponent > MOST_MEMORY_EXPONENT;
-    return compared.nodes > 0 ? compare_truncated(&compared, time_product(5), repeats) | slow
-                              : slow;
+    return compared.newton > 0 ? compare_truncated(&compared, time_product(5), repeats) | slow
+                               : slow;
 }

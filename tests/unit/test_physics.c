@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/contact.h"
-#include "common/physics/deflection.h"
 #include "common/physics/reynolds.h"
-#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
 
-#include <gsl/gsl_integration.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -429,126 +426,6 @@ static void manufactured_rows(void **state) {
         check_close(rows[r].residual, 2 * curvature * pow(0.6, 3) / lambda, 1e-11, 0);
 }
 
-// ---- deflection
-
-/* Film of the dry contact: zero inside, outside (|X| sqrt(X^2-1) - ln(|X| + sqrt(X^2-1)))/2, with
- * Delta(0) = 1/4 + ln(2)/2. Returns the largest deviation. */
-static double hertz_deviation(double step) {
-    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, step);
-    const ehd_grid *grid = &contact.grid;
-    ehd_deflection *deflection = deflection_create(contact.kind, grid);
-    double *values = calloc(grid->num_nodes, sizeof *values), worst = 0;
-
-    assert_true(deflection && values);
-    for (size_t k = 1; k <= grid->num_inner; k++)
-        values[k] = sqrt(fmax(0, 1 - pow(grid_x(grid, k), 2)));
-    deflection_apply(values, deflection, values);
-    for (size_t k = 0; k < grid->num_nodes; k++) {
-        double x = fabs(grid_x(grid, k)), root = x > 1 ? sqrt(x * x - 1) : 0;
-        double exact = x > 1 ? (x * root - log(x + root)) / 2 : 0;
-        double film = values[k] + contact_gap(x, 0) - (0.25 + M_LN2 / 2);
-        worst = fmax(worst, fabs(film - exact));
-    }
-    free(values);
-    deflection_free(deflection);
-    return worst;
-}
-
-static void hertz_pressure_gives_hertz_deflection(void **state) {
-    (void)state;
-    double coarse = hertz_deviation(0.02), fine = hertz_deviation(0.01),
-           finest = hertz_deviation(0.005);
-    assert_true(finest < 2.5e-4);
-    // the square root at the ends leaves h^1.5 ln h
-    assert_true(coarse / fine > 2.2 && coarse / fine < 3);
-    assert_true(fine / finest > 2.2 && fine / finest < 3);
-}
-
-static void fft_equals_direct_sum(void **state) {
-    (void)state;
-    static const double steps[] = {0.1, 0.04, 0.01};
-    for (int s = 0; s < 3; s++) {
-        ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, steps[s]);
-        size_t n = contact.grid.num_nodes;
-        ehd_deflection *deflection = deflection_create(contact.kind, &contact.grid);
-        double *pressure = malloc(n * sizeof *pressure), *delta = malloc(n * sizeof *delta);
-        double *direct = calloc(n, sizeof *direct), largest = 0;
-        unsigned long long seed = 5;
-
-        assert_true(deflection && pressure && delta && direct);
-        for (size_t k = 0; k < n; k++) {
-            seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-            pressure[k] = (double)(seed >> 11) * 0x1p-53;
-        }
-        for (size_t k = 0; k < n; k++) {
-            for (size_t j = 0; j < n; j++)
-                direct[k] += pressure[j] * deflection_kernel(deflection)[k > j ? k - j : j - k];
-            largest = fmax(largest, fabs(direct[k]));
-        }
-        deflection_apply(delta, deflection, pressure);
-        check_close_array(delta, direct, n, 0, 1e-13 * largest);
-        deflection_apply(pressure, deflection, pressure); // in place
-        check_close_array(pressure, delta, n, 0, 0);
-        free(pressure);
-        free(delta);
-        free(direct);
-        deflection_free(deflection);
-    }
-}
-
-static double line_integrand(double x, void *parameters) {
-    (void)parameters;
-    return -log(x * x) / (2 * M_PI);
-}
-
-static void kernel_is_the_integral_over_a_cell(void **state) {
-    (void)state;
-    const double step = 0.05;
-    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, step);
-    ehd_deflection *deflection = deflection_create(contact.kind, &contact.grid);
-    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(200);
-    gsl_function integrand = {line_integrand, NULL};
-    double integral, estimate;
-
-    assert_true(deflection && workspace);
-    const double *kernel = deflection_kernel(deflection);
-    // singular at the cell's own node: both halves of it, which are alike
-    gsl_integration_qags(&integrand, 0, step / 2, 0, 1e-12, 200, workspace, &integral, &estimate);
-    check_close(kernel[0], 2 * integral, 1e-11, 0);
-    for (size_t d = 1; d < contact.grid.num_nodes; d++) {
-        double x = (double)d * step;
-        gsl_integration_qag(&integrand, x - step / 2, x + step / 2, 1e-16, 1e-11, 200,
-                            GSL_INTEG_GAUSS31, workspace, &integral, &estimate);
-        check_close(kernel[d], integral, 1e-10, 1e-15);
-    }
-    gsl_integration_workspace_free(workspace);
-    deflection_free(deflection);
-}
-
-static void deflection_without_memory(void **state) {
-    (void)state;
-    const struct {
-        const contact_kind *kind;
-        ehd_grid grid;
-    } cases[] = {{&contact_line, grid_of(-1, 0.1, 21, 1, false)},
-                 {&contact_point, grid_of(-1, 0.1, 21, 11, true)}};
-
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        ehd_deflection *deflection;
-        size_t call = 0;
-        bool failed;
-        do {
-            allocation_fail_at(call);
-            deflection = deflection_create(cases[i].kind, &cases[i].grid);
-            failed = allocation_failed();
-            if (failed) assert_null(deflection);
-        } while (failed && call++ < 100);
-        assert_true(call >= 3 && call < 100);
-        assert_non_null(deflection);
-        deflection_free(deflection);
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(viscosity_derivative),
@@ -572,10 +449,6 @@ int main(void) {
         cmocka_unit_test(row_derivatives),
         cmocka_unit_test(first_row_has_no_second_node_back),
         cmocka_unit_test(manufactured_rows),
-        cmocka_unit_test(hertz_pressure_gives_hertz_deflection),
-        cmocka_unit_test(fft_equals_direct_sum),
-        cmocka_unit_test(kernel_is_the_integral_over_a_cell),
-        cmocka_unit_test(deflection_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The point contact: kernel, deflection and rows across, and the full model's solutions. */
+/* The point contact: rows across, and the full model's solutions. */
 #include "tests/unit/check.h"
 #include "tests/unit/dense.h"
 #include "tests/unit/problem.h"
 #include "tests/unit/sample.h"
 
-#include <gsl/gsl_integration.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,121 +13,6 @@ static void *allocate(size_t count, size_t size) {
     void *memory = calloc(count, size);
     assert_non_null(memory);
     return memory;
-}
-
-/* Numbers in 0 … 1, the same at every run. */
-static void fill_random(double *values, size_t count) {
-    unsigned long long seed = 5;
-    for (size_t k = 0; k < count; k++) {
-        seed = seed * 6364136223846793005ull + 1442695040888963407ull;
-        values[k] = (double)(seed >> 11) * 0x1p-53;
-    }
-}
-
-// ---- deflection
-
-/* 1/r integrated along x over a cell, at a distance y: what is left to integrate over y. */
-static double strip(double y, void *parameters) {
-    const double *ends = parameters;
-    return 2 / (M_PI * M_PI) * (asinh(ends[1] / fabs(y)) - asinh(ends[0] / fabs(y)));
-}
-
-static double integral_over_cell(double x, double y, double step) {
-    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(500);
-    double ends[2] = {x - step / 2, x + step / 2}, sum = 0, part, estimate;
-    gsl_function integrand = {strip, ends};
-    double places[] = {y - step / 2, fmin(fmax(0, y - step / 2), y + step / 2), y + step / 2};
-
-    assert_non_null(workspace);
-    for (int i = 0; i < 2; i++) { // the logarithm at y = 0 lies at an end
-        if (places[i + 1] <= places[i]) continue;
-        gsl_integration_qags(&integrand, places[i], places[i + 1], 1e-15, 1e-12, 500, workspace,
-                             &part, &estimate);
-        sum += part;
-    }
-    gsl_integration_workspace_free(workspace);
-    return sum;
-}
-
-static void kernel_is_the_integral_over_a_cell(void **state) {
-    (void)state;
-    const double step = 0.05;
-    static const double places[][2] = {{0, 0}, {1, 0},  {0, 1},  {1, 1},    {3, 2},
-                                       {2, 3}, {39, 8}, {40, 7}, {30, -28}, {-3, 90}};
-
-    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
-        double x = places[i][0] * step, y = places[i][1] * step;
-        check_close(contact_point.kernel(x, y, step), integral_over_cell(x, y, step), 2e-12, 0);
-    }
-    // a square under its own centre: 8 triangles of (step/2) asinh(1)
-    check_close(contact_point.kernel(0, 0, step), 8 / (M_PI * M_PI) * step * asinh(1), 1e-14, 0);
-    // a cell far away is a force on a point
-    check_close(contact_point.kernel(4, 3, step), 2 / (M_PI * M_PI) * step * step / 5, 1e-5, 0);
-}
-
-static void check_fft(size_t cells, bool half) {
-    const ehd_contact contact = sample_point("barus", "incompressible", 20, 5, cells, half);
-    const ehd_grid *grid = &contact.grid;
-    size_t n = grid->num_nodes;
-    ehd_deflection *deflection = deflection_create(contact.kind, grid);
-    double *pressure = allocate(3 * n, sizeof *pressure), *delta = pressure + n;
-    double *direct = delta + n, largest = 0;
-
-    assert_non_null(deflection);
-    fill_random(pressure, n);
-    for (size_t k = 0; k < n; k++) {
-        for (size_t j = 0; j < n; j++) {
-            double x = grid_x(grid, k) - grid_x(grid, j), y = grid_y(grid, j);
-            direct[k] += pressure[j] * contact.kind->kernel(x, grid_y(grid, k) - y, grid->step);
-            if (half && y > 0) // and the mirror image
-                direct[k] += pressure[j] * contact.kind->kernel(x, grid_y(grid, k) + y, grid->step);
-        }
-        largest = fmax(largest, fabs(direct[k]));
-    }
-    deflection_apply(delta, deflection, pressure);
-    check_close_array(delta, direct, n, 0, 1e-12 * largest);
-    deflection_apply(pressure, deflection, pressure); // in place
-    check_close_array(pressure, delta, n, 0, 0);
-    free(pressure);
-    deflection_free(deflection);
-}
-
-static void fft_equals_direct_sum(void **state) {
-    (void)state;
-    check_fft(16, false);
-    check_fft(16, true);
-    check_fft(26, false);
-    check_fft(38, true);
-}
-
-/* Hertz: Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns the largest
- * deviation. */
-static double hertz_deviation(size_t cells, bool half) {
-    const ehd_contact contact = sample_point("barus", "incompressible", 20, 5, cells, half);
-    const ehd_grid *grid = &contact.grid;
-    ehd_deflection *deflection = deflection_create(contact.kind, grid);
-    double *values = allocate(grid->num_nodes, sizeof *values), worst = 0;
-
-    assert_non_null(deflection);
-    for (size_t k = 0; k < grid->num_nodes; k++)
-        values[k] = sqrt(fmax(0, 1 - 2 * grid_gap(grid, k)));
-    deflection_apply(values, deflection, values);
-    for (size_t k = 0; k < grid->num_nodes; k++) {
-        double r2 = 2 * grid_gap(grid, k), exact = 1 - r2 / 2;
-        if (r2 > 1) exact = ((2 - r2) * asin(1 / sqrt(r2)) + sqrt(r2 - 1)) / M_PI;
-        worst = fmax(worst, fabs(values[k] - exact));
-    }
-    free(values);
-    deflection_free(deflection);
-    return worst;
-}
-
-static void hertz_pressure_gives_hertz_deflection(void **state) {
-    (void)state;
-    double coarse = hertz_deviation(64, false), fine = hertz_deviation(256, false);
-    // the steep edge, which cuts through the cells, leaves about the first order
-    assert_true(coarse < 2.5e-3 && fine < coarse / 3.5);
-    check_close(hertz_deviation(64, true), coarse, 1e-9, 0);
 }
 
 // ---- rows
@@ -422,9 +306,6 @@ static void thin_films_approach_hertz(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(kernel_is_the_integral_over_a_cell),
-        cmocka_unit_test(fft_equals_direct_sum),
-        cmocka_unit_test(hertz_pressure_gives_hertz_deflection),
         cmocka_unit_test(row_derivatives),
         cmocka_unit_test(rows_without_variation_across_are_the_line_s),
         cmocka_unit_test(every_step_equals_dense),
