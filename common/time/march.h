@@ -63,11 +63,11 @@ typedef struct march_settings {
 
 /* Where a march stands: everything that it needs to go on, with the solver's states. */
 typedef struct march_state {
-    double time, step;             // of the next attempt
-    double last_step, step_before; // accepted ones since the start or a jump, 0: none
-    double rejected_step, rejected_error; // of the last attempt at this step that was rejected, 0: none
-    double noise;                         // of the solver's local errors, as far as it was met lately
-    double at_kink;                // 1 where the histories have a kink at `time`, else 0
+    double time, step;                    // of the next attempt
+    double last_step, step_before;        // accepted ones since the start or a jump, 0: none
+    double rejected_step, rejected_error; // of the last attempt rejected at this step, 0: none
+    double noise;   // of the solver's local errors, as far as it was met lately
+    double at_kink; // 1 where the histories have a kink at `time`, else 0
     double load, load_rate;
     double num_steps, num_rejected,
         num_iterations;     // whole; all members are numbers of one type, so
