@@ -8,11 +8,11 @@ function row(first, film_full, film_reduced, deviation, iterations_full, iterati
         first[4], film_full, film_reduced, deviation, iterations_full, iterations_reduced, full, reduced, full / reduced, note
 }
 
-BEGIN {
+function head(with_published) {
     split(model, size, " ")
     printf "\nFull model: %d nodes, %d unknowns. Reduced model: %d unknowns, %d Reynolds rows, %d training solutions.\n",
         size[1], size[2], size[4], size[7], size[3]
-    print "H_c: film thickness at the centre. The second line of a case: as published.\n"
+    printf "H_c: film thickness at the centre.%s\n\n", with_published ? " The second line of a case: as published." : ""
     printf "%-9s %5s %4s %5s   %11s %11s %9s   %13s   %17s %8s\n", "lubricant", "M", "L", "p_H", "H_c", "H_c", "deviation", "iterations", "time / ms", "speed-up"
     printf "%-9s %5s %4s %5s   %11s %11s %9s   %5s %7s   %8s %8s\n", "", "", "", "GPa", "full", "reduced", "permille", "full", "reduced", "full", "reduced"
     rule = sprintf("%104s", "")
@@ -28,7 +28,7 @@ $1 == "result" {
     next
 }
 
-FNR == 1 { FS = ","; $0 = $0; next }
+FNR == 1 { FS = ","; $0 = $0; head(NF > 4); next }
 
 NF > 1 {
     name = ($1 == "" ? "" : $1 "-") "M" $2 "-L" $3 ($4 == "" ? "" : "-p" $4)
