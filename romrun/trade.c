@@ -18,7 +18,7 @@ static const double LEAST_MODES = 10;
 static const double STRIDE = 1.4142; // from one number of modes to the next
 static const size_t HALVED =
     2; // the last strides have a position amid, where the accurate sizes are
-static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, INFINITY}; // up to what is stored
+static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // up to what is stored
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 
 static size_t num_strides(size_t most_modes) {

@@ -46,7 +46,7 @@ typedef struct trade_table {
 void trade_free(trade_table *table);
 
 /* The sizes to measure: pressure modes from about 10 to all in strides of about sqrt(2), half of it in
- * the end, deformation modes in proportion; rows 1.2, 1.5 and 2 times the pressure modes, and all. EHD_MEMORY. */
+ * the end, deformation modes in proportion; rows 1.2, 1.5, 2 and 3 times the pressure modes, and all. EHD_MEMORY. */
 ehd_status trade_ladder(
     // output:
     trade_table *table, // free with trade_free; only the sizes are filled
