@@ -102,26 +102,15 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     return status ? status : artefact_get(file, "trajectory_rate", states->rate, error);
 }
 
-/* Column behind the last positive pressure of a line. */
-static size_t exit_of(const double *pressure, size_t width) {
-    size_t exit = width - 1;
-
-    while (exit > 1 && !(pressure[exit - 1] > 0))
-        exit--;
-    return exit;
-}
-
 /* The next state; `pressure` is its place in the set and filled. */
 static void add_solved(snapshot_set *set, const solved_state *state, const double *pressure) {
-    size_t s = set->num_states++, width = grid_width(&set->grid);
-    size_t num_lines = grid_lines(&set->grid);
+    size_t s = set->num_states++;
 
     set->rigid_approach[s] = state->rigid_approach;
     set->moes_M[s] = state->moes_M;
     set->alpha_p_H[s] = state->alpha_p_H;
     set->central_film_thickness[s] = state->central_film_thickness;
-    for (size_t l = 0; l < num_lines; l++)
-        set->exit[s * num_lines + l] = exit_of(pressure + l * width, width);
+    grid_exit_columns(set->exit + s * grid_lines(&set->grid), pressure, &set->grid);
     set->stationary[s] = true;
     set->rate[s] = 0;
 }

@@ -221,7 +221,7 @@ void grid_exit_columns(size_t *columns, const double *pressure, const ehd_grid *
 
     for (size_t l = 0; l < grid_lines(grid); l++) {
         columns[l] = width - 1;
-        while (columns[l] > 1 && !(pressure[l * width + columns[l] - 1] != 0))
+        while (columns[l] > 1 && !(pressure[l * width + columns[l] - 1] > 0))
             columns[l]--;
     }
 }

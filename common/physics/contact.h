@@ -74,12 +74,13 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node);
 ehd_grid grid_whole(const ehd_grid *grid);
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
 
-/* The first columns without pressure, counted with the boundary nodes, on all lines; 1 where a line has none. */
+/* The columns behind the last positive pressure, counted with the boundary nodes, on all lines; 1 where a line has
+ * none. */
 void grid_exit_columns(
     // output:
     size_t *columns, // [grid_lines]
     // input:
-    const double *pressure, // [num_nodes], zero where there is none
+    const double *pressure, // [num_nodes]
     const ehd_grid *grid);
 
 /* X of the exits on the inner lines of the whole grid from such columns on all lines of `grid`,

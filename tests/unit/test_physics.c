@@ -287,6 +287,29 @@ static void grid_nodes(void **state) {
     check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
 }
 
+/* Three lines of a half, y = 0 first, and the boundary line: one that ends amid, one with none in between and a value
+ * that is no pressure behind, one with none; on the whole grid the other half is mirrored. */
+static void exits_of_a_pressure(void **state) {
+    (void)state;
+    const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true);
+    const double pressure[4][6] = {{0, 1, 2, 3, 0, 0}, {0, 1, 0, 1, -1e-9, 0}};
+    const size_t expected[] = {4, 4, 1, 1};
+    const double positions[] = {NAN, 0.5, 0.5, 0.5, NAN};
+    size_t columns[4];
+    double found[5];
+
+    assert_int_equal(grid.num_nodes, sizeof pressure / sizeof **pressure);
+    grid_exit_columns(columns, pressure[0], &grid);
+    assert_memory_equal(columns, expected, sizeof expected);
+    grid_exits(found, columns, &grid);
+    for (size_t l = 0; l < 5; l++) {
+        if (isnan(positions[l]))
+            assert_true(isnan(found[l]));
+        else
+            check_close(found[l], positions[l], 1e-15, 0);
+    }
+}
+
 // ---- Reynolds operator
 
 enum { NUM_NODES = 14 }; // of a small grid, boundary nodes included
@@ -446,6 +469,7 @@ int main(void) {
         cmocka_unit_test(pressure_beyond_the_law_is_refused),
         cmocka_unit_test(isoviscous_contact),
         cmocka_unit_test(grid_nodes),
+        cmocka_unit_test(exits_of_a_pressure),
         cmocka_unit_test(row_derivatives),
         cmocka_unit_test(first_row_has_no_second_node_back),
         cmocka_unit_test(manufactured_rows),
