@@ -312,6 +312,26 @@ static void print_start(const char *path, double film, const run_result *result)
            film / result->central_film_thickness - 1);
 }
 
+/* Of a point contact where the pressure ends on each line, to be freed; NULL of a line contact. EHD_MEMORY. */
+static ehd_status make_exits(double **exits, const full_state *state, const ehd_contact *contact,
+                             ehd_error *error) {
+    const ehd_grid *grid = &contact->grid;
+
+    *exits = NULL;
+    if (contact->kind->dimensions == 1) return EHD_OK;
+    size_t *columns = malloc(grid_lines(grid) * sizeof *columns);
+    *exits = malloc(grid_whole(grid).inner_lines * sizeof **exits);
+    ehd_status status = columns && *exits
+                            ? EHD_OK
+                            : ehd_fail(error, EHD_MEMORY, "exit: found no memory for its lines");
+    if (!status) {
+        grid_exit_columns(columns, state->pressure, grid);
+        grid_exits(*exits, columns, grid);
+    }
+    free(columns);
+    return status;
+}
+
 static ehd_status run_stationary(const program *self, const fullrun_options *options,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
@@ -322,7 +342,6 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     artefact *file = NULL;
     double start_film = NAN;
     double *exits = NULL;
-    size_t *columns = NULL;
     ehd_status status = grid_check_memory(self, self->arguments[0], contact,
                                           full_solver_bytes(&contact->grid), 1, error);
 
@@ -333,18 +352,9 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     if (!status)
         status =
             solve(&info, &state, self, contact, options->start ? &start : NULL, options, error);
+    if (!status) status = make_exits(&exits, &state, contact, error);
     if (status) goto done;
 
-    if (contact->kind->dimensions > 1) {
-        exits = malloc(grid_whole(&contact->grid).inner_lines * sizeof *exits);
-        columns = malloc(grid_lines(&contact->grid) * sizeof *columns);
-        if (!exits || !columns) {
-            status = ehd_fail(error, EHD_MEMORY, "exit: found no memory for its lines");
-            goto done;
-        }
-        grid_exit_columns(columns, state.pressure, &contact->grid);
-        grid_exits(exits, columns, &contact->grid);
-    }
     run_result result = make_result(&info, &state, contact, given->output_fields != 0);
     result.exits = exits;
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
@@ -364,7 +374,6 @@ done:
     artefact_close(&file);
     full_state_free(&state);
     free(exits);
-    free(columns);
     return status;
 }
 

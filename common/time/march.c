@@ -20,6 +20,7 @@ static const double MOST_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is s
 static const double LEAST_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
 static const double SAFETY = 0.85;
+static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, a step later
 enum { WATCHED_ATTEMPTS = 3000 };
 static const double LEAST_STEP = 1e-9;          // relative to the first one
 static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
@@ -164,9 +165,7 @@ static void take(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double load = outcome->scalars.load * outcome->frame.load;
 
-    const double forgotten = 0.9; // in a step
-
-    state->noise *= forgotten;
+    state->noise *= NOISE_KEPT;
     state->step_before = state->last_step;
     state->last_step = outcome->step;
     state->load_rate = (load - state->load) / outcome->step;

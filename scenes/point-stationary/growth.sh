@@ -14,7 +14,7 @@ run() { "$BIN/romrun" scene.yml --model "$name-model.h5" --allow-untrusted --for
     "$BIN/podbuild" "$name-snapshots.h5" -o "$name-basis.h5" --force --pressure-modes "$modes" --weight row-norm \
         --plan growth-plan.yml "$@"
     "$BIN/snapgen" growth-plan.yml --basis "$name-basis.h5" -o "$name-residuals.h5" --force --quiet "$@"
-    "$BIN/deimselect" "$name-residuals.h5" --basis "$name-basis.h5" -o "$name-model.h5" --force --method sopt --rows "$rows"
+    "$BIN/deimselect" "$name-residuals.h5" --basis "$name-basis.h5" -o "$name-model.h5" --force --method exits --rows "$rows"
 } >/dev/null
 for place in 17-4.5 19.5-5.5 22-6.5 26-5 27-6; do
     run -o "$name-result.h5" "$@" --set "moes.M=${place%-*}" --set "moes.L=${place#*-}"
