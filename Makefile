@@ -45,7 +45,7 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 PROGRAM_FOLDERS := fullrun snapgen podbuild deimselect romrun
 MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
-LIB_SOURCES     := $(sort $(filter-out $(MAINS),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c))))
+LIB_SOURCES     := $(sort $(filter-out $(MAINS),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
 UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
 BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
 HEADERS         := $(sort $(wildcard */*.h */*/*.h))
@@ -133,14 +133,14 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
-# A multibody code includes <romrun/ehdrom.h>; whatever that header includes is installed with it.
+# A multibody code includes <romrun/online/ehdrom.h>; whatever that header includes is installed with it.
 install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages, library
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
 	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
 	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
 	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libehdrom.a
 	install -D -m 644 $(BUILD)/ehdrom.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
-	@for header in $$($(CC) -I. -MM romrun/ehdrom.h | tr -d '\\' | sed 's/^[^:]*://'); do \
+	@for header in $$($(CC) -I. -MM romrun/online/ehdrom.h | tr -d '\\' | sed 's/^[^:]*://'); do \
 	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
 	done
 

@@ -4,8 +4,8 @@
 #include "common/output/check.h"
 #include "common/program/program.h"
 #include "deimselect/row_choice.h"
-#include "romrun/basis_file.h"
-#include "romrun/model_file.h"
+#include "romrun/model/basis_file.h"
+#include "romrun/model/model_file.h"
 
 #include <errno.h>
 #include <math.h>

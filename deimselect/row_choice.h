@@ -4,8 +4,8 @@
 #define EHD_ROW_CHOICE_H
 
 #include "deimselect/selection.h"
-#include "romrun/reduced_model.h"
-#include "romrun/weighting.h"
+#include "romrun/model/reduced_model.h"
+#include "romrun/model/weighting.h"
 #include <stdint.h>
 
 /* Iterations of the training repeated with the projected system. */

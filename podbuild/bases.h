@@ -5,7 +5,7 @@
 
 #include "podbuild/pod.h"
 #include "podbuild/snapshot_set.h"
-#include "romrun/reduced_model.h"
+#include "romrun/model/reduced_model.h"
 
 typedef struct bases_settings {
     pod_settings pressure;

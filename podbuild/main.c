@@ -2,10 +2,10 @@
 /* podbuild: bases of training solutions. */
 #include "common/output/check.h"
 #include "common/program/program.h"
+#include "common/training/training_set.h"
 #include "podbuild/bases.h"
 #include "podbuild/test_weight.h"
-#include "romrun/basis_file.h"
-#include "snapgen/training_set.h"
+#include "romrun/model/basis_file.h"
 
 #include <errno.h>
 #include <stdint.h>

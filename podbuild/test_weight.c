@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "podbuild/test_weight.h"
 
-#include "romrun/reduced_solver.h"
+#include "romrun/online/reduced_solver.h"
 
 #include <cblas.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef EHD_TEST_WEIGHT_H
 #define EHD_TEST_WEIGHT_H
 
-#include "romrun/reduced_model.h"
+#include "romrun/model/reduced_model.h"
 
 /* Writes one positive weight a node. `contacts` are those of the training, [num_contacts], where they are known.
  * EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */

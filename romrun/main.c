@@ -6,13 +6,13 @@
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
 #include "common/program/program.h"
-#include "romrun/accuracy.h"
-#include "romrun/calibrate.h"
-#include "romrun/ehdrom.h"
-#include "romrun/time_compare.h"
-#include "romrun/trade_file.h"
-#include "romrun/verify.h"
-#include "snapgen/pool.h"
+#include "common/training/pool.h"
+#include "romrun/calibrate/accuracy.h"
+#include "romrun/calibrate/calibrate.h"
+#include "romrun/calibrate/time_compare.h"
+#include "romrun/calibrate/verify.h"
+#include "romrun/model/trade_file.h"
+#include "romrun/online/ehdrom.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/adaptive.h"
 
-#include "romrun/indicator.h"
-#include "romrun/trade.h"
+#include "romrun/calibrate/trade.h"
+#include "romrun/online/indicator.h"
 #include "snapgen/adaptive_file.h"
 #include "snapgen/point_choice.h"
 #include "snapgen/snapshots.h"

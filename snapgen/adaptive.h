@@ -4,7 +4,7 @@
 #define EHD_ADAPTIVE_H
 
 #include "common/program/program.h"
-#include "snapgen/training_set.h"
+#include "common/training/training_set.h"
 
 typedef struct adaptive_settings {
     double accuracy;         // wanted relative deviation of the central film
@@ -18,7 +18,7 @@ typedef struct adaptive_settings {
 adaptive_settings adaptive_default_settings(void);
 
 /* The points of the set are candidates. Round by round some are solved with the full model, a reduced model
- * is made of all that are solved, and judges the others by its indicator (romrun/indicator.h), whose factor is
+ * is made of all that are solved, and judges the others by its indicator (romrun/online/indicator.h), whose factor is
  * fitted to the points of the last round, which the model before had judged. The worst ones come next, until
  * none is indicated to deviate more than is wanted. Written to caller->output, which grows and can be resumed.
  * The points that are chosen and their solutions do not depend on num_workers or on interruptions.

@@ -5,7 +5,7 @@
 #define EHD_ADAPTIVE_FILE_H
 
 #include "common/artefact/artefact.h"
-#include "snapgen/training.h"
+#include "fullrun/training.h"
 #include "snapgen/trial.h"
 
 /* A point that was chosen. */

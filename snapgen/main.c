@@ -3,11 +3,11 @@
 #include "common/output/check.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "common/training/pool.h"
+#include "fullrun/training.h"
 #include "snapgen/adaptive.h"
-#include "snapgen/pool.h"
 #include "snapgen/residuals.h"
 #include "snapgen/snapshots.h"
-#include "snapgen/training.h"
 #include "snapgen/trajectory.h"
 
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #ifndef EHD_POINT_CHOICE_H
 #define EHD_POINT_CHOICE_H
 
-#include "snapgen/tree.h"
+#include "common/training/tree.h"
 #include <stdbool.h>
 
 /* Corners of the convex hull of places, but for those that lie no further than `tolerance` outside of what

@@ -2,9 +2,9 @@
 #include "snapgen/residuals.h"
 
 #include "common/artefact/artefact.h"
-#include "romrun/basis_file.h"
-#include "romrun/reduced_solver.h"
-#include "snapgen/pool.h"
+#include "common/training/pool.h"
+#include "romrun/model/basis_file.h"
+#include "romrun/online/reduced_solver.h"
 #include "snapgen/trajectory.h"
 
 #include <math.h>

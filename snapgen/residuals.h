@@ -4,8 +4,8 @@
 #define EHD_RESIDUALS_H
 
 #include "common/program/program.h"
+#include "common/training/training_set.h"
 #include "deimselect/row_choice.h"
-#include "snapgen/training_set.h"
 
 /* Solves every point of the set with all Reynolds rows of the basis at `basis_path`, each from the
  * trained solution nearest to it that is not its own, and writes D f and D J dz of every iteration to

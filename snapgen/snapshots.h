@@ -4,7 +4,7 @@
 #define EHD_SNAPSHOTS_H
 
 #include "common/artefact/artefact.h"
-#include "snapgen/training.h"
+#include "fullrun/training.h"
 #include "snapgen/trajectory.h"
 
 /* A new file with all points still to come, streaming. Errors as artefact_create. */

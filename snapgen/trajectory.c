@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/trajectory.h"
 
+#include "common/training/pool.h"
 #include "fullrun/full_march.h"
-#include "romrun/reduced_march.h"
-#include "snapgen/pool.h"
+#include "romrun/online/reduced_march.h"
 
 #include <pthread.h>
 #include <stdio.h>

@@ -5,11 +5,11 @@
 #define EHD_TRAJECTORY_H
 
 #include "common/program/program.h"
+#include "common/training/training_set.h"
 #include "podbuild/compress.h"
-#include "romrun/film_splines.h"
-#include "romrun/reduced_solver.h"
+#include "romrun/online/film_splines.h"
+#include "romrun/online/reduced_solver.h"
 #include "snapgen/kept_states.h"
-#include "snapgen/training_set.h"
 #include <stdbool.h>
 #include <stddef.h>
 

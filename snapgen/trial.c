@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/trial.h"
 
+#include "common/training/pool.h"
 #include "deimselect/row_choice.h"
 #include "podbuild/bases.h"
-#include "romrun/indicator.h"
-#include "romrun/reduced_solver.h"
-#include "snapgen/pool.h"
+#include "romrun/online/indicator.h"
+#include "romrun/online/reduced_solver.h"
 #include "snapgen/residuals.h"
 
 #include <math.h>

@@ -4,9 +4,9 @@
 #define EHD_TRIAL_H
 
 #include "common/program/program.h"
+#include "common/training/training_set.h"
 #include "podbuild/snapshot_set.h"
-#include "romrun/reduced_model.h"
-#include "snapgen/training_set.h"
+#include "romrun/model/reduced_model.h"
 
 /* A model of stationary solutions, in memory, as podbuild --energy, snapgen --basis and deimselect make it
  * with their defaults. EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text; EHD_MEMORY,

@@ -10,7 +10,7 @@
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "fullrun/full_march.h"
-#include "romrun/ehdrom.h"
+#include "romrun/online/ehdrom.h"
 
 #include <errno.h>
 #include <math.h>

@@ -14,11 +14,11 @@
 #include "common/physics/deflection.h"
 #include "fullrun/continuation.h"
 #include "fullrun/full_solver.h"
-#include "romrun/basis_file.h"
-#include "romrun/least_squares.h"
-#include "romrun/reduced_solver.h"
-#include "romrun/trade.h"
-#include "snapgen/training_set.h"
+#include "romrun/model/basis_file.h"
+#include "romrun/online/least_squares.h"
+#include "romrun/online/reduced_solver.h"
+#include "romrun/calibrate/trade.h"
+#include "common/training/training_set.h"
 
 #include <cblas.h>
 #include <lapacke.h>

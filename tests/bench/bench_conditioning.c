@@ -11,10 +11,10 @@
  * same system REPEATS times. */
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
-#include "romrun/fields.h"
-#include "romrun/least_squares.h"
-#include "romrun/model_file.h"
-#include "romrun/reduced_solver.h"
+#include "romrun/model/model_file.h"
+#include "romrun/online/fields.h"
+#include "romrun/online/least_squares.h"
+#include "romrun/online/reduced_solver.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/variant.h"
 

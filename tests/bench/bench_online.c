@@ -7,9 +7,9 @@
  * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
  * instructions by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
-#include "romrun/indicator.h"
-#include "romrun/model_file.h"
-#include "romrun/reduced_solver.h"
+#include "romrun/model/model_file.h"
+#include "romrun/online/indicator.h"
+#include "romrun/online/reduced_solver.h"
 #include "tests/bench/measure.h"
 
 #include <cblas.h>

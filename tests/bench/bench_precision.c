@@ -6,9 +6,9 @@
  *
  * Rounded: values only, the arithmetic stays double. */
 #include "common/program/program.h"
-#include "romrun/model_file.h"
-#include "romrun/reduced_march.h"
-#include "romrun/reduced_solver.h"
+#include "romrun/model/model_file.h"
+#include "romrun/online/reduced_march.h"
+#include "romrun/online/reduced_solver.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/variant.h"
 

@@ -3,7 +3,7 @@
 #ifndef EHD_VARIANT_H
 #define EHD_VARIANT_H
 
-#include "romrun/reduced_model.h"
+#include "romrun/model/reduced_model.h"
 
 /* Makes a coupled model another one:
  *     stored            nothing is done

@@ -3,7 +3,7 @@
 
 #include "common/physics/deflection.h"
 
-#include "romrun/model_file.h"
+#include "romrun/model/model_file.h"
 #include "tests/unit/check.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 /* The stepping interface of the library, as the force element of somebody else's integrator. */
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
-#include "romrun/ehdrom.h"
+#include "romrun/online/ehdrom.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Bases and models as files, and the library that solves with them. */
-#include "romrun/basis_file.h"
-#include "romrun/ehdrom.h"
-#include "romrun/model_file.h"
-#include "romrun/reduced_solver.h"
-#include "romrun/weighting.h"
+#include "romrun/model/basis_file.h"
+#include "romrun/model/model_file.h"
+#include "romrun/model/weighting.h"
+#include "romrun/online/ehdrom.h"
+#include "romrun/online/reduced_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 

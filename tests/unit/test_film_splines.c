@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry over. */
 #include "fullrun/earlier.h"
-#include "romrun/fields.h"
-#include "romrun/film_splines.h"
+#include "romrun/online/fields.h"
+#include "romrun/online/film_splines.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Control rows and what is made of them: where they are chosen, what they are left with, the bound. */
 #include "deimselect/control.h"
-#include "romrun/indicator.h"
+#include "romrun/online/indicator.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reduced march of a point contact, whose exit is a line. */
 #include "fullrun/full_march.h"
-#include "romrun/fields.h"
-#include "romrun/reduced_march.h"
+#include "romrun/online/fields.h"
+#include "romrun/online/reduced_march.h"
 #include "tests/unit/reduced_problem.h"
 
 #include <math.h>

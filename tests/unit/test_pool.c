@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Threads over a tree: every point once, after its parent, with any number of workers. */
-#include "snapgen/pool.h"
+#include "common/training/pool.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 

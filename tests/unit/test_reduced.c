@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/deflection.h"
-#include "romrun/reduced_cut.h"
+#include "romrun/model/reduced_cut.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reduced model of a point contact, whose exit is a line. */
 #include "common/physics/deflection.h"
-#include "romrun/fields.h"
-#include "romrun/reduced_cut.h"
+#include "romrun/model/reduced_cut.h"
+#include "romrun/online/fields.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 

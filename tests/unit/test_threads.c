@@ -3,7 +3,7 @@
  * one): the same bits again with one thread, and with two the same to a tolerance. */
 #include "fullrun/full_solver.h"
 #include "podbuild/pod.h"
-#include "romrun/least_squares.h"
+#include "romrun/online/least_squares.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The table of sizes of a model: which are measured, how, and which one is taken. */
 #include "common/artefact/artefact.h"
-#include "romrun/accuracy.h"
-#include "romrun/calibration.h"
-#include "romrun/trade_file.h"
+#include "romrun/calibrate/accuracy.h"
+#include "romrun/calibrate/calibration.h"
+#include "romrun/model/trade_file.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"

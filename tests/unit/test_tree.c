@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Order of training points: a tree worked by hand, and properties of larger ones. */
-#include "snapgen/tree.h"
+#include "common/training/tree.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Row weights: exact where the selected rows can stand for all of them. */
-#include "romrun/weighting.h"
+#include "romrun/model/weighting.h"
 #include "tests/unit/check.h"
 
 #include <math.h>

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/training/pool.h"
+
+#include "common/program/program.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct pool {
+    const pool_work *work;
+    pthread_mutex_t lock; // guards everything below, and `start` and `finish` of the work
+    pthread_cond_t changed;
+    bool *taken;       // [num_points]
+    bool *finished;    // [num_points]
+    size_t num_left;   // points not taken
+    ehd_status status; // the first failure
+    ehd_error error;
+} pool;
+
+size_t pool_default_workers(void) {
+    long online = sysconf(_SC_NPROCESSORS_ONLN);
+    return online > 0 ? (size_t)online : 1;
+}
+
+// ---- with the lock held
+
+static void fail(pool *self, ehd_status status, const ehd_error *error) {
+    if (self->status) return;
+    self->status = status;
+    self->error = *error;
+}
+
+static size_t parent_of(const pool *self, size_t point) {
+    return self->work->parent ? self->work->parent[point] : NO_PARENT;
+}
+
+/* The next point whose parent is finished, or NO_PARENT. */
+static size_t free_point(const pool *self) {
+    for (size_t i = 0; i < self->work->num_points; i++) {
+        size_t point = self->work->order ? self->work->order[i] : i;
+        size_t parent = parent_of(self, point);
+        if (!self->taken[point] && (parent == NO_PARENT || self->finished[parent])) return point;
+    }
+    return NO_PARENT;
+}
+
+/* Waits for a point. NO_PARENT: nothing is left, or the pool stops. */
+static size_t take_point(pool *self) {
+    size_t point = NO_PARENT;
+
+    while (self->num_left > 0 && !self->status) {
+        if (program_interrupted()) {
+            fail(self, EHD_INTERRUPTED, &(ehd_error){""});
+            break;
+        }
+        point = free_point(self);
+        if (point != NO_PARENT) break;
+        pthread_cond_wait(&self->changed, &self->lock);
+    }
+    if (point == NO_PARENT || self->status) return NO_PARENT;
+    self->taken[point] = true;
+    self->num_left--;
+    return point;
+}
+
+/* Takes the lock away while the point is solved. */
+static ehd_status run_point(pool *self, void *worker, size_t point, ehd_error *error) {
+    const pool_work *work = self->work;
+    size_t parent = parent_of(self, point);
+    ehd_status status =
+        work->start ? work->start(work->shared, worker, point, parent, error) : EHD_OK;
+    if (status) return status;
+
+    pthread_mutex_unlock(&self->lock);
+    status = work->solve(work->shared, worker, point, parent, error);
+    pthread_mutex_lock(&self->lock);
+    if (!status && work->finish) status = work->finish(work->shared, worker, point, parent, error);
+    return status;
+}
+
+// ---- threads
+
+static void *run_worker(void *argument) {
+    pool *self = argument;
+    void *worker = NULL;
+    ehd_error error = {""};
+    const pool_work *work = self->work;
+    ehd_status status = work->begin ? work->begin(&worker, work->shared, &error) : EHD_OK;
+
+    pthread_mutex_lock(&self->lock);
+    if (status) fail(self, status, &error);
+    for (size_t point = take_point(self); point != NO_PARENT; point = take_point(self)) {
+        status = run_point(self, worker, point, &error);
+        self->finished[point] = !status;
+        if (status) fail(self, status, &error);
+        pthread_cond_broadcast(&self->changed);
+    }
+    pthread_cond_broadcast(&self->changed);
+    pthread_mutex_unlock(&self->lock);
+    if (work->end) work->end(worker);
+    return NULL;
+}
+
+/* With fewer threads than wanted the work is still done. */
+static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
+    size_t started = 0;
+
+    while (started < num_wanted && !pthread_create(&threads[started], NULL, run_worker, self))
+        started++;
+    return started;
+}
+
+static void run_threads(pool *self) {
+    size_t num_workers = self->work->num_workers;
+    if (num_workers > self->num_left) num_workers = self->num_left;
+    pthread_t *threads = malloc((num_workers + 1) * sizeof *threads);
+    size_t started = threads ? start_threads(threads, num_workers, self) : 0;
+
+    if (started == 0) run_worker(self);
+    for (size_t i = 0; i < started; i++)
+        pthread_join(threads[i], NULL);
+    free(threads);
+}
+
+ehd_status pool_run(const pool_work *work, ehd_error *error) {
+    pool self = {.work = work, .num_left = work->num_points};
+    ehd_status status;
+
+    self.taken = calloc(work->num_points, sizeof *self.taken);
+    self.finished = calloc(work->num_points, sizeof *self.finished);
+    if (!self.taken || !self.finished) {
+        status = ehd_fail(error, EHD_MEMORY, "points: found no memory for %zu", work->num_points);
+        goto done;
+    }
+    for (size_t i = 0; i < work->num_points; i++) {
+        if (!work->done || !work->done[i]) continue;
+        self.taken[i] = self.finished[i] = true;
+        self.num_left--;
+    }
+    pthread_mutex_init(&self.lock, NULL);
+    pthread_cond_init(&self.changed, NULL);
+    if (self.num_left > 0) run_threads(&self);
+    pthread_cond_destroy(&self.changed);
+    pthread_mutex_destroy(&self.lock);
+    status = self.status;
+    if (status && error) *error = self.error;
+done:
+    free(self.taken);
+    free(self.finished);
+    return status;
+}

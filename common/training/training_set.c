@@ -1,0 +1,264 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/training/training_set.h"
+
+#include "common/output/inputs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void training_point_name(char name[POINT_NAME], const ehd_contact *contact) {
+    snprintf(name, POINT_NAME, "M=%.6g L=%.6g", contact->moes_M, contact->moes_L);
+}
+
+static ehd_status no_memory(const char *plan_path, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its points", plan_path);
+}
+
+// ---- points
+
+/* `inside` is false for a point that the plan's bounds leave out. */
+static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *of, size_t number,
+                               const char *plan_path, ehd_error *error) {
+    const plan_point *point = &of->points[number];
+    const double *bounds = of->where_bounds[point->group];
+    char name[POINT_NAME];
+    ehd_error cause = {""};
+    ehd_status status = contact_init(contact, &point->scene, &cause);
+
+    // a point that is left out may lie where the lubricant's law does not hold
+    bool known = contact->alpha_p_H > 0 || !status;
+    *inside = !known || (contact->alpha_p_H >= bounds[0] && contact->alpha_p_H <= bounds[1]);
+    if (!status || !*inside) return EHD_OK;
+    training_point_name(name, contact);
+    return ehd_fail(error, status, "%s: point %s: %s", plan_path, name, cause.text);
+}
+
+static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
+                             const char *plan_path, ehd_error *error) {
+    const ehd_grid *expected = &first->grid, *found = &other->grid;
+    char first_name[POINT_NAME], other_name[POINT_NAME];
+
+    if (found->x_min == expected->x_min && found->step == expected->step &&
+        found->num_inner == expected->num_inner && found->half == expected->half)
+        return EHD_OK;
+    training_point_name(first_name, first);
+    training_point_name(other_name, other);
+    return ehd_fail(error, EHD_DATA,
+                    "%s: grid: found %zu nodes from %g by %g at point %s, expected %zu from %g by "
+                    "%g as at point %s",
+                    plan_path, found->num_inner, found->x_min, found->step, other_name,
+                    expected->num_inner, expected->x_min, expected->step, first_name);
+}
+
+static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
+                              ehd_error *error) {
+    ehd_contact first = {0};
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < of->num_points && !status; i++) {
+        const scene *given = &of->points[i].scene;
+        ehd_contact contact;
+        bool inside;
+        status = make_contact(&contact, &inside, of, i, plan_path, error);
+        if (status) break;
+        if (!inside) {
+            set->num_dropped++;
+            continue;
+        }
+        if (!set->kind) {
+            set->kind = contact.kind;
+            first = contact;
+        }
+        set->grid = first.grid;
+        status = check_grid(&first, &contact, plan_path, error);
+        if (strcmp(given->regime, "transient") == 0) {
+            set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
+        } else {
+            set->groups[set->num_points] = of->points[i].group;
+            set->contacts[set->num_points++] = contact;
+        }
+    }
+    if (!status && !set->kind)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: where: found all %zu points outside of the bounds, expected some "
+                          "inside",
+                          plan_path, of->num_points);
+    return status;
+}
+
+// ---- order
+
+static bool same_lubricant(const ehd_lubricant *left, const ehd_lubricant *right) {
+    return left->viscosity == right->viscosity && left->density == right->density &&
+           memcmp(left->constants, right->constants, sizeof left->constants) == 0;
+}
+
+/* The number of the first point of the same group with the same lubricant. */
+static size_t family_of(const training_set *set, size_t point) {
+    size_t first = 0;
+
+    while (set->groups[first] != set->groups[point] ||
+           !same_lubricant(&set->contacts[first].lubricant, &set->contacts[point].lubricant))
+        first++;
+    return first;
+}
+
+void training_set_places(tree_point *places, const training_set *set) {
+    for (size_t i = 0; i < set->num_points; i++) {
+        const ehd_contact *contact = &set->contacts[i];
+        double log_M = log(contact->moes_M);
+        // L where the Hertz pressure follows from it, else what would give the Hertz pressure
+        double material = contact->alpha_p_H / contact->kind->alpha_p_H(contact->moes_M, 1);
+        places[i] = (tree_point){.family = family_of(set, i),
+                                 .place = {log_M, material},
+                                 .effort = fabs(log_M - log(12)) + 0.5 * material};
+    }
+}
+
+static ehd_status make_tree(training_set *set, const char *plan_path, ehd_error *error) {
+    tree_point *points = malloc(set->num_points * sizeof *points);
+    if (!points) return no_memory(plan_path, error);
+
+    training_set_places(points, set);
+    ehd_status status = tree_build(set->parent, points, set->num_points, error);
+    if (!status) status = tree_order(set->order, set->parent, set->num_points, error);
+    free(points);
+    return status;
+}
+
+// ---- parts
+
+ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
+                             ehd_error *error) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        if (!keep[i]) continue;
+        set->contacts[count] = set->contacts[i];
+        set->groups[count++] = set->groups[i];
+    }
+    set->num_points = count;
+    return count > 0 ? make_tree(set, plan_path, error) : EHD_OK;
+}
+
+/* Keeps a contiguous piece of the walk through the tree, in the order of the plan. */
+static ehd_status keep_shard(training_set *set, const char *plan_path, shard piece,
+                             ehd_error *error) {
+    size_t begin = set->num_points * (piece.number - 1) / piece.total;
+    size_t end = set->num_points * piece.number / piece.total;
+    size_t *walk = malloc(set->num_points * sizeof *walk);
+    bool *keep = calloc(set->num_points, sizeof *keep);
+    ehd_status status = walk && keep ? tree_walk(walk, set->parent, set->num_points, error)
+                                     : no_memory(plan_path, error);
+
+    for (size_t i = begin; i < end && !status; i++)
+        keep[walk[i]] = true;
+    if (!status) status = training_set_keep(set, keep, plan_path, error);
+    free(keep);
+    free(walk);
+    return status;
+}
+
+/* How many of the first shards have points; where these are fewer than the shards, some have none. */
+static size_t shards_with_points(size_t first, size_t num_points, size_t total) {
+    size_t points = num_points * first / total;
+
+    return points < first ? points : first;
+}
+
+/* Dealt out to the shards without points before the others, so that none is empty. */
+static void keep_trajectories(training_set *set, size_t num_points, shard piece) {
+    size_t before = shards_with_points(piece.number - 1, num_points, piece.total);
+    bool has_points = shards_with_points(piece.number, num_points, piece.total) > before;
+    size_t num_without = piece.total - shards_with_points(piece.total, num_points, piece.total);
+    size_t turn = has_points ? num_without + before : piece.number - 1 - before;
+    size_t count = 0;
+
+    for (size_t t = turn; t < set->num_trajectories; t += piece.total)
+        set->trajectories[count++] = set->trajectories[t];
+    set->num_trajectories = count;
+}
+
+// ---- all
+
+ehd_status training_set_init(training_set *set, const plan *of, const char *plan_path, shard piece,
+                             ehd_error *error) {
+    *set = (training_set){0};
+    set->contacts = calloc(of->num_points, sizeof *set->contacts);
+    set->groups = calloc(of->num_points, sizeof *set->groups);
+    set->parent = calloc(of->num_points, sizeof *set->parent);
+    set->order = calloc(of->num_points, sizeof *set->order);
+    set->trajectories = calloc(of->num_points, sizeof *set->trajectories);
+    if (asprintf(&set->text, "%s# shard %zu/%zu\n", of->text, piece.number, piece.total) < 0)
+        set->text = NULL;
+    ehd_status status = EHD_OK;
+    if (!set->contacts || !set->groups || !set->parent || !set->order || !set->trajectories ||
+        !set->text)
+        status = no_memory(plan_path, error);
+
+    if (!status) status = make_points(set, of, plan_path, error);
+    size_t num_points = set->num_points, num_all = num_points + set->num_trajectories;
+    if (!status && piece.total > num_all)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--shard: found %zu shards, expected at most %zu, the "
+                          "number of points in %s",
+                          piece.total, num_all, plan_path);
+    if (!status && num_points > 0) status = make_tree(set, plan_path, error);
+    if (!status && piece.total > 1) {
+        if (num_points > 0) status = keep_shard(set, plan_path, piece, error);
+        keep_trajectories(set, num_points, piece);
+    }
+    if (status) training_set_free(set);
+    return status;
+}
+
+ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,
+                                 ehd_error *error) {
+    char *text;
+
+    if (asprintf(&text, "%s# %s\n", set->text, line) < 0) return no_memory(plan_path, error);
+    free(set->text);
+    set->text = text;
+    return EHD_OK;
+}
+
+ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_error *error) {
+    for (size_t i = 0; i < set->num_points; i++)
+        set->parent[i] = NO_PARENT;
+    return training_set_add_text(set, "cold", plan_path, error);
+}
+
+ehd_status training_check_outcome(const training_set *set, size_t num_failed, const char *plan_path,
+                                  ehd_error *error) {
+    size_t num_all = set->num_points + set->num_trajectories;
+
+    if (num_failed < num_all) return EHD_OK;
+    return ehd_fail(error, EHD_NOT_CONVERGED,
+                    "%s: found none of %zu points converged, expected at least one", plan_path,
+                    num_all);
+}
+
+const char **training_inputs(const training_set *set, const char *plan_path,
+                             const char *basis_path) {
+    const char **paths = malloc((3 + NUM_VARY * set->num_trajectories) * sizeof *paths);
+    if (!paths) return NULL;
+
+    size_t count = inputs_add(paths, 0, plan_path);
+    count = inputs_add(paths, count, basis_path);
+    for (size_t t = 0; t < set->num_trajectories; t++)
+        count = inputs_add_tables(paths, count, &set->trajectories[t].scene);
+    paths[count] = NULL;
+    return paths;
+}
+
+void training_set_free(training_set *set) {
+    free(set->text);
+    free(set->contacts);
+    free(set->groups);
+    free(set->parent);
+    free(set->order);
+    free(set->trajectories);
+    *set = (training_set){0};
+}

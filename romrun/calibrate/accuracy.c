@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/accuracy.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* Why the fastest sizes are what they are. */
+static void explain(accuracy_choice *choice, const trade_table *table,
+                    const trade_position *position, bool in_time) {
+    const trade_price price = trade_price_of(position, in_time);
+    const bool indicated = !in_time && position->indicator_factor > 0;
+    char sizes[TRADE_NAME];
+
+    trade_name(sizes, &position->sizes);
+    snprintf(choice->note, sizeof choice->note,
+             "%s, the fastest of %zu sizes whose central film was%s at most so far off: %.3g on "
+             "%s%zu %s, in %.3g ms%s",
+             sizes, table->num_positions, indicated ? " indicated to be" : "", price.deviation,
+             indicated ? "90 % of " : "", in_time ? table->num_trajectories : table->num_scenes,
+             in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");
+}
+
+ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, double accuracy,
+                           bool in_time, const char *name, ehd_error *error) {
+    const double up = 1.006; // what is shown with three digits can be asked for
+    size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
+    size_t chosen = trade_cheapest(table, accuracy, in_time);
+    size_t best = trade_most_accurate(table, in_time);
+    const char *what = in_time ? "trajectories" : "scenes";
+    char sizes[TRADE_NAME];
+
+    if (num_measured == 0)
+        return ehd_fail(error, EHD_DATA, "%s: found a calibration without %s, expected some", name,
+                        what);
+    if (best == table->num_positions)
+        return ehd_fail(error, EHD_DATA,
+                        "--accuracy: found no size of %s that solved enough of the %zu %s of its "
+                        "calibration, expected one",
+                        name, num_measured, what);
+    const trade_position *most = &table->positions[best];
+    trade_name(sizes, &most->sizes);
+    if (chosen == table->num_positions)
+        return ehd_fail(error, EHD_DATA,
+                        "--accuracy: found %g, expected at least %.3g, the best that %s was "
+                        "measured to give (%s)",
+                        accuracy, up * trade_price_of(most, in_time).deviation, name, sizes);
+    choice->fastest = table->positions[chosen].sizes;
+    choice->most = most->sizes;
+    explain(choice, table, &table->positions[chosen], in_time);
+    return EHD_OK;
+}
+
+double accuracy_tolerance(double accuracy) {
+    const double full_convergence = 1e-8, part = 0.02; // of what is asked for
+
+    return fmax(full_convergence, part * accuracy);
+}
+
+void accuracy_judge(run_result *result, double accuracy) {
+    if (result->status || isnan(result->indicated_deviation) ||
+        result->indicated_deviation <= accuracy)
+        return;
+    result->status = EHD_UNTRUSTED;
+    snprintf(result->reason, sizeof result->reason,
+             "an indicated deviation of %.2g of the central film, more than the --accuracy of %g",
+             result->indicated_deviation, accuracy);
+}

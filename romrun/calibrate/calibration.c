@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/calibration.h"
+
+#include "common/program/program.h"
+#include "common/time/march.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
+
+/* Samples of the scenes that were solved, and memory for fields. */
+typedef struct samples {
+    size_t count;                            // of scenes
+    double *deviation[NUM_TRADE_QUANTITIES]; // [count]
+    double *bound;                           // [count] of the central film's
+    double *indicated;                       // [count + failures]
+    double *effectivity;                     // [count]
+    double *seconds;                         // [count * REPEATS]
+    double iterations, most_iterations;      // sum and largest
+    double *pressure, *film;                 // [num_nodes]
+} samples;
+
+static void samples_free(samples *self) {
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        free(self->deviation[q]);
+    free(self->bound);
+    free(self->indicated);
+    free(self->effectivity);
+    free(self->seconds);
+    free(self->pressure);
+    free(self->film);
+}
+
+static ehd_status samples_init(samples *self, size_t num_scenes, size_t num_nodes,
+                               ehd_error *error) {
+    bool complete = true;
+
+    *self = (samples){0};
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++) {
+        self->deviation[q] = malloc((num_scenes + 1) * sizeof(double));
+        complete = complete && self->deviation[q];
+    }
+    self->bound = malloc((num_scenes + 1) * sizeof(double));
+    self->indicated = malloc((num_scenes + 1) * sizeof(double));
+    self->effectivity = malloc((num_scenes + 1) * sizeof(double));
+    self->seconds = malloc((num_scenes + 1) * REPEATS * sizeof(double));
+    self->pressure = malloc(num_nodes * sizeof(double));
+    self->film = malloc(num_nodes * sizeof(double));
+    if (complete && self->bound && self->indicated && self->effectivity && self->seconds &&
+        self->pressure && self->film)
+        return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu scenes", num_scenes);
+}
+
+static double relative(double reduced, double full) {
+    return fabs(reduced / full - 1);
+}
+
+static void add_sample(samples *self, const ehdrom_result *result, const solved_scene *solved) {
+    const contact_scalars *reduced = &result->scalars, *full = &solved->scalars;
+    const double deviation[NUM_TRADE_QUANTITIES] = {
+        [TRADE_CENTRAL_FILM] =
+            relative(reduced->central_film_thickness, full->central_film_thickness),
+        [TRADE_MINIMUM_FILM] =
+            relative(reduced->minimum_film_thickness, full->minimum_film_thickness),
+        [TRADE_CENTRAL_PRESSURE] = relative(reduced->central_pressure, full->central_pressure)};
+
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        self->deviation[q][self->count] = deviation[q];
+    for (size_t k = 0; k < solved->contact->grid.num_nodes; k++)
+        self->deviation[TRADE_PRESSURE][self->count] =
+            fmax(self->deviation[TRADE_PRESSURE][self->count],
+                 fabs(self->pressure[k] - solved->pressure[k]));
+    self->bound[self->count] = result->bound;
+    self->iterations += (double)result->iterations;
+    self->most_iterations = fmax(self->most_iterations, (double)result->iterations);
+    self->count++;
+}
+
+static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_solver *solver,
+                                const solved_scene *solved, ehd_error *error) {
+    ehdrom_result result = {.status = EHD_NOT_CONVERGED};
+    double *seconds = self->seconds + self->count * REPEATS;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < REPEATS && !status; i++) {
+        status = ehdrom_solve(&result, solver, solved->contact, error);
+        seconds[i] = result.seconds;
+    }
+    if (!status && result.status) {
+        position->num_failures++;
+        return EHD_OK;
+    }
+    if (!status) status = ehdrom_fields(self->pressure, self->film, solver, error);
+    if (!status) add_sample(self, &result, solved);
+    return status;
+}
+
+/* Before the deviations are sorted. */
+static void fit_indicator(trade_position *position, samples *self) {
+    const double *deviation = self->deviation[TRADE_CENTRAL_FILM];
+    const size_t num_scenes = self->count + position->num_failures;
+    const double factor = trade_indicator_factor(deviation, self->bound, self->count);
+
+    position->indicator_factor = factor;
+    for (size_t i = 0; i < num_scenes; i++)
+        self->indicated[i] = i < self->count ? factor * self->bound[i] : INFINITY;
+    for (size_t i = 0; i < self->count; i++)
+        self->effectivity[i] = self->indicated[i] / deviation[i];
+    for (int i = 0; i < NUM_TRADE_PARTS; i++) {
+        position->indicated[i] = trade_quantile_of(self->indicated, num_scenes, trade_parts[i]);
+        position->effectivity[i] =
+            trade_quantile_of(self->effectivity, self->count, trade_parts[i]);
+    }
+}
+
+static void evaluate(trade_position *position, samples *self) {
+    fit_indicator(position, self);
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        for (int i = 0; i < NUM_TRADE_QUANTILES; i++)
+            position->deviation[q][i] =
+                trade_quantile_of(self->deviation[q], self->count, trade_quantiles[i]);
+    position->seconds = trade_quantile_of(self->seconds, self->count * REPEATS, 0.5);
+    position->mean_iterations = self->count ? self->iterations / (double)self->count : NAN;
+    position->most_iterations = self->count ? self->most_iterations : NAN;
+}
+
+ehd_status calibration_measure(trade_position *position, const ehdrom_model *model,
+                               const solved_scene *scenes, size_t num_scenes, ehd_error *error) {
+    ehdrom_solver *solver = NULL;
+    samples taken = {0};
+    ehd_status status = ehdrom_solver_create(&solver, model, error);
+
+    position->num_failures = 0;
+    if (!status) status = samples_init(&taken, num_scenes, ehdrom_describe(model).num_nodes, error);
+    for (size_t i = 0; i < num_scenes && !status; i++)
+        status = program_interrupted() ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")
+                                       : measure_scene(position, &taken, solver, &scenes[i], error);
+    if (!status) evaluate(position, &taken);
+    samples_free(&taken);
+    ehdrom_solver_free(solver);
+    return status;
+}
+
+// ---- in time
+
+/* What the steps of all trajectories came to. */
+typedef struct repetition {
+    double worst[TRADE_PRESSURE];
+    double iterations, seconds;
+    size_t num_steps;
+} repetition;
+
+static void add_step(repetition *self, const march_step *outcome, const recorded_step *step,
+                     const ehd_contact *reference) {
+    const contact_scalars *full = &step->scalars;
+    const contact_scalars reduced =
+        frame_to_reference(&outcome->scalars, &outcome->frame, reference);
+    const double deviation[TRADE_PRESSURE] = {
+        relative(reduced.central_film_thickness, full->central_film_thickness),
+        relative(reduced.minimum_film_thickness, full->minimum_film_thickness),
+        relative(reduced.central_pressure, full->central_pressure)};
+
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        self->worst[q] = fmax(self->worst[q], deviation[q]);
+}
+
+/* The start, or a step that is accepted. */
+static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
+                              const recorded_step *step, bool start, ehd_error *error) {
+    ehd_status status =
+        start ? solver->start(outcome, solver->self, &step->frame, error)
+              : solver->attempt(outcome, solver->self, &step->frame, step->step, error);
+
+    if (status || outcome->status || start) return status;
+    outcome->frame = step->frame;
+    solver->accept(solver->self);
+    if (step->jump) solver->restart(solver->self);
+    return EHD_OK;
+}
+
+/* *lost: a step did not converge or was not to be trusted. */
+static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
+                         const recording *wanted, ehd_error *error) {
+    ehdrom_transient *in_time = NULL;
+    repetition here = *sum;
+    march_step outcome = {.status = EHD_OK};
+    ehd_status status = ehdrom_transient_create(&in_time, model, wanted->reference, error);
+    if (status) return status;
+
+    const march_solver solver = ehdrom_march(in_time);
+    for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
+        double before = program_seconds();
+        status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
+        double seconds = program_seconds() - before;
+        if (program_interrupted()) status = ehd_fail(error, EHD_INTERRUPTED, "%s", "");
+        if (status || outcome.status) break;
+        add_step(&here, &outcome, &wanted->steps[i], wanted->reference);
+        if (i == 0) continue; // not a step
+        here.seconds += seconds;
+        here.iterations += (double)outcome.iterations;
+        here.num_steps++;
+    }
+    *lost = outcome.status != EHD_OK;
+    if (!*lost) *sum = here;
+    ehdrom_transient_free(in_time);
+    return status;
+}
+
+ehd_status calibration_measure_in_time(trade_position *position, ehdrom_model *model,
+                                       const recording *recordings, size_t num_recordings,
+                                       ehd_error *error) {
+    repetition sum = {0};
+    ehd_status status = ehdrom_prepare_transient(model, error);
+
+    position->num_lost = 0;
+    for (size_t t = 0; t < num_recordings && !status; t++) {
+        bool lost = false;
+        status = repeat(&lost, &sum, model, &recordings[t], error);
+        position->num_lost += lost;
+    }
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        position->worst_in_time[q] = sum.num_steps ? sum.worst[q] : NAN;
+    position->step_iterations = sum.num_steps ? sum.iterations / (double)sum.num_steps : NAN;
+    position->step_seconds = sum.num_steps ? sum.seconds / (double)sum.num_steps : NAN;
+    return status;
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/recording.h"
+
+#include "common/training/pool.h"
+#include "fullrun/full_march.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct recorder {
+    const program *caller;
+    const training_set *set;
+    recording *recordings;     // [num_trajectories]
+    ehd_histories **histories; // [num_trajectories], read before the threads start: HDF5 is for one
+    size_t num_done;
+    progress progress;
+} recorder;
+
+/* One trajectory under way. */
+typedef struct take {
+    recording *target;
+    march run;
+} take;
+
+void recording_free(recording *self) {
+    free(self->steps);
+    *self = (recording){0};
+}
+
+// ---- one trajectory
+
+static ehd_status store_step(void *sink, const march_step *step, size_t index, ehd_error *error) {
+    take *self = sink;
+    recording *target = self->target;
+
+    if (target->num_steps == target->room) {
+        size_t room = 2 * target->room + 64;
+        recorded_step *steps = realloc(target->steps, room * sizeof *steps);
+        if (!steps)
+            return ehd_fail(error, EHD_MEMORY, "trajectory: found no memory for %zu steps", room);
+        target->steps = steps;
+        target->room = room;
+    }
+    target->steps[target->num_steps++] = (recorded_step){
+        .frame = step->frame,
+        .loaded = isnan(step->frame.approach)
+                      ? step->frame
+                      : frame_of_load(target->reference->kind, &step->frame, step->scalars.load),
+        .step = step->step,
+        // what the march has then forgotten
+        .jump = index > 0 && self->run.state.last_step == 0,
+        .scalars = frame_to_reference(&step->scalars, &step->frame, target->reference)};
+    return EHD_OK;
+}
+
+static ehd_status record(take *self, ehd_error *error) {
+    recording *target = self->target;
+    march_step first;
+    ehd_status outcome = EHD_OK, status = march_begin(&first, &self->run, error);
+
+    if (!status && first.status == EHD_NOT_CONVERGED) {
+        snprintf(target->reason, MARCH_REASON, "start: %s", first.reason);
+        return EHD_OK;
+    }
+    if (!status) status = store_step(self, &first, 0, error);
+    if (!status) status = march_run(&outcome, &self->run, error);
+    if (!status && outcome) memcpy(target->reason, self->run.reason, MARCH_REASON);
+    return status;
+}
+
+static ehd_status record_trajectory(void *shared, void *worker, size_t number, size_t parent,
+                                    ehd_error *error) {
+    recorder *owner = shared;
+    const trajectory_scene *given = &owner->set->trajectories[number];
+    const ehd_histories *histories = owner->histories[number];
+    full_settings settings = full_default_settings();
+    full_march *full = NULL;
+    take self = {.target = &owner->recordings[number]};
+    (void)worker, (void)parent;
+
+    settings.tolerance = 1e-12; // as for training
+    self.target->reference = &given->contact;
+    ehd_status status =
+        full_march_create(&full, &given->contact, &settings, given->scene.start_film, error);
+    if (status) return status;
+    self.run =
+        (march){.reference = &given->contact,
+                .histories = histories,
+                .settings = march_settings_of(&given->scene, histories, given->scene.approach),
+                .solver = full_march_solver(full),
+                .store = store_step,
+                .sink = &self};
+    status = record(&self, error);
+    full_march_free(full);
+    return status;
+}
+
+static ehd_status finish_trajectory(void *shared, void *worker, size_t number, size_t parent,
+                                    ehd_error *error) {
+    recorder *owner = shared;
+    const recording *done = &owner->recordings[number];
+    char name[POINT_NAME];
+    (void)worker, (void)parent, (void)error;
+
+    training_point_name(name, done->reference);
+    if (done->reason[0])
+        program_warn(owner->caller, "trajectory %zu (%s): not converged: %s", number + 1, name,
+                     done->reason);
+    progress_show(&owner->progress, ++owner->num_done, name);
+    return EHD_OK;
+}
+
+// ---- all
+
+ehd_status recordings_make(recording *recordings, const program *caller, const training_set *set,
+                           size_t num_workers, ehd_error *error) {
+    size_t num = set->num_trajectories;
+    recorder self = {.caller = caller, .set = set, .recordings = recordings};
+    const pool_work work = {.num_points = num,
+                            .num_workers = num_workers,
+                            .shared = &self,
+                            .solve = record_trajectory,
+                            .finish = finish_trajectory};
+    ehd_status status = EHD_OK;
+
+    if (num == 0) return EHD_OK;
+    self.histories = calloc(num, sizeof *self.histories);
+    if (!self.histories) return ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
+    for (size_t t = 0; t < num && !status; t++)
+        status = histories_init(&self.histories[t], &set->trajectories[t].scene, error);
+    progress_start(&self.progress, caller, num);
+    if (!status) status = pool_run(&work, error);
+    progress_finish(&self.progress);
+    for (size_t t = 0; t < num; t++)
+        histories_free(self.histories[t]);
+    free(self.histories);
+    return status;
+}
+
+const char *recording_check(const recording *self, const trained_range *range) {
+    for (size_t i = 0; i < self->num_steps; i++) {
+        const contact_frame *now = &self->steps[i].loaded;
+        double rate = i > 0 ? frame_rate(now, &self->steps[i - 1].loaded) : 0;
+        ehd_contact contact;
+        frame_contact(&contact, now, self->reference);
+        const char *reason = trained_range_check(range, contact.moes_M, contact.alpha_p_H, rate);
+        if (reason) return reason;
+    }
+    return NULL;
+}

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/trade.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// ---- the ladder
+
+static const double LEAST_MODES = 10;
+static const double STRIDE = 1.4142; // from one number of modes to the next
+static const size_t HALVED =
+    2; // the last strides have a position amid, where the accurate sizes are
+static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // up to what is stored
+enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
+
+static size_t num_strides(size_t most_modes) {
+    double strides = round(log((double)most_modes / LEAST_MODES) / log(STRIDE));
+
+    return (double)most_modes <= LEAST_MODES ? 0 : (size_t)fmax(strides, 1);
+}
+
+/* Adds the positions of a number of pressure modes. */
+static void add_positions(trade_table *table, size_t modes, const ehdrom_properties *whole) {
+    double part = (double)modes / (double)whole->pressure_modes;
+    size_t deformation = (size_t)ceil(part * (double)whole->deformation_modes), last = 0;
+
+    for (size_t i = 0; i < NUM_ROWS_PER_MODE; i++) {
+        size_t rows = (size_t)fmin(ceil(ROWS_PER_MODE[i] * (double)modes), (double)whole->rows);
+        if (rows == last) continue;
+        last = rows;
+        table->positions[table->num_positions++].sizes = (ehdrom_sizes){modes, deformation, rows};
+    }
+}
+
+ehd_status trade_ladder(trade_table *table, const ehdrom_properties *whole, ehd_error *error) {
+    size_t strides = num_strides(whole->pressure_modes), last = 0;
+    double most = (double)whole->pressure_modes;
+
+    *table = (trade_table){0};
+    table->positions = calloc((2 * strides + 1) * NUM_ROWS_PER_MODE, sizeof *table->positions);
+    if (!table->positions) return ehd_fail(error, EHD_MEMORY, "positions: found no memory");
+    for (size_t half = 0; half < 2 * strides; half++) {
+        double part = 0.5 * (double)half / (double)strides;
+        size_t modes = (size_t)lround(LEAST_MODES * pow(most / LEAST_MODES, part));
+        if ((half % 2 == 1 && half / 2 + HALVED < strides) || modes == last) continue;
+        if (modes < whole->pressure_modes) add_positions(table, modes, whole);
+        last = modes;
+    }
+    add_positions(table, whole->pressure_modes, whole);
+    return EHD_OK;
+}
+
+// ---- statistics
+
+static int compare_values(const void *left, const void *right) {
+    double a = *(const double *)left, b = *(const double *)right;
+
+    return (a > b) - (a < b);
+}
+
+double trade_quantile_of(double *values, size_t count, double quantile) {
+    if (count == 0) return NAN;
+    qsort(values, count, sizeof *values, compare_values);
+    size_t rank = (size_t)ceil(quantile * (double)count);
+    return values[rank > 0 ? rank - 1 : 0];
+}
+
+double trade_indicator_factor(const double *deviations, const double *bounds, size_t count) {
+    const double margin = 2; // scenes of a kind that was not measured
+    double largest = 0;
+
+    for (size_t i = 0; i < count; i++)
+        if (bounds[i] > 0) largest = fmax(largest, deviations[i] / bounds[i]);
+    return margin * largest;
+}
+
+// ---- choosing
+
+trade_price trade_price_of(const trade_position *position, bool in_time) {
+    if (in_time)
+        return (trade_price){position->worst_in_time[TRADE_CENTRAL_FILM], position->step_seconds,
+                             position->num_lost};
+    if (position->indicator_factor > 0)
+        return (trade_price){position->indicated[PART_90], position->seconds,
+                             isfinite(position->indicated[PART_90]) ? 0 : position->num_failures};
+    return (trade_price){position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST], position->seconds,
+                         position->num_failures};
+}
+
+bool trade_is_beaten(const trade_table *table, size_t position, bool in_time) {
+    const trade_price self = trade_price_of(&table->positions[position], in_time);
+
+    if (self.num_failures > 0) return true;
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_price other = trade_price_of(&table->positions[i], in_time);
+        if (other.num_failures == 0 && other.seconds <= self.seconds &&
+            other.deviation <= self.deviation &&
+            (other.seconds < self.seconds || other.deviation < self.deviation))
+            return true;
+    }
+    return false;
+}
+
+size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
+    size_t best = table->num_positions;
+    double seconds = INFINITY;
+
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_price price = trade_price_of(&table->positions[i], in_time);
+        if (price.num_failures > 0 || !(price.deviation <= deviation) || !(price.seconds < seconds))
+            continue;
+        best = i;
+        seconds = price.seconds;
+    }
+    return best;
+}
+
+size_t trade_most_accurate(const trade_table *table, bool in_time) {
+    size_t best = table->num_positions;
+    double deviation = INFINITY;
+
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_price price = trade_price_of(&table->positions[i], in_time);
+        if (price.num_failures > 0 || !(price.deviation < deviation)) continue;
+        best = i;
+        deviation = price.deviation;
+    }
+    return best;
+}
+
+// ---- for people
+
+void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes) {
+    if (sizes->deformation_modes > 0)
+        snprintf(name, TRADE_NAME, "%zu pressure modes, %zu deformation modes, %zu rows",
+                 sizes->pressure_modes, sizes->deformation_modes, sizes->rows);
+    else
+        snprintf(name, TRADE_NAME, "%zu pressure modes, %zu rows", sizes->pressure_modes,
+                 sizes->rows);
+}
+
+static const char *const quantities[NUM_TRADE_QUANTITIES] = {"central film", "minimum film",
+                                                             "central pressure", "pressure / p_H"};
+
+static void print_sizes(const trade_table *table, size_t i, bool in_time, FILE *stream) {
+    const ehdrom_sizes *sizes = &table->positions[i].sizes;
+
+    fprintf(stream, "%c %5zu%6zu%6zu", trade_is_beaten(table, i, in_time) ? ' ' : '*',
+            sizes->pressure_modes, sizes->deformation_modes, sizes->rows);
+}
+
+static void print_scenes(const trade_table *table, FILE *stream) {
+    fprintf(stream, "%zu scenes: median, 95 %% and worst deviation from the full model\n%19s",
+            table->num_scenes, "");
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        fprintf(stream, "  %-23s", quantities[q]);
+    fprintf(stream, "  iterations\n  %5s%6s%6s", "modes", "+", "rows");
+    for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+        fprintf(stream, "  %7s %7s %7s", "median", "95 %", "worst");
+    fprintf(stream, "  %5s %4s  %6s  %s\n", "mean", "most", "ms", "failures");
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_position *position = &table->positions[i];
+        print_sizes(table, i, false, stream);
+        for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
+            fprintf(stream, "  %7.1e %7.1e %7.1e", position->deviation[q][TRADE_MEDIAN],
+                    position->deviation[q][TRADE_95], position->deviation[q][TRADE_WORST]);
+        fprintf(stream, "  %5.1f %4.0f  %6.3f  %zu\n", position->mean_iterations,
+                position->most_iterations, position->seconds * 1e3, position->num_failures);
+    }
+}
+
+static void print_indicator(const trade_table *table, FILE *stream) {
+    fprintf(
+        stream,
+        "indicated deviation of the central film: median, 90 %% and 95 %% of all scenes; over the "
+        "true one: 5 %%, median and 95 %%\n  %5s%6s%6s  %8s  %-23s  %s\n",
+        "modes", "+", "rows", "factor", "indicated", "over true");
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_position *position = &table->positions[i];
+        const double *indicated = position->indicated, *over = position->effectivity;
+        if (!(position->indicator_factor > 0)) continue;
+        print_sizes(table, i, false, stream);
+        fprintf(stream, "  %8.2e  %7.1e %7.1e %7.1e  %7.1e %7.1e %7.1e\n",
+                position->indicator_factor, indicated[PART_50], indicated[PART_90],
+                indicated[PART_95], over[PART_5], over[PART_50], over[PART_95]);
+    }
+}
+
+static void print_trajectories(const trade_table *table, FILE *stream) {
+    fprintf(stream,
+            "%zu trajectories: worst deviation from the full model with the same steps; iterations "
+            "and time of a step\n  %5s%6s%6s",
+            table->num_trajectories, "modes", "+", "rows");
+    for (int q = 0; q < TRADE_PRESSURE; q++)
+        fprintf(stream, "  %16s", quantities[q]);
+    fprintf(stream, "  %10s  %6s  %s\n", "iterations", "ms", "failures");
+    for (size_t i = 0; i < table->num_positions; i++) {
+        const trade_position *position = &table->positions[i];
+        print_sizes(table, i, true, stream);
+        for (int q = 0; q < TRADE_PRESSURE; q++)
+            fprintf(stream, "  %16.1e", position->worst_in_time[q]);
+        fprintf(stream, "  %10.1f  %6.3f  %zu\n", position->step_iterations,
+                position->step_seconds * 1e3, position->num_lost);
+    }
+}
+
+void trade_print(const trade_table *table, FILE *stream) {
+    fputs("* not beaten in both time and the central film that --accuracy goes by\n", stream);
+    if (table->num_scenes > 0) print_scenes(table, stream);
+    if (table->num_scenes > 0) print_indicator(table, stream);
+    if (table->num_trajectories > 0) print_trajectories(table, stream);
+}

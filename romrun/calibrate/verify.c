@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/verify.h"
+
+#include "common/program/program.h"
+#include "fullrun/full_solver.h"
+
+#include <math.h>
+
+/* Newton steps of the full model; none: the residual of the state alone. */
+static ehd_status take_steps(full_info *info, full_state *state, const ehd_contact *contact,
+                             size_t num_steps, ehd_error *error) {
+    full_settings settings = full_default_settings();
+    full_solver *solver = NULL;
+
+    settings.max_iterations = num_steps;
+    ehd_status status =
+        full_solver_create(&solver, contact->kind, &contact->grid, &settings, error);
+    if (!status) status = full_solve(info, state, solver, contact, NULL, error);
+    full_solver_free(solver);
+    return status;
+}
+
+static ehd_status load_state(full_state *state, ehdrom_solver *solver, const ehdrom_result *result,
+                             const ehd_contact *contact, ehd_error *error) {
+    const ehd_grid *grid = &contact->grid;
+    ehd_status status = ehdrom_fields(state->pressure, state->film, solver, error);
+
+    state->rigid_approach = result->scalars.rigid_approach;
+    full_state_set_zone(state, grid,
+                        (size_t)lround((result->scalars.exit_position - grid->x_min) / grid->step) +
+                            1);
+    return status;
+}
+
+ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_result *result,
+                  const ehd_contact *contact, ehd_error *error) {
+    full_state state = {0};
+    full_info info;
+    ehd_status status = full_state_init(&state, &contact->grid, error);
+
+    if (!status) status = load_state(&state, solver, result, contact, error);
+    double before = program_seconds();
+    if (!status) status = take_steps(&info, &state, contact, 0, error);
+    double between = program_seconds();
+    if (!status) outcome->residual = info.residual;
+    if (!status) status = take_steps(&info, &state, contact, 1, error);
+    if (!status) {
+        const contact_scalars scalars = full_evaluate_scalars(&state, contact);
+        outcome->tolerance = full_default_settings().tolerance;
+        outcome->residual_seconds = between - before;
+        outcome->step_seconds = program_seconds() - between;
+        outcome->film_change =
+            info.newton_iterations == 1
+                ? scalars.central_film_thickness / result->scalars.central_film_thickness - 1
+                : NAN;
+    }
+    full_state_free(&state);
+    return status;
+}

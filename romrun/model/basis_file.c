@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/basis_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(const artefact *file, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+}
+
+// ---- grid
+
+ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error) {
+    size_t width = grid_width(grid), num_lines = grid_lines(grid);
+    double *x = malloc(width * sizeof *x), *y = malloc(num_lines * sizeof *y);
+    ehd_status status = x && y ? EHD_OK : no_memory(file, error);
+
+    for (size_t k = 0; k < width && !status; k++)
+        x[k] = grid_x(grid, k);
+    for (size_t l = 0; l < num_lines && !status; l++)
+        y[l] = grid_y(grid, l * width);
+    if (!status) status = artefact_put_axis(file, "film_x", width, x, error);
+    if (!status && num_lines > 1) status = artefact_put_axis(file, "film_y", num_lines, y, error);
+    free(y);
+    free(x);
+    return status;
+}
+
+ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error) {
+    char *name = NULL;
+    ehd_status status = artefact_get_text(file, "deformation", &name, error);
+
+    if (status) return status;
+    size_t i = 0;
+    while (deformation_names[i] && strcmp(name, deformation_names[i]))
+        i++;
+    if (!deformation_names[i])
+        status =
+            ehd_fail(error, EHD_DATA, "%s: deformation: found %s, expected independent|coupled",
+                     artefact_path(file), name);
+    *kind = i == 0 ? DEFORMATION_INDEPENDENT : DEFORMATION_COUPLED;
+    free(name);
+    return status;
+}
+
+// ---- modes
+
+static size_t node_of(const ehd_grid *grid, size_t k, bool inner) {
+    return inner ? grid_node_of_row(grid, k) : k;
+}
+
+ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
+                       size_t num_modes, bool inner, ehd_error *error) {
+    size_t length = inner ? grid->num_inner : grid->num_nodes;
+    double *turned = malloc(length * num_modes * sizeof *turned);
+    if (!turned) return no_memory(file, error);
+    for (size_t j = 0; j < num_modes; j++)
+        for (size_t k = 0; k < length; k++)
+            turned[j * length + k] = modes[node_of(grid, k, inner) * num_modes + j];
+    ehd_status status = artefact_put(file, field, turned, error);
+    free(turned);
+    return status;
+}
+
+static ehd_status get_finite(double *values, artefact *file, const char *field, size_t count,
+                             ehd_error *error) {
+    ehd_status status = artefact_get(file, field, values, error);
+
+    for (size_t i = 0; i < count && !status; i++)
+        if (!isfinite(values[i]))
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
+                              artefact_path(file), field);
+    return status;
+}
+
+ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,
+                      size_t num_modes, bool inner, ehd_error *error) {
+    size_t length = inner ? grid->num_inner : grid->num_nodes;
+    double *turned = malloc(length * num_modes * sizeof *turned);
+    *modes = calloc(grid->num_nodes * num_modes, sizeof(double));
+    ehd_status status = turned && *modes ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = get_finite(turned, file, field, length * num_modes, error);
+    for (size_t j = 0; j < num_modes && !status; j++)
+        for (size_t k = 0; k < length; k++)
+            (*modes)[node_of(grid, k, inner) * num_modes + j] = turned[j * length + k];
+    free(turned);
+    return status;
+}
+
+// ---- states
+
+/* Copies columns first … first + width - 1 of the states' coordinates to or from `part`. */
+static void copy_coordinates(double *part, const reduced_states *states, size_t first, size_t width,
+                             int to_part) {
+    for (size_t s = 0; s < states->num_states; s++) {
+        double *whole = states->coordinates + s * states->num_unknowns + first;
+        if (to_part)
+            memcpy(part + s * width, whole, width * sizeof(double));
+        else
+            memcpy(whole, part + s * width, width * sizeof(double));
+    }
+}
+
+/* Which states are stationary and how fast the contact changes, where trajectories were trained. */
+static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
+                                       ehd_error *error) {
+    bool all_stationary = true;
+
+    for (size_t s = 0; s < states->num_states; s++) {
+        work[s] = states->stationary[s] ? 1 : 0;
+        all_stationary = all_stationary && states->stationary[s];
+    }
+    if (all_stationary) return EHD_OK;
+    ehd_status status = artefact_put_integers(file, "state_stationary", work, error);
+    return status ? status : artefact_put(file, "state_rate", states->rate, error);
+}
+
+static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, int64_t *work,
+                                       ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    if (artefact_has(file, "state_stationary"))
+        status = artefact_get_integers(file, "state_stationary", work, error);
+    for (size_t s = 0; s < states->num_states && !status; s++)
+        if (artefact_has(file, "state_stationary")) states->stationary[s] = work[s] != 0;
+    if (!status && artefact_has(file, "state_rate"))
+        status = get_finite(states->rate, file, "state_rate", states->num_states, error);
+    return status;
+}
+
+/* Place among a state's exits, which boundary lines have too, of the file's i-th one, which has none. */
+static size_t place_of_exit(const ehd_grid *grid, const reduced_states *states, size_t i) {
+    return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
+           i % grid->inner_lines;
+}
+
+ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
+                        size_t num_deformation, const ehd_grid *grid, ehd_error *error) {
+    const struct {
+        const char *field;
+        size_t first, width;
+    } parts[] = {{"state_pressure", 0, num_pressure},
+                 {"state_deformation", num_pressure, num_deformation},
+                 {"state_rigid_approach", num_pressure + num_deformation, 1}};
+    double *part = malloc(states->num_states * (states->num_unknowns + 1) * sizeof *part);
+    size_t num_exits = states->num_states * grid->inner_lines;
+    int64_t *exits = malloc((num_exits + 1) * sizeof *exits);
+    ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
+
+    for (size_t i = 0; i < 3 && !status; i++)
+        if (parts[i].width > 0) {
+            copy_coordinates(part, states, parts[i].first, parts[i].width, 1);
+            status = artefact_put(file, parts[i].field, part, error);
+        }
+    for (size_t i = 0; i < num_exits && !status; i++)
+        exits[i] = (int64_t)states->exit[place_of_exit(grid, states, i)] - 1; // x starts at node 1
+    if (!status) status = artefact_put_integers(file, "state_exit_node", exits, error);
+    if (!status) status = artefact_put(file, "state_moes_M", states->moes_M, error);
+    if (!status) status = artefact_put(file, "state_alpha_p_H", states->alpha_p_H, error);
+    if (!status)
+        status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
+                              error);
+    if (!status) status = put_trajectory_marks(file, states, exits, error);
+    free(exits);
+    free(part);
+    return status;
+}
+
+ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
+                       size_t num_deformation, const ehd_grid *grid, ehd_error *error) {
+    const struct {
+        const char *field;
+        size_t first, width;
+    } parts[] = {{"state_pressure", 0, num_pressure},
+                 {"state_deformation", num_pressure, num_deformation},
+                 {"state_rigid_approach", num_pressure + num_deformation, 1}};
+    // on a line contact the pressure ends behind the centre, with room for a row's stencil in between
+    bool on_line = grid->inner_lines == 1;
+    int64_t least_exit = on_line ? (int64_t)(-grid->x_min / grid->step) + 3 : 0;
+    size_t num_states = artefact_length(file, "state");
+    size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
+    double *part = malloc(num_states * num_unknowns * sizeof *part);
+    size_t num_exits = num_states * grid->inner_lines;
+    int64_t *exits = malloc(num_exits * sizeof *exits);
+    ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
+
+    if (!status)
+        status = reduced_states_init(states, num_states, grid_lines(grid), num_unknowns, error);
+    for (size_t i = 0; i < 3 && !status; i++)
+        if (parts[i].width > 0) {
+            status = get_finite(part, file, parts[i].field, num_states * parts[i].width, error);
+            if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
+        }
+    if (!status) status = artefact_get_integers(file, "state_exit_node", exits, error);
+    for (size_t i = 0; i < num_states * grid_lines(grid) && !status; i++)
+        states->exit[i] = 1; // none of the boundary lines has pressure
+    for (size_t i = 0; i < num_exits && !status; i++) {
+        if (exits[i] < least_exit || exits[i] > (int64_t)grid->inner_x)
+            status = ehd_fail(
+                error, EHD_DATA, "%s: state_exit_node: found %lld, expected %lld to %zu",
+                artefact_path(file), (long long)exits[i], (long long)least_exit, grid->inner_x);
+        else
+            states->exit[place_of_exit(grid, states, i)] = (size_t)exits[i] + 1;
+    }
+    if (!status) status = get_finite(states->moes_M, file, "state_moes_M", num_states, error);
+    if (!status) status = get_finite(states->alpha_p_H, file, "state_alpha_p_H", num_states, error);
+    if (!status && artefact_has(file, "state_central_film_thickness"))
+        status = artefact_get(file, "state_central_film_thickness", states->central_film_thickness,
+                              error);
+    else
+        for (size_t i = 0; i < num_states && !status; i++)
+            states->central_film_thickness[i] = NAN; // a foreign file need not have it
+    if (!status) status = get_trajectory_marks(states, file, exits, error);
+    free(exits);
+    free(part);
+    return status;
+}
+
+// ---- the whole file
+
+static ehd_status put_origin(artefact *file, const basis_origin *origin, ehd_error *error) {
+    ehd_status status = artefact_put_axis(file, "pressure_singular_value",
+                                          origin->num_pressure_values, NULL, error);
+
+    if (!status)
+        status =
+            artefact_put(file, "pressure_singular_values", origin->pressure_singular_values, error);
+    if (!status)
+        status = artefact_put_real(file, "pressure_energy_discarded",
+                                   origin->pressure_energy_discarded, error);
+    if (status || !origin->deformation_singular_values) return status;
+    status = artefact_put_axis(file, "deformation_singular_value", origin->num_deformation_values,
+                               NULL, error);
+    if (!status)
+        status = artefact_put(file, "deformation_singular_values",
+                              origin->deformation_singular_values, error);
+    if (!status)
+        status = artefact_put_real(file, "deformation_energy_discarded",
+                                   origin->deformation_energy_discarded, error);
+    return status;
+}
+
+ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
+                       const program *caller, const char *settings_text, const char *const *inputs,
+                       ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status =
+        artefact_create(&file, caller->output, &schema_basis, caller, settings_text, inputs, error);
+
+    if (!status) status = grid_write(file, basis->kind, &basis->grid, error);
+    if (!status)
+        status = artefact_put_axis(file, "pressure_mode", basis->num_pressure, NULL, error);
+    if (!status) status = artefact_put_axis(file, "state", basis->states.num_states, NULL, error);
+    if (!status)
+        status =
+            artefact_put_text(file, "deformation", deformation_names[basis->deformation], error);
+    if (!status)
+        status = modes_write(file, "pressure_basis", basis->pressure, &basis->grid,
+                             basis->num_pressure, true, error);
+    if (!status && basis->num_deformation > 0) {
+        status = film_axes_write(file, &basis->grid, error);
+        if (!status)
+            status =
+                artefact_put_axis(file, "deformation_mode", basis->num_deformation, NULL, error);
+        if (!status)
+            status = modes_write(file, "deformation_basis", basis->deformation_modes, &basis->grid,
+                                 basis->num_deformation, false, error);
+    }
+    if (!status) status = modes_write(file, "weight", basis->weight, &basis->grid, 1, true, error);
+    if (!status)
+        status = states_write(file, &basis->states, basis->num_pressure, basis->num_deformation,
+                              &basis->grid, error);
+    if (!status) status = put_origin(file, origin, error);
+    if (!status) status = artefact_finish(&file, error);
+    artefact_close(&file);
+    return status;
+}
+
+static ehd_status read_open_basis(reduced_basis *basis, artefact *file, ehd_error *error) {
+    ehd_status status = grid_read(&basis->grid, &basis->kind, file, error);
+
+    if (!status) status = deformation_read(&basis->deformation, file, error);
+    if (status) return status;
+    basis->num_pressure = artefact_length(file, "pressure_mode");
+    if (basis->deformation == DEFORMATION_INDEPENDENT) {
+        if (!artefact_has(file, "deformation_basis"))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found no dataset deformation_basis, expected it for an "
+                            "independent basis",
+                            artefact_path(file));
+        basis->num_deformation = artefact_length(file, "deformation_mode");
+        status = modes_read(&basis->deformation_modes, file, "deformation_basis", &basis->grid,
+                            basis->num_deformation, false, error);
+    }
+    if (!status)
+        status = modes_read(&basis->pressure, file, "pressure_basis", &basis->grid,
+                            basis->num_pressure, true, error);
+    if (!status) status = modes_read(&basis->weight, file, "weight", &basis->grid, 1, true, error);
+    if (!status)
+        status = states_read(&basis->states, file, basis->num_pressure, basis->num_deformation,
+                             &basis->grid, error);
+    return status;
+}
+
+ehd_status basis_read(reduced_basis *basis, char identity[65], const char *path, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_basis, NULL};
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    memset(basis, 0, sizeof *basis);
+    if (!status) status = artefact_identity(file, identity, error);
+    if (!status) status = read_open_basis(basis, file, error);
+    artefact_close(&file);
+    if (status) reduced_basis_free(basis);
+    return status;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* basis.h5 in memory and back. */
+#ifndef EHD_BASIS_FILE_H
+#define EHD_BASIS_FILE_H
+
+#include "common/artefact/artefact.h"
+#include "common/output/grid_file.h"
+#include "common/program/program.h"
+#include "romrun/model/reduced_model.h"
+
+/* What a basis file says beyond the basis itself. */
+typedef struct basis_origin {
+    const double *pressure_singular_values; // [num_pressure_values]
+    size_t num_pressure_values;
+    double pressure_energy_discarded;          // part of the squared singular values left out
+    const double *deformation_singular_values; // [num_deformation_values], NULL when coupled
+    size_t num_deformation_values;
+    double deformation_energy_discarded;
+} basis_origin;
+
+/* Writes and finishes caller->output. `inputs`: the snapshot files, NULL at the end. */
+ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
+                       const program *caller, const char *settings_text, const char *const *inputs,
+                       ehd_error *error);
+
+/* Reads a basis and its identity. EHD_DATA also for a basis that is not finite, states whose exit lies
+ * outside of the grid, and a contact that is not known. */
+ehd_status basis_read(
+    // output:
+    reduced_basis *basis, // free with reduced_basis_free
+    char identity[65],    // SHA-256 of the file
+    // input:
+    const char *path, ehd_error *error);
+
+/* Axes film_x and, of a point contact, film_y of fields that boundary nodes have too. */
+ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error);
+
+/* The attribute `deformation` of an open file. */
+ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error);
+
+/* Training solutions in the coordinates of the basis, as basis and model hold them. */
+ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
+                        size_t num_deformation, const ehd_grid *grid, ehd_error *error);
+ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
+                       size_t num_deformation, const ehd_grid *grid, ehd_error *error);
+
+/* Node-major [num_nodes, num_modes] to and from the file's [mode, node], of the inner nodes alone or of the
+ * boundary nodes too. */
+ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
+                       size_t num_modes, bool inner, ehd_error *error);
+ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,
+                      size_t num_modes, bool inner, ehd_error *error);
+
+#endif

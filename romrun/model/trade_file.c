@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/trade_file.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+const double trade_quantiles[NUM_TRADE_QUANTILES] = {0.5, 0.95, 1};
+const double trade_parts[NUM_TRADE_PARTS] = {0.05, 0.5, 0.9, 0.95};
+
+void trade_free(trade_table *table) {
+    free(table->positions);
+    *table = (trade_table){0};
+}
+
+const char *const trade_axes[] = {"position", "quantile", "part", NULL};
+
+static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
+    "deviation_central_film_thickness", "deviation_minimum_film_thickness",
+    "deviation_central_pressure", "deviation_pressure"};
+
+/* Members that are written as they are; counts are size_t, the others double. */
+typedef struct column {
+    const char *field;
+    size_t offset;
+    const char *axis; // that a count of modes or rows belongs to, and does not exceed; NULL: none
+    bool in_time;     // only where trajectories were measured
+} column;
+
+static const column counts[] = {
+    {"position_pressure_modes", offsetof(trade_position, sizes.pressure_modes), "pressure_mode",
+     false},
+    {"position_deformation_modes", offsetof(trade_position, sizes.deformation_modes),
+     "deformation_mode", false},
+    {"position_rows", offsetof(trade_position, sizes.rows), "row", false},
+    {"position_failures", offsetof(trade_position, num_failures), NULL, false},
+    {"position_lost_trajectories", offsetof(trade_position, num_lost), NULL, true}};
+
+static const column reals[] = {
+    {"position_mean_iterations", offsetof(trade_position, mean_iterations), NULL, false},
+    {"position_most_iterations", offsetof(trade_position, most_iterations), NULL, false},
+    {"position_seconds", offsetof(trade_position, seconds), NULL, false},
+    {"worst_in_time_central_film_thickness",
+     offsetof(trade_position, worst_in_time[TRADE_CENTRAL_FILM]), NULL, true},
+    {"worst_in_time_minimum_film_thickness",
+     offsetof(trade_position, worst_in_time[TRADE_MINIMUM_FILM]), NULL, true},
+    {"worst_in_time_central_pressure",
+     offsetof(trade_position, worst_in_time[TRADE_CENTRAL_PRESSURE]), NULL, true},
+    {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
+    {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
+
+enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };
+
+static bool is_measured(const column *self, const trade_table *table) {
+    return !self->in_time || table->num_trajectories > 0;
+}
+
+static void *member(trade_position *position, size_t offset) {
+    return (char *)position + offset;
+}
+
+static ehd_status no_memory(const artefact *file, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+}
+
+// ---- writing
+
+static ehd_status put_counts(artefact *file, const trade_table *table, ehd_error *error) {
+    int64_t *values = malloc(table->num_positions * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
+        if (!is_measured(&counts[c], table)) continue;
+        for (size_t i = 0; i < table->num_positions; i++)
+            values[i] = (int64_t) * (const size_t *)member(&table->positions[i], counts[c].offset);
+        status = artefact_put_integers(file, counts[c].field, values, error);
+    }
+    free(values);
+    return status;
+}
+
+static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error *error) {
+    double *values = malloc(table->num_positions * NUM_TRADE_QUANTILES * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t c = 0; c < NUM_REALS && !status; c++) {
+        if (!is_measured(&reals[c], table)) continue;
+        for (size_t i = 0; i < table->num_positions; i++)
+            values[i] = *(const double *)member(&table->positions[i], reals[c].offset);
+        status = artefact_put(file, reals[c].field, values, error);
+    }
+    for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
+        for (size_t i = 0; i < table->num_positions * NUM_TRADE_QUANTILES; i++)
+            values[i] =
+                table->positions[i / NUM_TRADE_QUANTILES].deviation[q][i % NUM_TRADE_QUANTILES];
+        status = artefact_put(file, deviation_fields[q], values, error);
+    }
+    free(values);
+    return status;
+}
+
+static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_error *error) {
+    size_t num_positions = table->num_positions;
+    double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = artefact_put_axis(file, "part", NUM_TRADE_PARTS, trade_parts, error);
+    for (size_t i = 0; i < num_positions && !status; i++)
+        values[i] = table->positions[i].indicator_factor;
+    if (!status) status = artefact_put(file, "indicator_factor", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        values[i] = table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS];
+    if (!status) status = artefact_put(file, "indicated_deviation", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        values[i] = table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS];
+    if (!status) status = artefact_put(file, "indicator_effectivity", values, error);
+    free(values);
+    return status;
+}
+
+ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error) {
+    ehd_status status = artefact_put_axis(file, "position", table->num_positions, NULL, error);
+
+    if (!status)
+        status = artefact_put_axis(file, "quantile", NUM_TRADE_QUANTILES, trade_quantiles, error);
+    if (!status)
+        status =
+            artefact_put_integer(file, "calibration_scenes", (int64_t)table->num_scenes, error);
+    if (!status)
+        status = artefact_put_integer(file, "calibration_trajectories",
+                                      (int64_t)table->num_trajectories, error);
+    if (!status) status = put_counts(file, table, error);
+    if (!status) status = put_reals(file, table, error);
+    if (!status && table->num_scenes > 0) status = put_indicator(file, table, error);
+    return status;
+}
+
+// ---- reading
+
+static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *error) {
+    int64_t *values = malloc(table->num_positions * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
+        if (!is_measured(&counts[c], table)) continue;
+        const char *axis = counts[c].axis;
+        int64_t most = (int64_t)(axis                ? artefact_length(file, axis)
+                                 : counts[c].in_time ? table->num_trajectories
+                                                     : table->num_scenes);
+        int64_t least = axis && most > 0 ? 1 : 0;
+        status = artefact_get_integers(file, counts[c].field, values, error);
+        for (size_t i = 0; i < table->num_positions && !status; i++) {
+            if (values[i] < least || values[i] > most)
+                status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected %lld to %lld",
+                                  artefact_path(file), counts[c].field, (long long)values[i],
+                                  (long long)least, (long long)most);
+            *(size_t *)member(&table->positions[i], counts[c].offset) = (size_t)values[i];
+        }
+    }
+    free(values);
+    return status;
+}
+
+/* What is not known is NaN, and nothing is negative. */
+static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
+    size_t num_positions = table->num_positions;
+    double *values = malloc(num_positions * NUM_TRADE_QUANTILES * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t c = 0; c < NUM_REALS && !status; c++) {
+        if (!is_measured(&reals[c], table)) continue;
+        status = artefact_get(file, reals[c].field, values, error);
+        for (size_t i = 0; i < num_positions && !status; i++)
+            *(double *)member(&table->positions[i], reals[c].offset) = values[i];
+    }
+    for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
+        status = artefact_get(file, deviation_fields[q], values, error);
+        for (size_t i = 0; i < num_positions * NUM_TRADE_QUANTILES && !status; i++) {
+            table->positions[i / NUM_TRADE_QUANTILES].deviation[q][i % NUM_TRADE_QUANTILES] =
+                values[i];
+            if (values[i] < 0)
+                status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
+                                  artefact_path(file), deviation_fields[q], values[i]);
+        }
+    }
+    free(values);
+    return status;
+}
+
+static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *error) {
+    size_t num_positions = table->num_positions;
+    if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
+        !artefact_has(file, "indicator_effectivity") ||
+        artefact_length(file, "part") != NUM_TRADE_PARTS)
+        return EHD_OK; // of a program that knows no indicator
+    double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = artefact_get(file, "indicator_factor", values, error);
+    for (size_t i = 0; i < num_positions && !status; i++) {
+        table->positions[i].indicator_factor = values[i];
+        if (!(values[i] >= 0 && isfinite(values[i])))
+            status =
+                ehd_fail(error, EHD_DATA, "%s: indicator_factor: found %g, expected at least 0",
+                         artefact_path(file), values[i]);
+    }
+    if (!status) status = artefact_get(file, "indicated_deviation", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS] = values[i];
+    if (!status) status = artefact_get(file, "indicator_effectivity", values, error);
+    for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
+        table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS] = values[i];
+    free(values);
+    return status;
+}
+
+static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error) {
+    int64_t num_scenes = 0, num_trajectories = 0;
+    ehd_status status = artefact_get_integer(file, "calibration_scenes", &num_scenes, error);
+
+    if (!status)
+        status = artefact_get_integer(file, "calibration_trajectories", &num_trajectories, error);
+    if (!status && (num_scenes < 0 || num_trajectories < 0 || num_scenes + num_trajectories < 1))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: calibration_scenes: found %lld and %lld trajectories, expected some",
+                          artefact_path(file), (long long)num_scenes, (long long)num_trajectories);
+    if (!status && artefact_length(file, "quantile") != NUM_TRADE_QUANTILES)
+        status =
+            ehd_fail(error, EHD_DATA, "%s: quantile: found %zu entries, expected %d",
+                     artefact_path(file), artefact_length(file, "quantile"), NUM_TRADE_QUANTILES);
+    if (status) return status;
+    table->num_scenes = (size_t)num_scenes;
+    table->num_trajectories = (size_t)num_trajectories;
+    table->num_positions = artefact_length(file, "position");
+    table->positions = calloc(table->num_positions, sizeof *table->positions);
+    if (!table->positions) return no_memory(file, error);
+    status = get_counts(table, file, error);
+    if (!status) status = get_reals(table, file, error);
+    return status ? status : get_indicator(table, file, error);
+}
+
+ehd_status trade_read_optional(trade_table *table, bool *calibrated, const char *path,
+                               ehd_error *error) {
+    static const artefact_schema *const kinds[] = {&schema_model, NULL};
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    *table = (trade_table){0};
+    *calibrated = !status && artefact_length(file, "position") > 0;
+    if (*calibrated) status = get_table(table, file, error);
+    artefact_close(&file);
+    if (status) trade_free(table);
+    return status;
+}
+
+ehd_status trade_read(trade_table *table, const char *path, ehd_error *error) {
+    bool calibrated;
+    ehd_status status = trade_read_optional(table, &calibrated, path, error);
+
+    if (!status && !calibrated)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found a model that is not calibrated, expected one of romrun "
+                          "--calibrate",
+                          path);
+    return status;
+}

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/weighting.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const weighting weightings[] = {
+    {"quadrature", weighting_quadrature,
+     "factors with which the rows stand for all rows in the least squares"},
+    {"plain", weighting_plain, "one for every row, as published"},
+    {NULL, NULL, NULL},
+};
+
+const weighting *weighting_find(const char *name) {
+    const weighting *entry = weightings;
+
+    while (entry->name && strcmp(entry->name, name))
+        entry++;
+    return entry->name ? entry : NULL;
+}
+
+ehd_status weighting_plain(double *factors, const double *sampled, size_t num_rows,
+                           size_t num_modes, ehd_error *error) {
+    (void)sampled, (void)num_modes, (void)error;
+    for (size_t r = 0; r < num_rows; r++)
+        factors[r] = 1;
+    return EHD_OK;
+}
+
+/* min w^T C w / 2 - g^T w with w >= least, by projected Gauss-Seidel: convex, so that it converges,
+ * and good to two digits after some hundred sweeps, which is more than the weights matter. In: w, out:
+ * the solution. `slope` is C w - g, kept up to date, because the many rows that stay at their bound then
+ * cost nothing. */
+static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
+                          double least) {
+    const size_t most_sweeps = 2000;
+    const double enough = 1e-6; // of the largest weight
+    double change = INFINITY, largest = 0;
+
+    for (size_t sweep = 0; sweep < most_sweeps && change > enough * largest; sweep++) {
+        change = largest = 0;
+        for (size_t r = 0; r < size; r++) {
+            const double *row = matrix + r * size;
+            if (!(row[r] > 0)) continue;
+            double next = fmax(least, w[r] - slope[r] / row[r]), step = next - w[r];
+            change = fmax(change, fabs(step));
+            largest = fmax(largest, next);
+            if (step == 0) continue;
+            cblas_daxpy((int)size, step, row, 1, slope, 1);
+            w[r] = next;
+        }
+    }
+}
+
+ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
+                                size_t num_modes, ehd_error *error) {
+    const double least = 0.05; // no row loses its say, since the exit may take others away
+    double *gram = malloc(num_rows * num_rows * sizeof *gram);
+    double *slope = malloc(num_rows * sizeof *slope);
+    ehd_status status = EHD_OK;
+
+    if (!gram || !slope)
+        status = ehd_fail(error, EHD_MEMORY, "weights: found no memory for %zu rows", num_rows);
+    if (!status) {
+        cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num_rows, (int)num_rows,
+                    (int)num_modes, 1, sampled, (int)num_modes, sampled, (int)num_modes, 0, gram,
+                    (int)num_rows);
+        // <q_r q_r^T, q_s q_s^T> = (q_r . q_s)^2 and <q_r q_r^T, 1> = |q_r|^2
+        for (size_t r = 0; r < num_rows; r++) {
+            factors[r] = 1;
+            slope[r] = -gram[r * num_rows + r];
+        }
+        for (size_t i = 0; i < num_rows * num_rows; i++) {
+            gram[i] *= gram[i];
+            slope[i / num_rows] += gram[i];
+        }
+        solve_bounded(factors, slope, gram, num_rows, least);
+        for (size_t r = 0; r < num_rows; r++)
+            factors[r] = sqrt(factors[r]);
+    }
+    free(gram);
+    free(slope);
+    return status;
+}

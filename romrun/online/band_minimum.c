@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/band_minimum.h"
+
+#include <math.h>
+
+enum { COARSE = 24 }; // strides of the coarse look
+
+typedef struct band {
+    double (*value)(const void *context, size_t node);
+    const void *context;
+    size_t first, last;
+} band;
+
+/* By ever shorter strides around the best node so far. */
+static double least_near(const band *self, size_t best, size_t stride) {
+    double least = INFINITY;
+
+    while (stride > 1) {
+        stride = (stride + 2) / 4;
+        size_t reach = 4 * stride;
+        size_t from = best > self->first + reach ? best - reach : self->first;
+        size_t to = best + reach < self->last ? best + reach : self->last;
+        for (size_t node = from; node <= to; node += stride) {
+            double value = self->value(self->context, node);
+            if (!(value < least)) continue;
+            least = value;
+            best = node;
+        }
+    }
+    return least;
+}
+
+double band_minimum(double (*value)(const void *context, size_t node), const void *context,
+                    size_t first, size_t last) {
+    const band self = {value, context, first, last};
+    size_t stride = (last - first) / COARSE + 1, count = (last - first) / stride + 1;
+    double coarse[COARSE + 1], least = INFINITY;
+
+    for (size_t i = 0; i < count; i++) {
+        coarse[i] = value(context, first + i * stride);
+        least = fmin(least, coarse[i]);
+    }
+    for (size_t i = 0; i < count; i++)
+        if (!(i > 0 && coarse[i - 1] <= coarse[i]) && !(i + 1 < count && coarse[i + 1] < coarse[i]))
+            least = fmin(least, least_near(&self, first + i * stride, stride));
+    return least;
+}

@@ -1,0 +1,439 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/ehdrom.h"
+
+#include "romrun/model/model_file.h"
+#include "romrun/model/trade_file.h"
+#include "romrun/online/fields.h"
+#include "romrun/online/indicator.h"
+#include "romrun/online/reduced_march.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct ehdrom_model {
+    reduced_model reduced;
+    char *path;
+    trained_range *range;
+    double indicator_factor; // 0: not calibrated at these sizes
+    // for transient scenes, once prepared
+    bool transient;
+    film_splines splines;
+    double *pressure_basis, *deformation_basis;
+};
+
+struct ehdrom_solver {
+    const ehdrom_model *model;
+    reduced_solver *reduced;
+    indicator *indicator;
+    reduced_state state;
+    double *pressure_basis; // [num_nodes, num_pressure], read when fields are asked for
+};
+
+/* Of the measured position of these sizes, where there is one. */
+static ehd_status read_factor(double *factor, const char *path, const reduced_model *model,
+                              ehd_error *error) {
+    const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->num_rows};
+    trade_table table;
+    bool calibrated;
+    ehd_status status = trade_read_optional(&table, &calibrated, path, error);
+
+    *factor = 0;
+    if (status || !calibrated) return status;
+    for (size_t i = 0; i < table.num_positions; i++) {
+        const ehdrom_sizes *sizes = &table.positions[i].sizes;
+        if (sizes->pressure_modes == own.pressure_modes &&
+            sizes->deformation_modes == own.deformation_modes && sizes->rows == own.rows)
+            *factor = table.positions[i].indicator_factor;
+    }
+    trade_free(&table);
+    return EHD_OK;
+}
+
+ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_sizes *sizes,
+                       ehd_error *error) {
+    ehdrom_model *self = calloc(1, sizeof *self);
+
+    *model = NULL;
+    if (self) self->path = strdup(path);
+    if (!self || !self->path) {
+        free(self);
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    }
+    ehd_status status = model_read(&self->reduced, path, sizes, error);
+    if (!status) status = read_factor(&self->indicator_factor, path, &self->reduced, error);
+    if (!status) {
+        self->range = trained_range_create(&self->reduced);
+        if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    }
+    if (status)
+        ehdrom_close(self);
+    else
+        *model = self;
+    return status;
+}
+
+ehdrom_model *ehdrom_close(ehdrom_model *self) {
+    if (self) {
+        reduced_model_free(&self->reduced);
+        trained_range_free(self->range);
+        film_splines_free(&self->splines);
+        free(self->pressure_basis);
+        free(self->deformation_basis);
+        free(self->path);
+        free(self);
+    }
+    return NULL;
+}
+
+ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
+    const reduced_model *model = &self->reduced;
+    ehdrom_properties properties = {.num_inner = model->grid.num_inner,
+                                    .num_nodes = model->grid.num_nodes,
+                                    .num_lines = grid_whole(&model->grid).inner_lines,
+                                    .x_min = model->grid.x_min,
+                                    .step = model->grid.step,
+                                    .deformation = deformation_names[model->deformation],
+                                    .pressure_modes = model->num_pressure,
+                                    .deformation_modes = model->num_deformation,
+                                    .unknowns = model->num_unknowns,
+                                    .rows = model->num_rows,
+                                    .needed_nodes = model->num_needed,
+                                    .states = model->states.num_states};
+    return properties;
+}
+
+ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *model,
+                                ehd_error *error) {
+    const reduced_settings settings = reduced_default_settings();
+    ehdrom_solver *self = calloc(1, sizeof *self);
+    ehd_status status = EHD_OK;
+
+    *solver = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->model = model;
+    status = reduced_state_init(&self->state, &model->reduced, error);
+    self->indicator = indicator_create(&model->reduced);
+    if (!status && !self->indicator)
+        status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!status) status = reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
+    if (status)
+        ehdrom_solver_free(self);
+    else
+        *solver = self;
+    return status;
+}
+
+ehdrom_solver *ehdrom_solver_free(ehdrom_solver *self) {
+    if (self) {
+        reduced_solver_free(self->reduced);
+        indicator_free(self->indicator);
+        reduced_state_free(&self->state);
+        free(self->pressure_basis);
+        free(self);
+    }
+    return NULL;
+}
+
+void ehdrom_solver_set_tolerance(ehdrom_solver *self, double tolerance) {
+    reduced_solver_set_tolerance(self->reduced, tolerance);
+}
+
+static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *contact,
+                                ehd_error *error) {
+    const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;
+
+    if (contact->kind == model->reduced.kind && grid_same(grid, own)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "grid: found a %s contact with %zu nodes from %g in steps of %g, expected a %s "
+                    "contact with %zu from %g in steps of %g as in %s",
+                    contact->kind->name, grid->num_inner, grid->x_min, grid->step,
+                    model->reduced.kind->name, own->num_inner, own->x_min, own->step, model->path);
+}
+
+/* What the rows say of the deviation. */
+static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+                     const reduced_info *info) {
+    const double factor = solver->model->indicator_factor, start = program_seconds();
+
+    result->bound = result->indicated = NAN;
+    if (info->status == EHD_NOT_CONVERGED) return;
+    result->bound = indicator_bound(solver->indicator, solver->reduced, &solver->state, contact,
+                                    &info->scalars);
+    if (factor > 0) result->indicated = factor * result->bound;
+    result->seconds += program_seconds() - start;
+}
+
+/* Converged, but is it to be trusted? */
+static void judge(ehdrom_result *result, const ehdrom_model *model, const ehd_contact *contact) {
+    if (result->status) return;
+    const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
+    if (!reason) return;
+    result->status = EHD_UNTRUSTED;
+    result->reason = reason;
+}
+
+ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+                        ehd_error *error) {
+    const reduced_model *model = &solver->model->reduced;
+    reduced_info info;
+    ehd_status status = check_contact(solver->model, contact, error);
+    if (status) return status;
+
+    reduced_guess(&solver->state, model, contact->moes_M, contact->alpha_p_H);
+    status = reduced_solve(&info, &solver->state, solver->reduced, contact, NULL, error);
+    if (status) return status;
+    *result = (ehdrom_result){.status = info.status,
+                              .reason = info.reason,
+                              .scalars = info.scalars,
+                              .iterations = info.iterations,
+                              .residual = info.residual,
+                              .seconds = info.seconds,
+                              .seconds_rows = info.seconds_rows,
+                              .seconds_linear = info.seconds_linear,
+                              .seconds_exit = info.seconds_exit};
+    indicate(result, solver, contact, &info);
+    judge(result, solver->model, contact);
+    return EHD_OK;
+}
+
+ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error) {
+    const reduced_model *model = &solver->model->reduced;
+
+    if (!solver->pressure_basis) {
+        ehd_status status =
+            model_read_modes(&solver->pressure_basis, NULL, solver->model->path, model, error);
+        if (status) return status;
+    }
+    return reduced_fields(pressure, film, &solver->state, model, solver->pressure_basis, error);
+}
+
+void ehdrom_exits(double *positions, const ehdrom_solver *solver) {
+    grid_exits(positions, reduced_state_exits(&solver->state), &solver->model->reduced.grid);
+}
+
+// ---- in time
+
+struct ehdrom_transient {
+    const ehdrom_model *model;
+    ehd_contact reference;
+    reduced_march *march;
+    bool started;           // there is an accepted state
+    bool solved;            // and a step after it that can be accepted
+    march_step last;        // solved
+    double load, load_rate; // accepted, to scale the next frame with where the approach is given
+    double time;            // accepted
+};
+
+ehd_status ehdrom_prepare_transient(ehdrom_model *self, ehd_error *error) {
+    if (self->transient) return EHD_OK;
+    ehd_status status = model_read_modes(&self->pressure_basis, &self->deformation_basis,
+                                         self->path, &self->reduced, error);
+    if (!status)
+        status = film_splines_build(&self->splines, &self->reduced, self->pressure_basis,
+                                    self->deformation_basis, error);
+    self->transient = !status;
+    return status;
+}
+
+ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
+                                   const ehd_contact *reference, ehd_error *error) {
+    const reduced_settings settings = reduced_default_settings();
+    ehdrom_transient *self = NULL;
+    ehd_status status = check_contact(model, reference, error);
+
+    *transient = NULL;
+    if (!status && !model->transient)
+        status = ehd_fail(error, EHD_INTERNAL,
+                          "%s: found a model that is not prepared, expected "
+                          "ehdrom_prepare_transient before",
+                          model->path);
+    if (status) return status;
+    self = calloc(1, sizeof *self);
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->model = model;
+    self->reference = *reference;
+    status = reduced_march_create(&self->march, &model->reduced, &model->splines, &self->reference,
+                                  &settings, error);
+    if (status)
+        ehdrom_transient_free(self);
+    else
+        *transient = self;
+    return status;
+}
+
+ehdrom_transient *ehdrom_transient_free(ehdrom_transient *self) {
+    if (self) {
+        reduced_march_free(self->march);
+        free(self);
+    }
+    return NULL;
+}
+
+march_solver ehdrom_march(ehdrom_transient *self) {
+    return reduced_march_solver(self->march);
+}
+
+void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver) {
+    reduced_march_effort effort = reduced_march_effort_of(solver);
+
+    *rows = effort.seconds_rows + effort.seconds_earlier;
+    *linear = effort.seconds_linear;
+    *exit = effort.seconds_exit;
+}
+
+static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
+    const march_step *step = &self->last;
+
+    *state = (ehdrom_state){.status = step->status,
+                            .reason = step->reason,
+                            .time = step->frame.time,
+                            .scalars =
+                                frame_to_reference(&step->scalars, &step->frame, &self->reference),
+                            .half_width = step->frame.half_width,
+                            .local_error = step->local_error,
+                            .iterations = step->iterations,
+                            .residual = step->residual};
+}
+
+static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditions *conditions,
+                              double step) {
+    double values[NUM_VARY] = {[VARY_LOAD] =
+                                   isnan(conditions->load)
+                                       ? march_expected_load(self->load, self->load_rate, step)
+                                       : conditions->load,
+                               [VARY_SPEED] = conditions->speed,
+                               [VARY_RADIUS] = conditions->radius,
+                               [VARY_MODULUS] = conditions->modulus};
+
+    return frame_at(self->reference.kind, self->time + step, values, conditions->approach);
+}
+
+static ehd_status check_conditions(const ehdrom_conditions *conditions,
+                                   const ehd_contact *reference, ehd_error *error) {
+    bool expected = isnan(conditions->load) && !isnan(conditions->approach);
+    const struct {
+        const char *name;
+        double value;
+        bool zero_allowed;
+    } values[] = {{"load", expected ? 1 : conditions->load, false},
+                  {"speed", conditions->speed, true},
+                  {"radius", conditions->radius, false},
+                  {"modulus", conditions->modulus, false}};
+
+    for (size_t i = 0; i < sizeof values / sizeof *values; i++)
+        if (!(values[i].value >= 0 && isfinite(values[i].value)) ||
+            (values[i].value == 0 && !values[i].zero_allowed))
+            return ehd_fail(error, EHD_DATA, "%s: found %g, expected a number %s", values[i].name,
+                            values[i].value, values[i].zero_allowed ? "of at least 0" : "above 0");
+    if (isinf(conditions->approach))
+        return ehd_fail(
+            error, EHD_DATA,
+            "approach: found %g, expected a finite number, or nan where the load is given",
+            conditions->approach);
+    return isnan(conditions->approach) ? EHD_OK : contact_check_approach(reference, error);
+}
+
+ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
+                                  const ehdrom_conditions *conditions, ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+    ehd_status status = check_conditions(conditions, &self->reference, error);
+
+    if (!status) status = march_check_start(conditions->speed, !isnan(conditions->approach), error);
+    if (status) return status;
+    self->started = self->solved = false;
+    self->time = 0;
+    self->load = 1;
+    self->load_rate = 0;
+    contact_frame frame = frame_of(self, conditions, 0);
+    status = solver.start(&self->last, solver.self, &frame, error);
+    if (status) return status;
+    self->started = self->last.status != EHD_NOT_CONVERGED;
+    self->load = self->last.scalars.load * self->last.frame.load;
+    fill_state(state, self);
+    return EHD_OK;
+}
+
+ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
+                       const ehdrom_conditions *conditions, double step, ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+    ehd_status status = check_conditions(conditions, &self->reference, error);
+
+    if (!status && !(step > 0 && isfinite(step)))
+        status = ehd_fail(error, EHD_DATA, "step: found %g, expected a number above 0", step);
+    if (!status && !self->started)
+        status = ehd_fail(error, EHD_INTERNAL,
+                          "step: found no accepted state, expected ehdrom_transient_start or "
+                          "ehdrom_restore before");
+    self->solved = false;
+    if (status) return status;
+    contact_frame frame = frame_of(self, conditions, step);
+    status = solver.attempt(&self->last, solver.self, &frame, step, error);
+    if (status) return status;
+    self->solved = self->last.status != EHD_NOT_CONVERGED;
+    self->last.frame = frame;
+    self->last.step = step;
+    fill_state(state, self);
+    return EHD_OK;
+}
+
+void ehdrom_accept(ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+    double load = self->last.scalars.load * self->last.frame.load;
+
+    if (!self->solved) return;
+    self->solved = false;
+    solver.accept(solver.self);
+    self->load_rate = (load - self->load) / self->last.step;
+    self->load = load;
+    self->time = self->last.frame.time;
+}
+
+void ehdrom_restart(ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    solver.restart(solver.self);
+}
+
+enum { NUM_OWN = 3 };
+
+size_t ehdrom_saved_size(const ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    return NUM_OWN + solver.saved_size(solver.self);
+}
+
+void ehdrom_save(double *saved, const ehdrom_transient *self) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    saved[0] = self->time;
+    saved[1] = self->load;
+    saved[2] = self->load_rate;
+    solver.save(saved + NUM_OWN, solver.self);
+}
+
+ehd_status ehdrom_restore(ehdrom_transient *self, const double *saved, ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+    ehd_status status = EHD_OK;
+
+    self->started = self->solved = false;
+    if (!(saved[0] >= 0 && saved[1] > 0 && isfinite(saved[2])))
+        status = ehd_fail(error, EHD_DATA,
+                          "saved state: found time %g, load %g and its rate %g, expected a time, a "
+                          "load above 0 and a finite rate",
+                          saved[0], saved[1], saved[2]);
+    if (!status) status = solver.restore(solver.self, saved + NUM_OWN, error);
+    if (status) return status;
+    self->started = true;
+    self->time = saved[0];
+    self->load = saved[1];
+    self->load_rate = saved[2];
+    return EHD_OK;
+}
+
+ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *self,
+                                   ehd_error *error) {
+    march_solver solver = reduced_march_solver(self->march);
+
+    return solver.fields(pressure, film, solver.self, error);
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Starts from the trained solutions, and the range that was trained. */
+#include "romrun/online/reduced_solver.h"
+
+#include <lapacke.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUM_NEIGHBOURS = 24, MOST_TERMS = 6 };
+
+/* Place of a contact among the training points: the film follows M and the viscosity's rise in
+ * powers, so logarithms make neighbours alike. */
+static void place_of(double place[2], double moes_M, double alpha_p_H) {
+    place[0] = log(moes_M);
+    place[1] = 0.5 * log1p(alpha_p_H);
+}
+
+typedef struct neighbour {
+    size_t state;
+    double distance, away[2];
+} neighbour;
+
+/* The nearest states further away than `beyond`, ascending in distance; returns their number. */
+static size_t nearest_states(neighbour *nearest, const reduced_states *states, const double here[2],
+                             double beyond) {
+    size_t count = 0;
+
+    for (size_t s = 0; s < states->num_states; s++) {
+        double there[2];
+        place_of(there, states->moes_M[s], states->alpha_p_H[s]);
+        if (!states->stationary[s]) continue; // what stationary problems start from
+        neighbour fresh = {s,
+                           hypot(there[0] - here[0], there[1] - here[1]),
+                           {there[0] - here[0], there[1] - here[1]}};
+        if (!(fresh.distance > beyond) ||
+            (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance))
+            continue;
+        size_t i = count < NUM_NEIGHBOURS ? count++ : count - 1;
+        for (; i > 0 && nearest[i - 1].distance > fresh.distance; i--)
+            nearest[i] = nearest[i - 1];
+        nearest[i] = fresh;
+    }
+    return count;
+}
+
+/* A fit through neighbours: how many of them and of the terms 1, x, y, x^2, xy, y^2, and how large the sum of the
+ * weights' magnitudes may be, beyond which it is no interpolation. */
+typedef struct neighbour_fit {
+    size_t most_neighbours, num_terms;
+    double most_weight;
+} neighbour_fit;
+
+/* The best first. At half of the quadratic one's neighbours a regular training has no three rows of points. */
+static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, MOST_TERMS, 1.5}, {6, 3, 2}};
+
+/* Weights of the neighbours in a fit through them, taken at the wanted place (moving least squares). Returns false
+ * where they do not determine it, which rounding may hide from the factorisation but not from the sum of the weights,
+ * or where the fit would extrapolate. */
+static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
+                        const neighbour_fit *fit) {
+    const double slack = 1e-6;
+    const size_t num = fit->num_terms;
+    double normal[MOST_TERMS * MOST_TERMS] = {0}, unit[MOST_TERMS] = {1}, magnitude = 0, sum = 0;
+    double terms[NUM_NEIGHBOURS][MOST_TERMS], strength[NUM_NEIGHBOURS];
+
+    if (count < num) return false;
+    for (size_t i = 0; i < count; i++) {
+        double x = nearest[i].away[0], y = nearest[i].away[1];
+        const double here[MOST_TERMS] = {1, x, y, x * x, x * y, y * y};
+        memcpy(terms[i], here, sizeof here);
+        strength[i] = 1 / (nearest[i].distance * nearest[i].distance + 1e-6);
+        for (size_t p = 0; p < num; p++)
+            for (size_t q = 0; q < num; q++)
+                normal[num * p + q] += strength[i] * here[p] * here[q];
+    }
+    if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', (int)num, 1, normal, (int)num, unit, (int)num))
+        return false;
+    for (size_t i = 0; i < count; i++) {
+        weights[i] = 0;
+        for (size_t p = 0; p < num; p++)
+            weights[i] += strength[i] * unit[p] * terms[i][p];
+        magnitude += fabs(weights[i]);
+        sum += weights[i];
+    }
+    return magnitude < fit->most_weight && fabs(sum - 1) < slack;
+}
+
+/* state = sum of weights[i] times the states given. */
+static void combine_states(reduced_state *state, const reduced_model *model,
+                           const neighbour *nearest, const double *weights, size_t count) {
+    const reduced_states *states = &model->states;
+    size_t n = model->num_unknowns;
+    size_t central = grid_central_line(&model->grid) / grid_width(&model->grid);
+
+    memset(state->coordinates, 0, n * sizeof(double));
+    for (size_t i = 0; i < count; i++) {
+        const double *source = states->coordinates + nearest[i].state * n;
+        for (size_t j = 0; j < n; j++)
+            state->coordinates[j] += weights[i] * source[j];
+    }
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        double exit = 0;
+        for (size_t i = 0; i < count; i++)
+            exit += weights[i] * (double)states->exit[nearest[i].state * states->num_lines + l];
+        exit = fmin(fmax(exit, (double)line->least), (double)line->most);
+        if (l == central) state->exit = (size_t)lround(exit);
+        if (state->exits) state->exits[l] = (size_t)lround(exit);
+    }
+}
+
+void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
+                   double alpha_p_H) {
+    neighbour nearest[NUM_NEIGHBOURS];
+    double here[2], weights[NUM_NEIGHBOURS], one = 1;
+
+    place_of(here, moes_M, alpha_p_H);
+    size_t count = nearest_states(nearest, &model->states, here, -1);
+    for (size_t f = 0; f < sizeof FITS / sizeof *FITS; f++) {
+        size_t used = count < FITS[f].most_neighbours ? count : FITS[f].most_neighbours;
+        if (!fit_weights(weights, nearest, used, &FITS[f])) continue;
+        combine_states(state, model, nearest, weights, used);
+        return;
+    }
+    combine_states(state, model, nearest, &one, 1);
+}
+
+void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
+                       double alpha_p_H) {
+    const double same = 1e-9;
+    neighbour nearest[NUM_NEIGHBOURS];
+    double here[2], one = 1;
+
+    place_of(here, moes_M, alpha_p_H);
+    if (nearest_states(nearest, &model->states, here, same) > 0)
+        combine_states(state, model, nearest, &one, 1);
+    else
+        reduced_guess(state, model, moes_M, alpha_p_H);
+}
+
+// ---- trained range
+
+typedef struct point {
+    double M, pressure;
+} point;
+
+static int compare_points(const void *a, const void *b) {
+    const point *p = a, *q = b;
+
+    if (p->M != q->M) return p->M < q->M ? -1 : 1;
+    return (p->pressure > q->pressure) - (p->pressure < q->pressure);
+}
+
+static double turn(point a, point b, point c) {
+    return (b.M - a.M) * (c.pressure - a.pressure) - (b.pressure - a.pressure) * (c.M - a.M);
+}
+
+/* Convex hull by the monotone chain, counter-clockwise; `hull` has room for num + 1 points. */
+static size_t convex_hull(point *hull, point *points, size_t num) {
+    size_t count = 0;
+
+    qsort(points, num, sizeof *points, compare_points);
+    for (size_t i = 0; i < num; i++) {
+        while (count >= 2 && turn(hull[count - 2], hull[count - 1], points[i]) <= 0)
+            count--;
+        hull[count++] = points[i];
+    }
+    size_t lower = count + 1;
+    for (size_t i = num - 1; i-- > 0;) {
+        while (count >= lower && turn(hull[count - 2], hull[count - 1], points[i]) <= 0)
+            count--;
+        hull[count++] = points[i];
+    }
+    return count > 1 ? count - 1 : count;
+}
+
+/* From a corner of the hull to the next one. */
+typedef struct hull_edge {
+    point start, direction; // of length 1
+    double length;
+} hull_edge;
+
+struct trained_range {
+    hull_edge *edges; // [count], counter-clockwise, in units of `extent`
+    size_t count;
+    point extent;
+    double slack; // how far outside of the hull still counts as inside, in units of the extent
+    double most_rate;
+};
+
+trained_range *trained_range_free(trained_range *self) {
+    if (self) {
+        free(self->edges);
+        free(self);
+    }
+    return NULL;
+}
+
+static void find_extent(trained_range *self, const reduced_states *states) {
+    point least = {INFINITY, INFINITY}, most = {-INFINITY, -INFINITY};
+    bool stationary = true;
+
+    for (size_t s = 0; s < states->num_states; s++) {
+        least.M = fmin(least.M, states->moes_M[s]);
+        most.M = fmax(most.M, states->moes_M[s]);
+        least.pressure = fmin(least.pressure, states->alpha_p_H[s]);
+        most.pressure = fmax(most.pressure, states->alpha_p_H[s]);
+        self->most_rate = fmax(self->most_rate, states->rate[s]);
+        stationary = stationary && states->stationary[s];
+    }
+    self->extent.M = most.M > least.M ? most.M - least.M : most.M;
+    self->extent.pressure =
+        most.pressure > least.pressure ? most.pressure - least.pressure : fmax(most.pressure, 1);
+    // training points themselves count as inside; of a trajectory, which is a curve with few states kept,
+    // also what lies between them
+    self->slack = stationary ? 1e-9 : 2e-3;
+}
+
+static hull_edge edge_between(point a, point b) {
+    double length = hypot(b.M - a.M, b.pressure - a.pressure), scale = 1 / fmax(length, 1e-300);
+
+    return (hull_edge){a, {(b.M - a.M) * scale, (b.pressure - a.pressure) * scale}, length};
+}
+
+trained_range *trained_range_create(const reduced_model *model) {
+    const reduced_states *states = &model->states;
+    size_t num = states->num_states;
+    trained_range *self = calloc(1, sizeof *self);
+    point *points = malloc((num + 1) * sizeof *points), *hull = malloc((num + 2) * sizeof *hull);
+
+    if (self) self->edges = malloc((num + 2) * sizeof *self->edges);
+    if (self && self->edges && points && hull) {
+        find_extent(self, states);
+        for (size_t s = 0; s < num; s++)
+            points[s] = (point){states->moes_M[s] / self->extent.M,
+                                states->alpha_p_H[s] / self->extent.pressure};
+        self->count = num ? convex_hull(hull, points, num) : 0;
+        for (size_t i = 0; i < self->count; i++)
+            self->edges[i] = edge_between(hull[i], hull[(i + 1) % self->count]);
+    } else {
+        self = trained_range_free(self);
+    }
+    free(points);
+    free(hull);
+    return self;
+}
+
+/* How far a point lies to the right of an edge or, within the line that a hull of two points is, beyond its
+ * ends. */
+static double outside_edge(const hull_edge *edge, point wanted, bool line) {
+    point from = {wanted.M - edge->start.M, wanted.pressure - edge->start.pressure};
+    double across = from.M * edge->direction.pressure - from.pressure * edge->direction.M;
+    double along = from.M * edge->direction.M + from.pressure * edge->direction.pressure;
+
+    return line ? fmax(across, along - edge->length) : across;
+}
+
+const char *trained_range_check(const trained_range *self, double moes_M, double alpha_p_H,
+                                double rate) {
+    const double rate_slack = 1.05, least_rate = 1e-3;
+    const point wanted = {moes_M / self->extent.M, alpha_p_H / self->extent.pressure};
+    bool line = self->count <= 2, of_trajectories = self->slack > 1e-6;
+    double outside = line && !(of_trajectories && self->count == 2) ? INFINITY : -INFINITY;
+
+    for (size_t i = 0; i < self->count; i++) {
+        double here = outside_edge(&self->edges[i], wanted, line);
+        outside = here > outside ? here : outside;
+    }
+    if (!(outside <= self->slack)) return "outside of the trained range of M and alpha p_H";
+    if (rate > fmax(rate_slack * self->most_rate, least_rate))
+        return "a contact that changes faster than any in training";
+    return NULL;
+}

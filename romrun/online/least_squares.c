@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Normal equations with scaled columns, because they cost a fifth of a QR; where their Cholesky
+ * factorisation is not safe, QR. What Newton converges to is set by J^T f = 0, which is evaluated from
+ * J itself, so that the squared condition number touches the convergence only. */
+#include "romrun/online/least_squares.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct least_squares {
+    size_t num_columns;
+    size_t longest;       // of rows and columns
+    double *scale;        // [num_columns] 1 / norm of the column
+    double *scaled;       // [longest, num_columns] for QR
+    double *gram;         // [num_columns, num_columns]
+    const double *factor; // lower, of the Gram matrix: within `gram`, or within `scaled` after a QR
+    size_t
+        factor_size; // its rows and columns; fewer than num_columns where zero columns were dropped
+    double *right;   // [longest]
+    double *work;    // [num_work] of LAPACK
+    int num_work;
+};
+
+static const double LEAST_RCOND = 1e-13; // of the Gram matrix, below which QR is taken
+
+least_squares *least_squares_free(least_squares *self) {
+    if (self) {
+        free(self->scale);
+        free(self->scaled);
+        free(self->gram);
+        free(self->right);
+        free(self->work);
+        free(self);
+    }
+    return NULL;
+}
+
+least_squares *least_squares_create(size_t most_rows, size_t num_columns) {
+    least_squares *self = calloc(1, sizeof *self);
+    if (!self) return NULL;
+    size_t longest = most_rows > num_columns ? most_rows : num_columns;
+    self->longest = longest;
+    self->num_columns = num_columns;
+    self->num_work = (int)(64 * (longest + num_columns));
+    self->scale = malloc(num_columns * sizeof(double));
+    self->scaled = malloc(longest * num_columns * sizeof(double));
+    self->gram = malloc(num_columns * num_columns * sizeof(double));
+    self->right = malloc(longest * sizeof(double));
+    self->work = malloc((size_t)self->num_work * sizeof(double));
+    if (!self->scale || !self->scaled || !self->gram || !self->right || !self->work)
+        return least_squares_free(self);
+    return self;
+}
+
+/* Gram matrix of the columns scaled to unit norm, lower part; zero columns keep zero and get no weight. */
+static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
+    size_t n = self->num_columns;
+
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, (int)n, (int)num_rows, 1, matrix, (int)n,
+                0, self->gram, (int)n);
+    for (size_t j = 0; j < n; j++) {
+        double square = self->gram[j * n + j];
+        self->scale[j] = square > 0 ? 1 / sqrt(square) : 0;
+    }
+    for (size_t j = 0; j < n; j++) {
+        for (size_t i = j + 1; i < n; i++)
+            self->gram[j * n + i] *= self->scale[i] * self->scale[j];
+        if (isfinite(self->gram[j * n + j])) self->gram[j * n + j] = 1;
+    }
+}
+
+/* Cholesky of the Gram matrix; false when it is not safely positive definite. */
+static int factorise_gram(least_squares *self, const double *matrix, size_t num_rows) {
+    int n = (int)self->num_columns;
+    double norm, rcond = 0;
+
+    scaled_gram(self, matrix, num_rows);
+    norm = n; // columns have unit norm, so the 1-norm is at most n
+    if (LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, self->gram, n)) return 0;
+    // the diagonal of the factor bounds the condition from one side, cheaply
+    double least = INFINITY, most = 0;
+    for (int j = 0; j < n; j++) {
+        least = fmin(least, self->gram[j * n + j]);
+        most = fmax(most, self->gram[j * n + j]);
+    }
+    self->factor = self->gram;
+    self->factor_size = self->num_columns;
+    rcond = least * least / (most * most * norm);
+    return rcond > LEAST_RCOND;
+}
+
+static void solve_gram(double *solution, const least_squares *self, const double *matrix,
+                       const double *right, size_t num_rows) {
+    int n = (int)self->num_columns;
+
+    cblas_dgemv(CblasColMajor, CblasNoTrans, n, (int)num_rows, -1, matrix, n, right, 1, 0, solution,
+                1);
+    for (int j = 0; j < n; j++)
+        solution[j] *= self->scale[j];
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n, self->gram, n, solution,
+                1);
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, self->gram, n, solution, 1);
+}
+
+/* Closes the gaps that zero columns leave in the scaled matrix; returns the number of the others. */
+static size_t drop_zero_columns(least_squares *self, size_t num_rows) {
+    size_t n = self->num_columns, kept = 0;
+
+    for (size_t j = 0; j < n; j++)
+        kept += self->scale[j] > 0;
+    for (size_t r = 0, to = 0; r < num_rows && kept < n; r++)
+        for (size_t j = 0; j < n; j++)
+            if (self->scale[j] > 0) self->scaled[to++] = self->scaled[r * n + j];
+    return kept;
+}
+
+/* QR of the scaled matrix without its zero columns, since a singular factor has no solution. Nor have fewer
+ * rows than columns a single one: NaN. */
+static void solve_qr(double *solution, least_squares *self, const double *matrix,
+                     const double *right, size_t num_rows) {
+    size_t n = self->num_columns;
+    int info = -1;
+
+    for (size_t r = 0; r < num_rows; r++)
+        for (size_t j = 0; j < n; j++)
+            self->scaled[r * n + j] = matrix[r * n + j] * self->scale[j];
+    size_t kept = drop_zero_columns(self, num_rows);
+    // row-major J is column-major J^T: the transposed problem of dgels
+    for (size_t r = 0; r < num_rows; r++)
+        self->right[r] = -right[r];
+    if (kept <= num_rows)
+        info = LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', (int)kept, (int)num_rows, 1, self->scaled,
+                                  (int)kept, self->right, (int)self->longest, self->work,
+                                  self->num_work);
+    self->factor = self->scaled;
+    self->factor_size = kept;
+    for (size_t j = 0, from = 0; j < n; j++)
+        solution[j] = info ? NAN : self->scale[j] > 0 ? self->right[from++] : 0;
+}
+
+/* Undoes the scaling of the columns. */
+static ehd_status unscale(double *solution, const least_squares *self) {
+    for (size_t j = 0; j < self->num_columns; j++) {
+        solution[j] *= self->scale[j];
+        if (!isfinite(solution[j])) return EHD_NOT_CONVERGED;
+    }
+    return EHD_OK;
+}
+
+ehd_status least_squares_solve(double *solution, least_squares *self, const double *matrix,
+                               const double *right, size_t num_rows) {
+    if (factorise_gram(self, matrix, num_rows))
+        solve_gram(solution, self, matrix, right, num_rows);
+    else
+        solve_qr(solution, self, matrix, right, num_rows);
+    return unscale(solution, self);
+}
+
+ehd_status least_squares_factorise(least_squares *self, const double *matrix, size_t num_rows) {
+    return factorise_gram(self, matrix, num_rows) ? EHD_OK : EHD_NOT_CONVERGED;
+}
+
+ehd_status least_squares_again(double *solution, const least_squares *self, const double *matrix,
+                               const double *right, size_t num_rows) {
+    if (self->factor != self->gram) return EHD_NOT_CONVERGED;
+    solve_gram(solution, self, matrix, right, num_rows);
+    return unscale(solution, self);
+}
+
+double least_squares_sensitivity(least_squares *self, const double *functional) {
+    size_t count = 0;
+
+    for (size_t j = 0; j < self->num_columns; j++)
+        if (self->scale[j] > 0 || self->factor_size == self->num_columns)
+            self->right[count++] = functional[j] * self->scale[j];
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, (int)count, self->factor,
+                (int)count, self->right, 1);
+    double norm = cblas_dnrm2((int)count, self->right, 1);
+    return isfinite(norm) ? norm : INFINITY;
+}

@@ -1,0 +1,623 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/reduced_march.h"
+
+#include "common/program/program.h"
+#include "common/time/bdf.h"
+#include "romrun/online/fields.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct reduced_march {
+    const reduced_model *model;
+    const film_splines *splines;
+    ehd_contact reference;
+    trained_range *range;
+    reduced_solver *solver;
+    earlier_film states[BDF_EARLIER + 1]; // in the places of the ring
+    bdf_ring ring;
+    bdf_formula formula; // of the attempt
+    size_t *ascending;   // [num_rows] the rows by their nodes
+    double *mass;        // [num_rows, BDF_EARLIER] rho H of earlier states at the rows' nodes
+    double *earlier;     // [num_rows] their sum by the formula
+    double *row_pressure, *row_mass; // [num_rows]
+    size_t *watched_end; // [num_lines] columns before which the local error is looked at
+    // the sums asked for at the band's nodes in this attempt, by its number
+    size_t attempt, *band_attempt; // [num_band]
+    double *band_earlier;          // [num_band]
+    // what the solver's kept factors were made at, so that a restored march makes the same ones
+    struct {
+        bool valid;
+        contact_frame frame;
+        double rate;
+        reduced_state state;
+    } factors;
+    // frames of the solved loads, where the approach is given not the ones that were solved in
+    contact_frame loaded, last_loaded; // of the attempt; of the last accepted state
+    size_t last_iterations;            // of the attempt
+    bool own_jacobian;                 // the attempt made one
+    reduced_march_effort effort;
+};
+
+reduced_march *reduced_march_free(reduced_march *self) {
+    if (self) {
+        reduced_solver_free(self->solver);
+        trained_range_free(self->range);
+        for (size_t i = 0; i <= BDF_EARLIER; i++)
+            earlier_film_free(&self->states[i]);
+        free(self->ascending);
+        free(self->mass);
+        reduced_state_free(&self->factors.state);
+        free(self->watched_end);
+        free(self->band_attempt);
+        free(self->band_earlier);
+        free(self->earlier);
+        free(self->row_pressure);
+        free(self->row_mass);
+        free(self);
+    }
+    return NULL;
+}
+
+static int compare_nodes(const void *a, const void *b, void *context) {
+    const size_t *node = context, p = node[*(const size_t *)a], q = node[*(const size_t *)b];
+
+    return p < q ? -1 : p > q;
+}
+
+/* Neighbours share most of what the splines there take. */
+static void sort_rows(reduced_march *self) {
+    for (size_t r = 0; r < self->model->num_rows; r++)
+        self->ascending[r] = r;
+    qsort_r(self->ascending, self->model->num_rows, sizeof *self->ascending, compare_nodes,
+            self->model->row_node);
+}
+
+ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
+                                const film_splines *splines, const ehd_contact *reference,
+                                const reduced_settings *settings, ehd_error *error) {
+    size_t bytes = model->num_rows * sizeof(double);
+    reduced_march *self = calloc(1, sizeof *self);
+    bool whole;
+
+    *created = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    self->model = model;
+    self->splines = splines;
+    self->reference = *reference;
+    self->ring = bdf_ring_empty();
+    self->earlier = malloc(bytes);
+    self->row_pressure = malloc(bytes);
+    self->row_mass = malloc(bytes);
+    self->range = trained_range_create(model);
+    self->mass = malloc(BDF_EARLIER * bytes);
+    self->ascending = malloc(model->num_rows * sizeof *self->ascending);
+    self->watched_end = malloc(model->num_lines * sizeof *self->watched_end);
+    self->band_attempt = calloc(model->num_band, sizeof *self->band_attempt);
+    self->band_earlier = malloc(model->num_band * sizeof(double));
+    whole = self->earlier && self->row_pressure && self->row_mass && self->mass &&
+            self->ascending && self->watched_end && self->band_attempt && self->band_earlier &&
+            self->range;
+    if (whole) sort_rows(self);
+    ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
+                              : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    if (!status) status = reduced_state_init(&self->factors.state, model, error);
+    for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
+        status = earlier_film_init(&self->states[i], model, error);
+    if (status)
+        reduced_march_free(self);
+    else
+        *created = self;
+    return status;
+}
+
+reduced_solver *reduced_march_inner(reduced_march *self) {
+    return self->solver;
+}
+
+static earlier_film *state_before(reduced_march *self, size_t steps) {
+    return &self->states[self->ring.place[steps]];
+}
+
+static void add_effort(reduced_march *self, const reduced_info *info) {
+    self->effort.seconds_rows += info->seconds_rows;
+    self->effort.seconds_linear += info->seconds_linear;
+    self->effort.seconds_exit += info->seconds_exit;
+    self->effort.iterations += info->iterations;
+}
+
+// ---- trust
+
+/* Whether an exit lies at the edge of where it may; on lines beside a point contact that may be the grid's end. */
+static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
+    const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
+
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        bool ends = model->num_lines > 1 && line->most == end;
+        if (reduced_model_has_band(model, l) &&
+            (exit[l] <= line->least || (exit[l] >= line->most && !ends)))
+            return true;
+    }
+    return false;
+}
+
+/* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film
+ * that ruptures before the contact, where it has no boundary. */
+static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
+                  const contact_frame *frame) {
+    const double rupture = -1e-3; // of the Hertz pressure; truncated bases show a tenth of it
+    const reduced_model *model = self->model;
+    ehd_contact contact;
+
+    self->loaded = isnan(frame->approach)
+                       ? *frame // where load balance is one row of a least-squares problem
+                       : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
+    if (outcome->status) return;
+    frame_contact(&contact, &self->loaded, &self->reference);
+    double rate = self->ring.num_earlier > 0 ? frame_rate(&self->loaded, &self->last_loaded) : 0;
+    outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
+    outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
+    if (!outcome->reason) outcome->reason = "";
+    if (is_at_edge(model, state)) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = "an exit boundary at the edge of the trained range";
+    }
+    for (size_t r = 0; r < model->num_rows; r++)
+        if (self->row_pressure[r] < rupture && grid_x(&model->grid, model->row_node[r]) < 0) {
+            outcome->status = EHD_UNTRUSTED;
+            outcome->reason = "a negative pressure before the contact";
+        }
+}
+
+// ---- the start
+
+/* Solves the state being worked on, from where it stands. */
+static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
+                        const reduced_squeeze *squeeze, ehd_error *error) {
+    earlier_film *next = state_before(self, 0);
+    ehd_status status = reduced_solve(info, &next->state, self->solver, contact, squeeze, error);
+
+    add_effort(self, info);
+    return status;
+}
+
+/* Rescales the frame until the load of the given approach is the one that scales it: secants, for each of
+ * which the stationary problem with a given load is solved. */
+static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
+                            ehd_error *error) {
+    const size_t most_turns = 30;
+    ehd_status status = EHD_OK;
+
+    for (size_t turn = 0; turn < most_turns; turn++) {
+        ehd_contact contact;
+        frame_contact(&contact, frame, &self->reference);
+        status = solve(info, self, &contact, NULL, error);
+        if (status || info->status == EHD_NOT_CONVERGED) return status;
+        if (fabs(info->scalars.load - 1) < 1e-10) return EHD_OK;
+        *frame =
+            frame_of_load(self->reference.kind, frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
+    }
+    info->status = EHD_NOT_CONVERGED;
+    info->reason = "approach out of reach";
+    return EHD_OK;
+}
+
+static void accept(void *solver);
+static void drop_factors(reduced_march *self);
+
+static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
+                        ehd_error *error) {
+    reduced_march *self = solver;
+    earlier_film *first = state_before(self, 0);
+    reduced_info info = {.status = EHD_OK, .reason = ""};
+    ehd_contact contact;
+    ehd_status status = EHD_OK;
+
+    frame_contact(&contact, frame, &self->reference);
+    contact.closure = contact_load_closure(contact.kind);
+    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H);
+    first->frame = *frame;
+    if (frame->speed > 0)
+        status = solve(&info, self, &contact, NULL, error);
+    else
+        info.scalars = reduced_scalars(self->solver, &first->state);
+    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
+        status = find_load(&info, self, &first->frame, error);
+    if (status) return status;
+    *outcome = (march_step){.status = info.status,
+                            .reason = info.reason,
+                            .frame = first->frame,
+                            .scalars = info.scalars,
+                            .iterations = info.iterations,
+                            .residual = info.residual};
+    self->ring.num_earlier = 0;
+    if (info.status != EHD_NOT_CONVERGED) {
+        frame_contact(&contact, &first->frame, &self->reference);
+        reduced_row_values(self->row_pressure, NULL, self->solver, &contact);
+        judge(outcome, self, &first->state, &first->frame);
+    }
+    self->formula.rate = 0;
+    drop_factors(self);
+    accept(self);
+    return EHD_OK;
+}
+
+// ---- a step
+
+/* target += factor * source */
+static void add_times(double *target, double factor, const double *source, size_t count) {
+    cblas_daxpy((int)count, factor, source, 1, target, 1);
+}
+
+/* The coordinates, and with them the values at the needed nodes, go on as polynomials in time; the exit line
+ * stays where it was. */
+static void predict(reduced_march *self) {
+    const reduced_model *model = self->model;
+    earlier_film *next = state_before(self, 0);
+    reduced_values *values = &next->values;
+
+    reduced_state_set_exits(&next->state, model,
+                            reduced_state_exits(&state_before(self, 1)->state));
+    values->checkpoint = state_before(self, 1)->values.checkpoint;
+    memset(next->state.coordinates, 0, model->num_unknowns * sizeof(double));
+    memset(values->pressure, 0, model->num_needed * sizeof(double));
+    memset(values->cut, 0, model->num_cut * sizeof(double));
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        const earlier_film *earlier = state_before(self, i + 1);
+        double factor = self->formula.predictor[i];
+        add_times(next->state.coordinates, factor, earlier->state.coordinates, model->num_unknowns);
+        add_times(values->pressure, factor, earlier->values.pressure, model->num_needed);
+        add_times(values->cut, factor, earlier->values.cut, model->num_cut);
+        if (earlier->values.checkpoint != values->checkpoint && factor != 0)
+            values->checkpoint = model->num_checkpoints; // of no exit
+    }
+}
+
+static void list_earlier(const earlier_film *films[BDF_EARLIER], reduced_march *self) {
+    for (size_t i = 0; i < self->ring.num_earlier; i++)
+        films[i] = state_before(self, i + 1);
+}
+
+static void carry_over(reduced_march *self, const contact_frame *frame) {
+    const reduced_model *model = self->model;
+    const earlier_film *films[BDF_EARLIER];
+    size_t num = self->ring.num_earlier;
+    double start = program_seconds();
+
+    list_earlier(films, self);
+    for (size_t i = 0; i < model->num_rows; i++) {
+        size_t r = self->ascending[i];
+        double *mass = self->mass + r * BDF_EARLIER;
+        earlier_film_masses(mass, films, num, model->row_node[r], frame, model, self->splines,
+                            &self->reference);
+        self->earlier[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
+    }
+    self->effort.seconds_earlier += program_seconds() - start;
+}
+
+/* The formula's sum at a node of the band, from the splines. */
+static double sum_at(reduced_march *self, size_t node) {
+    const contact_frame *now = &state_before(self, 0)->frame;
+    const earlier_film *films[BDF_EARLIER];
+    double mass[BDF_EARLIER];
+    size_t order = self->formula.order;
+
+    list_earlier(films, self);
+    earlier_film_masses(mass, films, order, node, now, self->model, self->splines,
+                        &self->reference);
+    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
+}
+
+/* The same, which the iterations of an attempt ask for again and again. */
+static double earlier_at(void *solver, size_t node) {
+    reduced_march *self = solver;
+    size_t place = reduced_model_band_place(self->model, node);
+
+    if (self->band_attempt[place] != self->attempt) {
+        self->band_earlier[place] = sum_at(self, node);
+        self->band_attempt[place] = self->attempt;
+    }
+    return self->band_earlier[place];
+}
+
+/* How far before the exit the local error is looked at: on a coarse grid some nodes, since truncated modes give a node
+ * that the exit moves by a pressure at once. */
+static double exit_margin(const ehd_grid *grid) {
+    const double least_nodes = 4;
+
+    return fmax(march_exit_margin, least_nodes * grid->step);
+}
+
+/* Columns of all lines before which the local error is looked at: march_exit_margin before the exit and, of a point
+ * contact, as far from those of the lines beside and of the states that the step looks at. */
+static void find_watched(reduced_march *self) {
+    const reduced_model *model = self->model;
+    size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
+    size_t num_states = model->num_lines > 1 ? self->ring.num_earlier : 0;
+
+    for (size_t l = 0; l < model->num_lines; l++)
+        self->watched_end[l] = SIZE_MAX;
+    for (size_t i = 0; i <= num_states; i++) {
+        const size_t *exit = reduced_state_exits(&state_before(self, i)->state);
+        for (size_t l = 0; l < model->num_lines; l++) {
+            size_t last = l + margin < model->num_lines ? l + margin : model->num_lines - 1;
+            if (!reduced_model_has_band(model, l)) continue;
+            for (size_t near = l > margin ? l - margin : 0; near <= last; near++)
+                if (exit[l] < self->watched_end[near]) self->watched_end[near] = exit[l];
+        }
+    }
+}
+
+/* Largest local error of rho H at the rows' nodes with pressure (march_exit_margin), relative to the
+ * central film. */
+static double local_error(reduced_march *self, double central_film) {
+    const reduced_model *model = self->model;
+    const ehd_grid *grid = &model->grid;
+    double largest = 0;
+
+    find_watched(self);
+    for (size_t r = 0; r < model->num_rows; r++) {
+        const size_t node = model->row_node[r];
+        double mass = self->row_mass[r];
+        double end = grid_x(grid, self->watched_end[reduced_model_line(model, node)]);
+        if (grid_x(grid, node) >= end - exit_margin(grid)) continue;
+        for (size_t i = 0; i < self->ring.num_earlier; i++)
+            mass -= self->formula.predictor[i] * self->mass[r * BDF_EARLIER + i];
+        largest = fmax(largest, fabs(mass));
+    }
+    return self->formula.error * largest / central_film;
+}
+
+/* Whether an exit boundary that did not settle may do so in a shorter step: when this one is not yet much
+ * shorter than the last one. */
+static bool shorter_may_settle(const reduced_march *self, double step) {
+    const double much_shorter = 0.05;
+    const size_t *place = self->ring.place;
+
+    return self->ring.num_earlier > 1 &&
+           step > much_shorter * (self->ring.time[place[1]] - self->ring.time[place[2]]);
+}
+
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    reduced_march *self = solver;
+    earlier_film *next = state_before(self, 0);
+    double start = program_seconds();
+    ehd_contact contact;
+    reduced_info info;
+
+    self->formula = bdf_ring_formula(&self->ring, step);
+    self->attempt++;
+    next->frame = *frame;
+    frame_contact(&contact, frame, &self->reference);
+    carry_over(self, frame);
+    predict(self);
+    const reduced_squeeze squeeze = {self->formula.rate, self->earlier, earlier_at, self,
+                                     &next->values};
+    ehd_status status = solve(&info, self, &contact, &squeeze, error);
+    if (status) return status;
+    if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
+        info.status = EHD_NOT_CONVERGED;
+    self->last_iterations = info.iterations;
+    self->own_jacobian = info.own_jacobian;
+    *outcome = (march_step){.status = info.status,
+                            .reason = info.reason,
+                            .scalars = info.scalars,
+                            .iterations = info.iterations,
+                            .residual = info.residual};
+    if (info.status != EHD_NOT_CONVERGED) {
+        reduced_row_values(self->row_pressure, self->row_mass, self->solver, &contact);
+        if (self->formula.error > 0)
+            outcome->local_error = local_error(self, info.scalars.central_film_thickness);
+        judge(outcome, self, &next->state, frame);
+    }
+    self->effort.seconds += program_seconds() - start;
+    return EHD_OK;
+}
+
+// ---- kept factors
+
+/* Makes the factors at what self->factors says. */
+static void keep_factors(reduced_march *self) {
+    ehd_contact contact;
+
+    frame_contact(&contact, &self->factors.frame, &self->reference);
+    reduced_keep_factors(self->solver, &self->factors.state, &contact, self->factors.rate);
+}
+
+static void copy_state(reduced_state *target, const reduced_state *source,
+                       const reduced_model *model) {
+    memcpy(target->coordinates, source->coordinates, model->num_unknowns * sizeof(double));
+    reduced_state_set_exits(target, model, reduced_state_exits(source));
+}
+
+static bool same_exits(const reduced_state *a, const reduced_state *b, const reduced_model *model) {
+    return memcmp(reduced_state_exits(a), reduced_state_exits(b),
+                  model->num_lines * sizeof(size_t)) == 0;
+}
+
+/* Whether the factors still serve the next step, by how they did in this one. */
+static bool factors_serve(const reduced_march *self, const reduced_state *solved) {
+    const size_t most_iterations = 3;
+    const double most_rate_change = 0.25;
+
+    return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
+           same_exits(solved, &self->factors.state, self->model) &&
+           fabs(self->formula.rate / self->factors.rate - 1) < most_rate_change;
+}
+
+static void renew_factors(reduced_march *self, const earlier_film *solved) {
+    if (factors_serve(self, &solved->state)) return;
+    self->factors.valid = true;
+    self->factors.frame = solved->frame;
+    self->factors.rate = self->formula.rate;
+    copy_state(&self->factors.state, &solved->state, self->model);
+    keep_factors(self);
+}
+
+static void drop_factors(reduced_march *self) {
+    self->factors.valid = false;
+    reduced_drop_factors(self->solver);
+}
+
+static void accept(void *solver) {
+    reduced_march *self = solver;
+    earlier_film *solved = state_before(self, 0);
+    double start = program_seconds();
+
+    reduced_last_values(&solved->values, self->solver);
+    if (self->formula.rate > 0) renew_factors(self, solved);
+    earlier_film_prepare(solved, self->model, self->splines, &self->reference);
+    bdf_ring_accept(&self->ring, solved->frame.time);
+    self->last_loaded = self->loaded;
+    self->effort.seconds += program_seconds() - start;
+}
+
+static void restart(void *solver) {
+    reduced_march *self = solver;
+
+    self->ring.num_earlier = 1;
+    drop_factors(self);
+}
+
+reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame) {
+    const earlier_film *last = &self->states[self->ring.place[1]];
+
+    if (frame) *frame = last->frame;
+    return last->state;
+}
+
+reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
+    return self->effort;
+}
+
+// ---- saving
+
+enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
+
+static size_t saved_state_size(const reduced_march *self) {
+    return NUM_FRAME + self->model->num_lines + self->model->num_unknowns;
+}
+
+/* Number of earlier states, they themselves, the last frame of a solved load, and what the kept factors were
+ * made at. */
+static size_t saved_size(const void *solver) {
+    const reduced_march *self = solver;
+
+    return 1 + BDF_EARLIER * saved_state_size(self) + NUM_FRAME + 2 + saved_state_size(self);
+}
+
+/* Frame, exits and coordinates. */
+static void save_state(double *target, const reduced_march *self, const contact_frame *frame,
+                       const reduced_state *state) {
+    const reduced_model *model = self->model;
+    const size_t *exit = reduced_state_exits(state);
+
+    memcpy(target, frame, sizeof *frame);
+    target += NUM_FRAME;
+    for (size_t l = 0; l < model->num_lines; l++)
+        target[l] = (double)exit[l];
+    memcpy(target + model->num_lines, state->coordinates, model->num_unknowns * sizeof(double));
+}
+
+static ehd_status restore_state(contact_frame *frame, reduced_state *state,
+                                const reduced_march *self, const double *source, ehd_error *error) {
+    const reduced_model *model = self->model;
+    const double *exit = source + NUM_FRAME;
+
+    for (size_t l = 0; l < model->num_lines; l++) {
+        const band_line *line = &model->lines[l];
+        if (!(exit[l] >= (double)line->least && exit[l] <= (double)line->most))
+            return ehd_fail(error, EHD_DATA,
+                            "saved state: found the exit at node %g, expected %zu to %zu", exit[l],
+                            line->least, line->most);
+    }
+    memcpy(frame, source, sizeof *frame);
+    state->exit = (size_t)exit[grid_central_line(&model->grid) / grid_width(&model->grid)];
+    for (size_t l = 0; l < model->num_lines && state->exits; l++)
+        state->exits[l] = (size_t)exit[l];
+    memcpy(state->coordinates, exit + model->num_lines, model->num_unknowns * sizeof(double));
+    return EHD_OK;
+}
+
+static void save(double *saved, const void *solver) {
+    const reduced_march *self = solver;
+    double *loaded = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    double *factors = loaded + NUM_FRAME;
+
+    memset(saved, 0, saved_size(self) * sizeof *saved);
+    saved[0] = (double)self->ring.num_earlier;
+    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+        const earlier_film *earlier = &self->states[self->ring.place[i + 1]];
+        save_state(saved + 1 + i * saved_state_size(self), self, &earlier->frame, &earlier->state);
+    }
+    memcpy(loaded, &self->last_loaded, sizeof self->last_loaded);
+    factors[0] = self->factors.valid ? 1 : 0;
+    factors[1] = self->factors.rate;
+    if (self->factors.valid)
+        save_state(factors + 2, self, &self->factors.frame, &self->factors.state);
+}
+
+static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
+    reduced_march *self = solver;
+    const double *loaded = saved + 1 + BDF_EARLIER * saved_state_size(self);
+    const double *factors = loaded + NUM_FRAME;
+    ehd_status status = EHD_OK;
+
+    if (!(saved[0] >= 1 && saved[0] <= BDF_EARLIER))
+        return ehd_fail(error, EHD_DATA, "saved state: found %g earlier states, expected 1 to %d",
+                        saved[0], BDF_EARLIER);
+    for (size_t i = 0; i < (size_t)saved[0] && !status; i++) {
+        earlier_film *earlier = state_before(self, i + 1);
+        status = restore_state(&earlier->frame, &earlier->state, self,
+                               saved + 1 + i * saved_state_size(self), error);
+        if (status) break;
+        self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
+        reduced_values_of(&earlier->values, self->model, earlier->state.coordinates,
+                          reduced_state_exits(&earlier->state));
+        earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
+    }
+    memcpy(&self->last_loaded, loaded, sizeof self->last_loaded);
+    drop_factors(self);
+    if (!status && factors[0] == 1) {
+        status =
+            restore_state(&self->factors.frame, &self->factors.state, self, factors + 2, error);
+        self->factors.rate = factors[1];
+        self->factors.valid = !status;
+        if (!status) keep_factors(self);
+    }
+    self->ring.num_earlier = (size_t)saved[0];
+    return status;
+}
+
+static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
+    const reduced_march *self = solver;
+    reduced_state state = reduced_march_state(self, NULL);
+
+    return reduced_fields(pressure, film, &state, self->model, self->splines->pressure_basis,
+                          error);
+}
+
+static void exits(size_t *columns, const void *solver) {
+    const reduced_march *self = solver;
+    const reduced_state state = reduced_march_state(self, NULL);
+
+    memcpy(columns, reduced_state_exits(&state), self->model->num_lines * sizeof *columns);
+}
+
+march_solver reduced_march_solver(reduced_march *self) {
+    return (march_solver){.self = self,
+                          .attempt = attempt,
+                          .accept = accept,
+                          .restart = restart,
+                          .start = start,
+                          .saved_size = saved_size,
+                          .save = save,
+                          .restore = restore,
+                          .fields = fields,
+                          .exits = exits};
+}

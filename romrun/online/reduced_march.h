@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The reduced model in time: BDF2 steps in the moving frame, for march_run or for a multibody code's own
+ * integrator. Nothing in a step is of the size of the grid. */
+#ifndef EHD_REDUCED_MARCH_H
+#define EHD_REDUCED_MARCH_H
+
+#include "common/time/march.h"
+#include "romrun/online/film_splines.h"
+#include "romrun/online/reduced_solver.h"
+
+typedef struct reduced_march reduced_march;
+
+/* Model, splines and reference must outlive it; model and splines may be shared by threads. EHD_MEMORY. */
+ehd_status reduced_march_create(
+    // output:
+    reduced_march **self, // free with reduced_march_free
+    // input:
+    const reduced_model *model, const film_splines *splines, const ehd_contact *reference,
+    const reduced_settings *settings, ehd_error *error);
+reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
+
+/* The solver of the march, for an observer. */
+reduced_solver *reduced_march_inner(reduced_march *self);
+
+/* Starts, saves and restores as march_solver says. The start is the stationary solution,
+ * from the trained ones, or where the speed is zero the trained state nearest to it. */
+march_solver reduced_march_solver(reduced_march *self);
+
+/* The last accepted state, and its frame. */
+reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);
+
+/* Effort so far. */
+typedef struct reduced_march_effort {
+    double seconds, seconds_rows, seconds_linear, seconds_exit;
+    double seconds_earlier; // carrying earlier states over
+    size_t iterations;
+} reduced_march_effort;
+reduced_march_effort reduced_march_effort_of(const reduced_march *self);
+
+#endif
