@@ -170,9 +170,10 @@ static ehd_status write_model(const program *self, const select_options *options
                "rows\n"
                "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n"
                "stability: %.3g at the worst exit of training, where all rows have 1\n",
-               model.num_rows, model.grid.num_inner, options->rows.method->name, model.num_unknowns,
-               model.num_needed, model.control.num_rows, 1 / choice->sigma_min_residual,
-               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits, choice->stability);
+               model.rows.num_rows, model.grid.num_inner, options->rows.method->name,
+               model.num_unknowns, model.rows.num_needed, model.control.num_rows,
+               1 / choice->sigma_min_residual, 1 / choice->sigma_min_jacobian,
+               1 / choice->sigma_min_over_exits, choice->stability);
     reduced_model_free(&model);
     return status;
 }

@@ -347,7 +347,7 @@ ehd_status row_choice_model(reduced_model *model, const row_choice *choice,
     ehd_status status = reduced_model_build(model, basis, choice->rows, choice->num_rows, error);
 
     for (size_t r = 0; r < choice->num_rows && !status; r++)
-        model->row_weight[r] *= choice->factors[r];
+        model->rows.weight[r] *= choice->factors[r];
     if (!status && choice->num_control > 0)
         status =
             reduced_model_add_control(model, basis, choice->control, choice->num_control, error);

@@ -70,10 +70,10 @@ static ehd_status add_squares(double *step, void *context, const double *matrix,
     (void)step, (void)right, (void)num_equations;
 
     for (size_t i = 0; i < num_rows; i++) {
-        const size_t node = self->model->row_node[rows[i]];
+        const size_t node = self->model->rows.node[rows[i]];
         const double *row = matrix + i * num_unknowns;
         const double norm =
-            cblas_dnrm2((int)num_unknowns, row, 1) / self->model->row_weight[rows[i]];
+            cblas_dnrm2((int)num_unknowns, row, 1) / self->model->rows.weight[rows[i]];
         self->sum[node] += norm * norm;
         self->count[node]++;
     }

@@ -74,7 +74,7 @@ static ehd_status begin_tracer(void **worker, void *shared, ehd_error *error) {
 
     *worker = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
-    self->num_rows = training->model->num_rows;
+    self->num_rows = training->model->rows.num_rows;
     ehd_status status = reduced_state_init(&self->state, training->model, error);
     if (!status) status = reduced_solver_create(&self->solver, training->model, &settings, error);
     if (status) {

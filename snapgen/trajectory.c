@@ -118,7 +118,7 @@ static ehd_status begin_full(traveller *self, const scene *given, ehd_error *err
 static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *error) {
     const reduced_settings settings = reduced_default_settings();
     const task *owner = self->owner;
-    size_t num_rows = owner->model->num_rows;
+    size_t num_rows = owner->model->rows.num_rows;
     ehd_status status = reduced_march_create(&self->reduced, owner->model, owner->splines,
                                              reference_of(self), &settings, error);
 
@@ -126,8 +126,8 @@ static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *
     if (!status)
         status = compressor_create(&self->second, num_rows, &trajectory_compression, error);
     if (!status)
-        status = kept_states_init(&owner->result->kept[self->number], 0, owner->model->num_lines,
-                                  given->end_time, error);
+        status = kept_states_init(&owner->result->kept[self->number], 0,
+                                  owner->model->band.num_lines, given->end_time, error);
     if (!status) reduced_solver_observe(reduced_march_inner(self->reduced), observe, self);
     return status;
 }
@@ -240,7 +240,7 @@ static ehd_status run_pool(task *self, size_t num_workers, ehd_error *error) {
 
 static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_error *error) {
     size_t num = self->set->num_trajectories;
-    size_t width = self->model ? self->model->num_rows : self->set->grid.num_nodes;
+    size_t width = self->model ? self->model->rows.num_rows : self->set->grid.num_nodes;
     ehd_status status = EHD_OK;
 
     memset(result, 0, sizeof *result);

@@ -170,6 +170,10 @@ size_t grid_lines(const ehd_grid *grid) {
     return grid_first_line(grid) + grid->inner_lines + (grid->inner_lines > 1);
 }
 
+bool grid_is_inner_line(const ehd_grid *grid, size_t line) {
+    return line >= grid_first_line(grid) && line < grid_first_line(grid) + grid->inner_lines;
+}
+
 size_t grid_central_line(const ehd_grid *grid) {
     return (grid_first_line(grid) + (grid->half ? 0 : grid->inner_lines / 2)) * grid_width(grid);
 }
@@ -242,6 +246,10 @@ double grid_weight(const ehd_grid *grid, size_t node) {
 
 double grid_cell(const ehd_grid *grid) {
     return grid->inner_lines > 1 ? grid->step * grid->step : grid->step;
+}
+
+double grid_load_weight(const ehd_grid *grid, size_t node) {
+    return grid_cell(grid) * grid_weight(grid, node);
 }
 
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {

@@ -63,6 +63,9 @@ size_t grid_width(const ehd_grid *grid);
 size_t grid_lines(const ehd_grid *grid);
 size_t grid_first_line(const ehd_grid *grid);
 
+/* Whether a line has inner nodes; the others are boundary. */
+bool grid_is_inner_line(const ehd_grid *grid, size_t line);
+
 /* First node of the line Y = 0. */
 size_t grid_central_line(const ehd_grid *grid);
 
@@ -95,6 +98,8 @@ void grid_exits(
 double grid_weight(const ehd_grid *grid, size_t node);
 /* Length or area of a cell. */
 double grid_cell(const ehd_grid *grid);
+/* What a node's pressure adds to the load. */
+double grid_load_weight(const ehd_grid *grid, size_t node);
 
 /* Whether two grids have the same nodes, to 1e-9 of a step. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);

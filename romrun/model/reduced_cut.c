@@ -16,8 +16,8 @@ size_t reduced_model_runs(cut_run *runs, const reduced_model *model, const size_
                           const size_t *to) {
     size_t count = 0;
 
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
         size_t first = from[l] < to[l] ? from[l] : to[l];
         if (from[l] != to[l])
             runs[count++] =
@@ -30,27 +30,27 @@ size_t reduced_model_runs(cut_run *runs, const reduced_model *model, const size_
 /* cut += left^T right over `rank` nodes of the band. */
 static void add_to_cut(double *cut, const reduced_model *model, const double *left,
                        const double *right, size_t rank) {
-    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->num_cut,
-                (int)model->num_pressure, (int)rank, 1, left, (int)model->num_cut, right,
+    cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)model->cut.num_rows,
+                (int)model->num_pressure, (int)rank, 1, left, (int)model->cut.num_rows, right,
                 (int)model->num_pressure, 1, cut, (int)model->num_pressure);
 }
 
 void reduced_model_change_cut(double *cut, const reduced_model *model, const cut_run *runs,
                               size_t num_runs, double *work) {
-    size_t num_cut = model->num_cut, num_pressure = model->num_pressure, rank = 0;
+    size_t num_cut = model->cut.num_rows, num_pressure = model->num_pressure, rank = 0;
     double *left = work, *right = work + CUT_BLOCK * num_cut;
 
     if (num_runs == 1 && runs->sign > 0) {
-        add_to_cut(cut, model, model->left + runs->first * num_cut,
-                   model->band_pressure + runs->first * num_pressure, runs->count);
+        add_to_cut(cut, model, model->cut.left + runs->first * num_cut,
+                   model->band.pressure + runs->first * num_pressure, runs->count);
         return;
     }
     for (size_t r = 0; r < num_runs; r++)
         for (size_t i = runs[r].first; i < runs[r].first + runs[r].count; i++) {
-            memcpy(left + rank * num_cut, model->left + i * num_cut, num_cut * sizeof(double));
+            memcpy(left + rank * num_cut, model->cut.left + i * num_cut, num_cut * sizeof(double));
             for (size_t j = 0; j < num_pressure; j++)
                 right[rank * num_pressure + j] =
-                    runs[r].sign * model->band_pressure[i * num_pressure + j];
+                    runs[r].sign * model->band.pressure[i * num_pressure + j];
             if (++rank < CUT_BLOCK) continue;
             add_to_cut(cut, model, left, right, rank);
             rank = 0;
@@ -72,7 +72,7 @@ static void change_films(double *films, const reduced_model *model, const cut_ru
                 reduced_model_deflect(&influence, model, at, 1, runs[r].line, runs[r].column + i, 1,
                                       &unit, runs[r].sign);
                 cblas_daxpy((int)num_pressure, influence,
-                            model->band_pressure + (runs[r].first + i) * num_pressure, 1,
+                            model->band.pressure + (runs[r].first + i) * num_pressure, 1,
                             films + a * num_pressure, 1);
             }
 }
@@ -82,7 +82,7 @@ static void change_films(double *films, const reduced_model *model, const cut_ru
 static size_t exits_apart(const reduced_model *model, const size_t *a, const size_t *b) {
     size_t sum = 0;
 
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         sum += index_distance(a[l], b[l]);
     return sum;
 }
@@ -92,7 +92,8 @@ static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit,
     size_t best = 0, least = SIZE_MAX;
 
     for (size_t c = 0; c < count; c++) {
-        size_t apart = exits_apart(model, exit, model->checkpoint_exit + c * model->num_lines);
+        size_t apart =
+            exits_apart(model, exit, model->checkpoints.exit + c * model->band.num_lines);
         if (apart >= least) continue;
         least = apart;
         best = c;
@@ -101,19 +102,23 @@ static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit,
 }
 
 size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit) {
-    if (model->num_lines == 1) return (exit[0] - model->least_exit) / model->checkpoint_stride;
-    return nearest_checkpoint(model, exit, model->num_checkpoints);
+    if (model->band.num_lines == 1)
+        return (exit[0] - model->band.lines[0].min_exit) / model->checkpoints.stride;
+    return nearest_checkpoint(model, exit, model->checkpoints.num);
 }
 
 /* Of a line contact every some nodes. */
 static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
-    model->checkpoint_stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
-    model->num_checkpoints = (model->most_exit - model->least_exit) / model->checkpoint_stride + 1;
-    model->checkpoint_exit = malloc(model->num_checkpoints * sizeof *model->checkpoint_exit);
-    if (!model->checkpoint_exit)
+    model->checkpoints.stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
+    model->checkpoints.num = (model->band.lines[0].max_exit - model->band.lines[0].min_exit) /
+                                 model->checkpoints.stride +
+                             1;
+    model->checkpoints.exit =
+        arena_array(&model->memory, model->checkpoints.num, sizeof *model->checkpoints.exit);
+    if (!model->checkpoints.exit)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    for (size_t c = 0; c < model->num_checkpoints; c++)
-        model->checkpoint_exit[c] = model->least_exit + c * model->checkpoint_stride;
+    for (size_t c = 0; c < model->checkpoints.num; c++)
+        model->checkpoints.exit[c] = model->band.lines[0].min_exit + c * model->checkpoints.stride;
     return EHD_OK;
 }
 
@@ -121,21 +126,23 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
  * different ones and the tables stay within their memory. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
-    size_t table = (model->num_cut + model->num_band) * model->num_pressure * sizeof(double);
-    size_t most = CHECKPOINT_MEMORY / table + 1, num_lines = model->num_lines, next = 0;
+    size_t table =
+        (model->cut.num_rows + model->band.num_nodes) * model->num_pressure * sizeof(double);
+    size_t most = CHECKPOINT_MEMORY / table + 1, num_lines = model->band.num_lines, next = 0;
 
     if (most > states->num_states) most = states->num_states;
-    model->checkpoint_exit = malloc(most * num_lines * sizeof *model->checkpoint_exit);
-    if (!model->checkpoint_exit)
+    model->checkpoints.exit =
+        arena_array(&model->memory, most * num_lines, sizeof *model->checkpoints.exit);
+    if (!model->checkpoints.exit)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    for (model->num_checkpoints = 0; model->num_checkpoints < most;) {
+    for (model->checkpoints.num = 0; model->checkpoints.num < most;) {
         size_t farthest = 0;
-        memcpy(model->checkpoint_exit + model->num_checkpoints++ * num_lines,
+        memcpy(model->checkpoints.exit + model->checkpoints.num++ * num_lines,
                states->exit + next * num_lines, num_lines * sizeof *states->exit);
         for (size_t s = 0; s < states->num_states; s++) {
             const size_t *exit = states->exit + s * num_lines;
-            size_t near = nearest_checkpoint(model, exit, model->num_checkpoints);
-            size_t apart = exits_apart(model, exit, model->checkpoint_exit + near * num_lines);
+            size_t near = nearest_checkpoint(model, exit, model->checkpoints.num);
+            size_t apart = exits_apart(model, exit, model->checkpoints.exit + near * num_lines);
             if (apart <= farthest) continue;
             farthest = apart;
             next = s;
@@ -158,8 +165,8 @@ typedef struct kept_table {
 static void change_band(double *band, const reduced_model *model, const cut_run *runs,
                         size_t num_runs, double *work) {
     (void)work;
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
         change_films(band + line->offset * model->num_pressure, model, runs, num_runs,
                      (grid_place){l, line->begin}, line->end - line->begin);
     }
@@ -168,7 +175,7 @@ static void change_band(double *band, const reduced_model *model, const cut_run 
 /* Deflections at the nodes that control rows need. */
 static void change_control(double *films, const reduced_model *model, const cut_run *runs,
                            size_t num_runs, double *work) {
-    const control_rows *control = &model->control;
+    const row_set *control = &model->control;
 
     (void)work;
     for (size_t q = 0; q < control->num_needed; q++)
@@ -179,17 +186,17 @@ static void change_control(double *films, const reduced_model *model, const cut_
 /* Each checkpoint from the nearest one before it, the first from where the band begins. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
-    cut_run *runs = malloc(model->num_lines * sizeof *runs);
-    size_t *begin = malloc(model->num_lines * sizeof *begin);
-    double *work = malloc(CUT_BLOCK * (model->num_cut + model->num_pressure) * sizeof *work);
+    cut_run *runs = malloc(model->band.num_lines * sizeof *runs);
+    size_t *begin = malloc(model->band.num_lines * sizeof *begin);
+    double *work = malloc(CUT_BLOCK * (model->cut.num_rows + model->num_pressure) * sizeof *work);
     bool enough = runs && begin && work;
 
-    for (size_t l = 0; enough && l < model->num_lines; l++)
-        begin[l] = model->lines[l].begin;
-    for (size_t c = 0; enough && c < model->num_checkpoints; c++) {
-        const size_t *exit = model->checkpoint_exit + c * model->num_lines;
+    for (size_t l = 0; enough && l < model->band.num_lines; l++)
+        begin[l] = model->band.lines[l].begin;
+    for (size_t c = 0; enough && c < model->checkpoints.num; c++) {
+        const size_t *exit = model->checkpoints.exit + c * model->band.num_lines;
         size_t near = nearest_checkpoint(model, exit, c);
-        const size_t *from = c > 0 ? model->checkpoint_exit + near * model->num_lines : begin;
+        const size_t *from = c > 0 ? model->checkpoints.exit + near * model->band.num_lines : begin;
         size_t num_runs = reduced_model_runs(runs, model, from, exit);
         for (const kept_table *table = tables; table < tables + num_tables; table++) {
             double *here = table->kept + c * table->size;
@@ -208,32 +215,35 @@ static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
 ehd_status reduced_model_make_checkpoints(reduced_model *model, ehd_error *error) {
     size_t num_pressure = model->num_pressure;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
-    ehd_status status =
-        model->num_lines > 1 ? spread_checkpoints(model, error) : space_checkpoints(model, error);
+    ehd_status status = model->band.num_lines > 1 ? spread_checkpoints(model, error)
+                                                  : space_checkpoints(model, error);
 
     if (status) return status;
-    model->checkpoint_cut =
-        malloc(model->num_checkpoints * model->num_cut * num_pressure * sizeof(double));
+    model->checkpoints.cut =
+        arena_array(&model->memory, model->checkpoints.num * model->cut.num_rows,
+                    num_pressure * sizeof(double));
     if (coupled)
-        model->checkpoint_band =
-            malloc(model->num_checkpoints * model->num_band * num_pressure * sizeof(double));
-    if (!model->checkpoint_cut || (coupled && !model->checkpoint_band))
+        model->checkpoints.band =
+            arena_array(&model->memory, model->checkpoints.num * model->band.num_nodes,
+                        num_pressure * sizeof(double));
+    if (model->memory.failed)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    const kept_table tables[] = {
-        {model->checkpoint_cut, model->cut_base, model->num_cut * num_pressure,
-         reduced_model_change_cut},
-        {model->checkpoint_band, model->band_film, model->num_band * num_pressure, change_band}};
+    const kept_table tables[] = {{model->checkpoints.cut, model->cut.base,
+                                  model->cut.num_rows * num_pressure, reduced_model_change_cut},
+                                 {model->checkpoints.band, model->band.film,
+                                  model->band.num_nodes * num_pressure, change_band}};
     return fill_checkpoints(tables, coupled ? 2 : 1, model, error);
 }
 
 ehd_status reduced_model_make_control_checkpoints(reduced_model *model, ehd_error *error) {
-    control_rows *control = &model->control;
+    row_set *control = &model->control;
     size_t size = control->num_needed * model->num_pressure;
 
     if (model->deformation != DEFORMATION_COUPLED || size == 0) return EHD_OK;
-    control->checkpoint_film = malloc(model->num_checkpoints * size * sizeof(double));
-    if (!control->checkpoint_film)
+    model->checkpoints.control =
+        arena_array(&model->memory, model->checkpoints.num, size * sizeof(double));
+    if (!model->checkpoints.control)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    const kept_table films = {control->checkpoint_film, control->film, size, change_control};
+    const kept_table films = {model->checkpoints.control, control->film, size, change_control};
     return fill_checkpoints(&films, 1, model, error);
 }

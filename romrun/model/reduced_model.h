@@ -8,6 +8,7 @@
 
 #include "common/physics/contact.h"
 #include "common/physics/reynolds.h"
+#include "common/program/arena.h"
 #include "common/program/status.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -39,6 +40,10 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
+/* A copy of its own. EHD_MEMORY. */
+ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
+                               ehd_error *error);
+
 /* Whether this contact is one of the training points. */
 bool reduced_states_have(const reduced_states *states, const ehd_contact *contact);
 
@@ -58,27 +63,67 @@ typedef struct reduced_basis {
 void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
-/* Reynolds rows that take no part in the solve: what they are left with tells how well the others speak
- * for all (indicator.h). */
-typedef struct control_rows {
-    size_t num_rows;            // 0: none
-    size_t *node;               // [num_rows] grid nodes
-    double *weight;             // [num_rows] D
+/* Reynolds rows of the grid, and the bases at the nodes at which they need the state. */
+typedef struct row_set {
+    size_t num_rows;
+    size_t *node;               // [num_rows] grid nodes, in order of selection
+    double *weight;             // [num_rows] D of the test basis, times the row's quadrature factor
     reynolds_stencil *stencils; // [num_rows] places in needed_node
     size_t num_needed;
-    size_t *needed_node;     // [num_needed] ascending
-    double *pressure;        // [num_needed, num_pressure]
-    double *film;            // as needed_film below, at these nodes
-    double *checkpoint_film; // coupled: [num_checkpoints, num_needed, num_pressure], else NULL
-} control_rows;
+    size_t *needed_node; // [num_needed] ascending
+    double *gap;         // [num_needed] undeformed gap
+    double *pressure;    // [num_needed, num_pressure]
+    double *film;        // independent: deformation basis [num_needed, num_deformation]; coupled:
+                         // deflection of the pressure modes cut where the band begins,
+                         // [num_needed, num_pressure]
+} row_set;
 
-/* The part of a grid line in which the exit and, where it is sought, the film minimum lie. On a point contact all
- * lines together are the band; boundary lines have no nodes in it. */
+/* Interpolation to X = 0 on the line Y = 0. */
+typedef struct centre_nodes {
+    size_t place[4]; // in needed_node of the solved rows
+    double weight[4];
+} centre_nodes;
+
+/* The part of a grid line in which the exit and, where it is sought, the film minimum lie. On a
+ * point contact all lines together are the band; boundary lines have no nodes in it. */
 typedef struct band_line {
-    size_t begin, end;  // columns begin … end - 1
-    size_t offset;      // place of column `begin` among the band's nodes
-    size_t least, most; // columns at which the exit may lie
+    size_t begin, end;         // columns begin … end - 1
+    size_t offset;             // place of column `begin` among the band's nodes
+    size_t min_exit, max_exit; // columns at which the exit may lie
 } band_line;
+
+/* The band of nodes in which film minimum and exit lie. A line contact has one line, whose columns
+ * are the grid's nodes. */
+typedef struct exit_band {
+    size_t num_lines;                   // of the grid
+    band_line *lines;                   // [num_lines]
+    size_t num_nodes;                   // of all lines
+    size_t first_minimum, last_minimum; // lines between which trained film minima lie
+    double *pressure;                   // [num_nodes, num_pressure]
+    double *film;                       // as in row_set, at the band's nodes
+} exit_band;
+
+/* The cut table: what follows from the pressure before the exit. Coupled: the deflection of each
+ * mode at the needed nodes; independent: its projection V_delta^T K V_p; last row: the load. To cut
+ * at an exit instead of where the band begins adds the sum over the band's nodes i before the exit
+ * of left[i, :]^T V_p[i, :] (Maier et al. 2015, eq. 36). */
+typedef struct exit_cut {
+    size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
+    double *left;    // [nodes of the band, num_rows]
+    double *base;    // [num_rows, num_pressure] for an exit where the band begins
+} exit_cut;
+
+/* Cut tables and deflections for some exits, so that no solve starts far from one. */
+typedef struct exit_checkpoints {
+    size_t stride; // nodes, of a line contact
+    size_t num;    // of checkpoints
+    size_t *exit;  // [num, num_lines]: of a line contact every `stride` nodes, of a point contact
+                   // exit lines of training
+    double *cut;   // [num, rows of the cut table, num_pressure]
+    double *band;  // coupled: deflection in the band [num, nodes of the band, num_pressure]
+    double
+        *control; // coupled: and at the control rows' nodes [num, their num_needed, num_pressure]
+} exit_checkpoints;
 
 /* What the online solver holds. Everything here is read-only while solving, so that several solvers
  * in several threads may share it. */
@@ -88,49 +133,17 @@ typedef struct reduced_model {
     deformation_kind deformation;
     size_t num_pressure, num_deformation, num_unknowns;
 
-    size_t num_rows;            // selected rows, in order of selection
-    size_t *row_node;           // [num_rows]
-    double *row_weight;         // [num_rows]
-    reynolds_stencil *stencils; // [num_rows] places in needed_node
-    size_t num_needed;          // nodes at which rows need the state, and those around X = 0
-    size_t *needed_node;        // [num_needed] ascending
-    double *needed_gap;         // [num_needed]
-    double *needed_pressure;    // [num_needed, num_pressure]
-    double *needed_film;        // independent: deformation basis [num_needed, num_deformation];
-                                // coupled: deflections of the pressure modes cut at band_begin,
-                                // [num_needed, num_pressure]
-    size_t centre[4];           // places in needed_node of the nodes around X = 0
-    double centre_weight[4];    // interpolation to X = 0
-
-    // the band in which film minimum and exit lie
-    size_t num_lines;  // of the grid
-    band_line *lines;  // [num_lines]
-    size_t num_band;   // nodes of all lines
-    size_t band_begin; // of a line contact: nodes band_begin … band_begin + num_band - 1
-    size_t least_exit, most_exit;       // of a line contact: where the exit may lie
-    size_t first_minimum, last_minimum; // lines between which trained film minima lie
-    double *band_pressure;              // [num_band, num_pressure]
-    double *band_film;                  // as needed_film, at the band's nodes
+    row_set rows;    // the selected rows; their needed nodes have those around the centre too
+    row_set control; // take no part in the solution: what they are left with tells how well the
+                     // others stand for all (indicator.h); none: 0 rows
+    centre_nodes centre;
+    exit_band band;
     double *kernel; // [lines, width] deflection by distance in lines and columns; of a
                     // half grid [2 num_lines, width], for mirrored nodes too
-
-    // Left sides of the cut updates (eq. 36): cutting at an exit instead of where the band begins adds
-    // sum over the band's nodes i before the exit of left[i, :]^T V_p[i, :] to the cut table.
-    size_t num_cut;   // rows of the cut table: coupled, num_needed; independent, num_deformation;
-                      // and one more for the load balance
-    double *left;     // [num_band, num_cut]
-    double *cut_base; // [num_cut, num_pressure] the cut table for an exit at band_begin
-
-    // cut tables and band deflections for some exits, so that no solve starts far from one
-    size_t checkpoint_stride; // nodes, of a line contact
-    size_t num_checkpoints;
-    size_t *checkpoint_exit; // [num_checkpoints, num_lines]: of a line contact least_exit + k
-                             // checkpoint_stride, of a point contact exit lines of training
-    double *checkpoint_cut;  // [num_checkpoints, num_cut, num_pressure]
-    double *checkpoint_band; // coupled: [num_checkpoints, num_band, num_pressure], else NULL
-
-    control_rows control;
+    exit_cut cut;
+    exit_checkpoints checkpoints;
     reduced_states states;
+    arena memory; // of all arrays but the states'
 } reduced_model;
 
 /* Cuts the model for a list of rows out of the bases, `rows` are grid nodes in order of selection; with
@@ -149,10 +162,9 @@ ehd_status reduced_model_add_control(
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Lists the nodes that model->row_node and the centre need, ascending, in model->needed_node; those of
- * model->control.node in model->control.needed_node. */
-ehd_status reduced_model_list_needed(reduced_model *model, ehd_error *error);
-ehd_status reduced_model_list_control(reduced_model *model, ehd_error *error);
+/* Lists the nodes that the rows of `set`, which is one of the model's two, need, ascending; for the
+ * selected rows those around the centre too. EHD_MEMORY. */
+ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_error *error);
 
 /* Tables that follow from the others (stencils, kernel, left sides, checkpoints); the last step of
  * building and of reading a model; for control rows, which may come later, their stencils. */

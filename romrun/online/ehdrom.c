@@ -33,7 +33,7 @@ struct ehdrom_solver {
 /* Of the measured position of these sizes, where there is one. */
 static ehd_status read_factor(double *factor, const char *path, const reduced_model *model,
                               ehd_error *error) {
-    const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->num_rows};
+    const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
     trade_table table;
     bool calibrated;
     ehd_status status = trade_read_optional(&table, &calibrated, path, error);
@@ -97,8 +97,8 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
                                     .pressure_modes = model->num_pressure,
                                     .deformation_modes = model->num_deformation,
                                     .unknowns = model->num_unknowns,
-                                    .rows = model->num_rows,
-                                    .needed_nodes = model->num_needed,
+                                    .rows = model->rows.num_rows,
+                                    .needed_nodes = model->rows.num_needed,
                                     .states = model->states.num_states};
     return properties;
 }

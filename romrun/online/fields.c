@@ -19,7 +19,7 @@ ehd_status reduced_fields(double *pressure, double *film, const reduced_state *s
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)grid->num_nodes, (int)model->num_pressure, 1,
                 pressure_basis, (int)model->num_pressure, z, 1, 0, pressure, 1);
     const size_t *exit = reduced_state_exits(state);
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         memset(pressure + l * grid_width(grid) + exit[l], 0,
                (grid_width(grid) - exit[l]) * sizeof(double));
     deflection_apply(film, deflection, pressure);

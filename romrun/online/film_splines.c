@@ -63,7 +63,7 @@ static ehd_status fill_bends(double *table, const spline_layout *layout, ehd_err
 }
 
 static bool is_line(const reduced_model *model) {
-    return model->num_lines == 1;
+    return model->band.num_lines == 1;
 }
 
 /* Of modes at a grid's nodes. */
@@ -144,7 +144,7 @@ static ehd_status deflect_modes(film_splines *self, const reduced_model *model,
         status = ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", width);
     for (size_t j = 0; j < width && !status; j++) {
         memset(work, 0, num_nodes * sizeof *work);
-        for (size_t l = 0; l < model->num_lines; l++)
+        for (size_t l = 0; l < model->band.num_lines; l++)
             for (size_t c = 0; c < self->cut_exits[l]; c++)
                 work[(l + self->side) * wide + self->margin + c] =
                     pressure_basis[(l * own + c) * width + j];
@@ -171,7 +171,7 @@ static void continue_modes(film_splines *self, const reduced_model *model, const
     size_t width = layout->width, column = layout->column, line = layout->line;
     size_t own = grid_width(&model->grid);
 
-    for (size_t l = 0; l < model->num_lines; l++) {
+    for (size_t l = 0; l < model->band.num_lines; l++) {
         double *node = self->film + (l + self->side) * line + self->margin * column;
         for (size_t c = 0; c < own; c++)
             memcpy(node + c * column, modes + (l * own + c) * width, width * sizeof *modes);
@@ -182,7 +182,7 @@ static void continue_modes(film_splines *self, const reduced_model *model, const
         double *node = self->film + c * column;
         for (size_t l = self->side; l-- > 0;)
             go_on_straight(node + l * line, (ptrdiff_t)line, width);
-        for (size_t l = self->side + model->num_lines; l < layout->num_lines; l++)
+        for (size_t l = self->side + model->band.num_lines; l < layout->num_lines; l++)
             go_on_straight(node + l * line, -(ptrdiff_t)line, width);
     }
 }
@@ -222,10 +222,10 @@ ehd_status film_splines_build(film_splines *self, const reduced_model *model,
                               ehd_error *error) {
     memset(self, 0, sizeof *self);
     self->pressure_basis = pressure_basis;
-    self->cut_exits = malloc(model->num_lines * sizeof *self->cut_exits);
+    self->cut_exits = malloc(model->band.num_lines * sizeof *self->cut_exits);
     if (!self->cut_exits) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    for (size_t l = 0; l < model->num_lines; l++)
-        self->cut_exits[l] = (model->lines[l].least + model->lines[l].most) / 2;
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        self->cut_exits[l] = (model->band.lines[l].min_exit + model->band.lines[l].max_exit) / 2;
     widen_grid(self, model);
     ehd_status status = make_film_table(self, model, pressure_basis, deformation_basis, error);
     if (!status) status = make_pressure_table(self, model, error);
@@ -246,8 +246,8 @@ void film_splines_free(film_splines *self) {
 
 ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd_error *error) {
     memset(self, 0, sizeof *self);
-    self->runs = calloc(model->num_lines, sizeof *self->runs);
-    self->cut_pressure = calloc(model->num_band, sizeof(double));
+    self->runs = calloc(model->band.num_lines, sizeof *self->runs);
+    self->cut_pressure = calloc(model->band.num_nodes, sizeof(double));
     ehd_status status = self->runs && self->cut_pressure
                             ? reduced_state_init(&self->state, model, error)
                             : ehd_fail(error, EHD_MEMORY, "earlier state: found no memory");

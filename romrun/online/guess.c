@@ -100,12 +100,12 @@ static void combine_states(reduced_state *state, const reduced_model *model,
         for (size_t j = 0; j < n; j++)
             state->coordinates[j] += weights[i] * source[j];
     }
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
         double exit = 0;
         for (size_t i = 0; i < count; i++)
             exit += weights[i] * (double)states->exit[nearest[i].state * states->num_lines + l];
-        exit = fmin(fmax(exit, (double)line->least), (double)line->most);
+        exit = fmin(fmax(exit, (double)line->min_exit), (double)line->max_exit);
         if (l == central) state->exit = (size_t)lround(exit);
         if (state->exits) state->exits[l] = (size_t)lround(exit);
     }

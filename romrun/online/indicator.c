@@ -31,7 +31,7 @@ indicator *indicator_free(indicator *self) {
 }
 
 indicator *indicator_create(const reduced_model *model) {
-    const control_rows *control = &model->control;
+    const row_set *control = &model->control;
     size_t num_needed = control->num_needed + 1; // nothing of size zero
     indicator *self = calloc(1, sizeof *self);
 
@@ -40,8 +40,8 @@ indicator *indicator_create(const reduced_model *model) {
     self->pressure = malloc(num_needed * sizeof(double));
     self->film = malloc(num_needed * sizeof(double));
     self->fluid_memory = malloc(4 * num_needed * sizeof(double));
-    self->band_pressure = malloc(model->num_band * sizeof(double));
-    self->runs = malloc(model->num_lines * sizeof *self->runs);
+    self->band_pressure = malloc(model->band.num_nodes * sizeof(double));
+    self->runs = malloc(model->band.num_lines * sizeof *self->runs);
     self->rows = malloc((control->num_rows + 1) * sizeof *self->rows);
     if (!self->pressure || !self->film || !self->fluid_memory || !self->band_pressure ||
         !self->runs || !self->rows)
@@ -52,14 +52,14 @@ indicator *indicator_create(const reduced_model *model) {
 /* H at a needed node but for what the exit's runs deflect. */
 static double film_at_checkpoint(const reduced_model *model, size_t q, const double *z,
                                  size_t checkpoint) {
-    const control_rows *control = &model->control;
+    const row_set *control = &model->control;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     const double *film =
-        coupled ? control->checkpoint_film + (checkpoint * control->num_needed + q) * width
+        coupled ? model->checkpoints.control + (checkpoint * control->num_needed + q) * width
                 : control->film + q * width;
 
-    return z[model->num_unknowns - 1] + grid_gap(&model->grid, control->needed_node[q]) +
+    return z[model->num_unknowns - 1] + control->gap[q] +
            cblas_ddot((int)width, film, 1, coupled ? z : z + model->num_pressure, 1);
 }
 
@@ -70,15 +70,15 @@ static bool is_before(const reduced_model *model, size_t node, const size_t *exi
 /* P and H at the needed nodes. */
 static void expand(indicator *self, const reduced_state *state) {
     const reduced_model *model = self->model;
-    const control_rows *control = &model->control;
+    const row_set *control = &model->control;
     const double *z = state->coordinates;
     const size_t *exit = reduced_state_exits(state);
     size_t num_pressure = model->num_pressure, num_runs = 0;
     size_t checkpoint = reduced_model_checkpoint(model, exit);
 
     if (model->deformation == DEFORMATION_COUPLED)
-        num_runs = reduced_model_runs(self->runs, model,
-                                      model->checkpoint_exit + checkpoint * model->num_lines, exit);
+        num_runs = reduced_model_runs(
+            self->runs, model, model->checkpoints.exit + checkpoint * model->band.num_lines, exit);
     for (size_t r = 0; r < num_runs; r++)
         reduced_band_pressure(self->band_pressure + self->runs[r].first, model, z,
                               self->runs[r].first, self->runs[r].count);
@@ -99,7 +99,7 @@ static void expand(indicator *self, const reduced_state *state) {
 double indicator_control_residual(indicator *self, const reduced_state *state,
                                   const ehd_contact *contact) {
     const reduced_model *model = self->model;
-    const control_rows *control = &model->control;
+    const row_set *control = &model->control;
     size_t num_needed = control->num_needed;
     double *memory = self->fluid_memory, sum = 0;
     bool compressible = contact->lubricant.density != NULL;

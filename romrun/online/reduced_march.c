@@ -70,16 +70,16 @@ static int compare_nodes(const void *a, const void *b, void *context) {
 
 /* Neighbours share most of what the splines there take. */
 static void sort_rows(reduced_march *self) {
-    for (size_t r = 0; r < self->model->num_rows; r++)
+    for (size_t r = 0; r < self->model->rows.num_rows; r++)
         self->ascending[r] = r;
-    qsort_r(self->ascending, self->model->num_rows, sizeof *self->ascending, compare_nodes,
-            self->model->row_node);
+    qsort_r(self->ascending, self->model->rows.num_rows, sizeof *self->ascending, compare_nodes,
+            self->model->rows.node);
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
                                 const film_splines *splines, const ehd_contact *reference,
                                 const reduced_settings *settings, ehd_error *error) {
-    size_t bytes = model->num_rows * sizeof(double);
+    size_t bytes = model->rows.num_rows * sizeof(double);
     reduced_march *self = calloc(1, sizeof *self);
     bool whole;
 
@@ -94,10 +94,10 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->row_mass = malloc(bytes);
     self->range = trained_range_create(model);
     self->mass = malloc(BDF_EARLIER * bytes);
-    self->ascending = malloc(model->num_rows * sizeof *self->ascending);
-    self->watched_end = malloc(model->num_lines * sizeof *self->watched_end);
-    self->band_attempt = calloc(model->num_band, sizeof *self->band_attempt);
-    self->band_earlier = malloc(model->num_band * sizeof(double));
+    self->ascending = malloc(model->rows.num_rows * sizeof *self->ascending);
+    self->watched_end = malloc(model->band.num_lines * sizeof *self->watched_end);
+    self->band_attempt = calloc(model->band.num_nodes, sizeof *self->band_attempt);
+    self->band_earlier = malloc(model->band.num_nodes * sizeof(double));
     whole = self->earlier && self->row_pressure && self->row_mass && self->mass &&
             self->ascending && self->watched_end && self->band_attempt && self->band_earlier &&
             self->range;
@@ -135,11 +135,11 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
-        bool ends = model->num_lines > 1 && line->most == end;
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        bool ends = model->band.num_lines > 1 && line->max_exit == end;
         if (reduced_model_has_band(model, l) &&
-            (exit[l] <= line->least || (exit[l] >= line->most && !ends)))
+            (exit[l] <= line->min_exit || (exit[l] >= line->max_exit && !ends)))
             return true;
     }
     return false;
@@ -166,8 +166,8 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = "an exit boundary at the edge of the trained range";
     }
-    for (size_t r = 0; r < model->num_rows; r++)
-        if (self->row_pressure[r] < rupture && grid_x(&model->grid, model->row_node[r]) < 0) {
+    for (size_t r = 0; r < model->rows.num_rows; r++)
+        if (self->row_pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0) {
             outcome->status = EHD_UNTRUSTED;
             outcome->reason = "a negative pressure before the contact";
         }
@@ -264,16 +264,16 @@ static void predict(reduced_march *self) {
                             reduced_state_exits(&state_before(self, 1)->state));
     values->checkpoint = state_before(self, 1)->values.checkpoint;
     memset(next->state.coordinates, 0, model->num_unknowns * sizeof(double));
-    memset(values->pressure, 0, model->num_needed * sizeof(double));
-    memset(values->cut, 0, model->num_cut * sizeof(double));
+    memset(values->pressure, 0, model->rows.num_needed * sizeof(double));
+    memset(values->cut, 0, model->cut.num_rows * sizeof(double));
     for (size_t i = 0; i < self->ring.num_earlier; i++) {
         const earlier_film *earlier = state_before(self, i + 1);
         double factor = self->formula.predictor[i];
         add_times(next->state.coordinates, factor, earlier->state.coordinates, model->num_unknowns);
-        add_times(values->pressure, factor, earlier->values.pressure, model->num_needed);
-        add_times(values->cut, factor, earlier->values.cut, model->num_cut);
+        add_times(values->pressure, factor, earlier->values.pressure, model->rows.num_needed);
+        add_times(values->cut, factor, earlier->values.cut, model->cut.num_rows);
         if (earlier->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->num_checkpoints; // of no exit
+            values->checkpoint = model->checkpoints.num; // of no exit
     }
 }
 
@@ -289,10 +289,10 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     double start = program_seconds();
 
     list_earlier(films, self);
-    for (size_t i = 0; i < model->num_rows; i++) {
+    for (size_t i = 0; i < model->rows.num_rows; i++) {
         size_t r = self->ascending[i];
         double *mass = self->mass + r * BDF_EARLIER;
-        earlier_film_masses(mass, films, num, model->row_node[r], frame, model, self->splines,
+        earlier_film_masses(mass, films, num, model->rows.node[r], frame, model, self->splines,
                             &self->reference);
         self->earlier[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
     }
@@ -337,14 +337,15 @@ static double exit_margin(const ehd_grid *grid) {
 static void find_watched(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
-    size_t num_states = model->num_lines > 1 ? self->ring.num_earlier : 0;
+    size_t num_states = model->band.num_lines > 1 ? self->ring.num_earlier : 0;
 
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         self->watched_end[l] = SIZE_MAX;
     for (size_t i = 0; i <= num_states; i++) {
         const size_t *exit = reduced_state_exits(&state_before(self, i)->state);
-        for (size_t l = 0; l < model->num_lines; l++) {
-            size_t last = l + margin < model->num_lines ? l + margin : model->num_lines - 1;
+        for (size_t l = 0; l < model->band.num_lines; l++) {
+            size_t last =
+                l + margin < model->band.num_lines ? l + margin : model->band.num_lines - 1;
             if (!reduced_model_has_band(model, l)) continue;
             for (size_t near = l > margin ? l - margin : 0; near <= last; near++)
                 if (exit[l] < self->watched_end[near]) self->watched_end[near] = exit[l];
@@ -360,8 +361,8 @@ static double local_error(reduced_march *self, double central_film) {
     double largest = 0;
 
     find_watched(self);
-    for (size_t r = 0; r < model->num_rows; r++) {
-        const size_t node = model->row_node[r];
+    for (size_t r = 0; r < model->rows.num_rows; r++) {
+        const size_t node = model->rows.node[r];
         double mass = self->row_mass[r];
         double end = grid_x(grid, self->watched_end[reduced_model_line(model, node)]);
         if (grid_x(grid, node) >= end - exit_margin(grid)) continue;
@@ -437,7 +438,7 @@ static void copy_state(reduced_state *target, const reduced_state *source,
 
 static bool same_exits(const reduced_state *a, const reduced_state *b, const reduced_model *model) {
     return memcmp(reduced_state_exits(a), reduced_state_exits(b),
-                  model->num_lines * sizeof(size_t)) == 0;
+                  model->band.num_lines * sizeof(size_t)) == 0;
 }
 
 /* Whether the factors still serve the next step, by how they did in this one. */
@@ -500,7 +501,7 @@ reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
 enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
 
 static size_t saved_state_size(const reduced_march *self) {
-    return NUM_FRAME + self->model->num_lines + self->model->num_unknowns;
+    return NUM_FRAME + self->model->band.num_lines + self->model->num_unknowns;
 }
 
 /* Number of earlier states, they themselves, the last frame of a solved load, and what the kept factors were
@@ -519,9 +520,10 @@ static void save_state(double *target, const reduced_march *self, const contact_
 
     memcpy(target, frame, sizeof *frame);
     target += NUM_FRAME;
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         target[l] = (double)exit[l];
-    memcpy(target + model->num_lines, state->coordinates, model->num_unknowns * sizeof(double));
+    memcpy(target + model->band.num_lines, state->coordinates,
+           model->num_unknowns * sizeof(double));
 }
 
 static ehd_status restore_state(contact_frame *frame, reduced_state *state,
@@ -529,18 +531,18 @@ static ehd_status restore_state(contact_frame *frame, reduced_state *state,
     const reduced_model *model = self->model;
     const double *exit = source + NUM_FRAME;
 
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *line = &model->lines[l];
-        if (!(exit[l] >= (double)line->least && exit[l] <= (double)line->most))
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        if (!(exit[l] >= (double)line->min_exit && exit[l] <= (double)line->max_exit))
             return ehd_fail(error, EHD_DATA,
                             "saved state: found the exit at node %g, expected %zu to %zu", exit[l],
-                            line->least, line->most);
+                            line->min_exit, line->max_exit);
     }
     memcpy(frame, source, sizeof *frame);
     state->exit = (size_t)exit[grid_central_line(&model->grid) / grid_width(&model->grid)];
-    for (size_t l = 0; l < model->num_lines && state->exits; l++)
+    for (size_t l = 0; l < model->band.num_lines && state->exits; l++)
         state->exits[l] = (size_t)exit[l];
-    memcpy(state->coordinates, exit + model->num_lines, model->num_unknowns * sizeof(double));
+    memcpy(state->coordinates, exit + model->band.num_lines, model->num_unknowns * sizeof(double));
     return EHD_OK;
 }
 
@@ -606,7 +608,7 @@ static void exits(size_t *columns, const void *solver) {
     const reduced_march *self = solver;
     const reduced_state state = reduced_march_state(self, NULL);
 
-    memcpy(columns, reduced_state_exits(&state), self->model->num_lines * sizeof *columns);
+    memcpy(columns, reduced_state_exits(&state), self->model->band.num_lines * sizeof *columns);
 }
 
 march_solver reduced_march_solver(reduced_march *self) {

@@ -12,10 +12,10 @@
 #include <string.h>
 
 ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error) {
-    bool lines = model->num_lines > 1;
+    bool lines = model->band.num_lines > 1;
 
     *state = (reduced_state){.coordinates = calloc(model->num_unknowns, sizeof(double))};
-    if (lines) state->exits = calloc(model->num_lines, sizeof *state->exits);
+    if (lines) state->exits = calloc(model->band.num_lines, sizeof *state->exits);
     if (state->coordinates && (state->exits || !lines)) return EHD_OK;
     reduced_state_free(state);
     return ehd_fail(error, EHD_MEMORY, "reduced state: found no memory");
@@ -34,14 +34,14 @@ const size_t *reduced_state_exits(const reduced_state *state) {
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model,
                              const size_t *exits) {
     state->exit = exits[grid_central_line(&model->grid) / grid_width(&model->grid)];
-    if (state->exits) memmove(state->exits, exits, model->num_lines * sizeof *exits);
+    if (state->exits) memmove(state->exits, exits, model->band.num_lines * sizeof *exits);
 }
 
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
                                ehd_error *error) {
-    values->pressure = malloc(model->num_needed * sizeof(double));
-    values->cut = malloc(model->num_cut * sizeof(double));
-    values->checkpoint = model->num_checkpoints; // none
+    values->pressure = malloc(model->rows.num_needed * sizeof(double));
+    values->cut = malloc(model->cut.num_rows * sizeof(double));
+    values->checkpoint = model->checkpoints.num; // none
     if (values->pressure && values->cut) return EHD_OK;
     reduced_values_free(values);
     return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -102,12 +102,12 @@ reduced_solver *reduced_solver_free(reduced_solver *self) {
 
 ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *model,
                                  const reduced_settings *settings, ehd_error *error) {
-    size_t most_rows = model->num_rows + model->num_deformation + 1;
-    size_t num_lines = model->num_lines;
+    size_t most_rows = model->rows.num_rows + model->num_deformation + 1;
+    size_t num_lines = model->band.num_lines;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     // of left sides of rows, or of those of the cut table with their right sides
-    size_t block_size =
-        CUT_BLOCK * (coupled ? model->num_rows + 1 : model->num_cut + model->num_pressure);
+    size_t block_size = CUT_BLOCK * (coupled ? model->rows.num_rows + 1
+                                             : model->cut.num_rows + model->num_pressure);
     reduced_solver *self = calloc(1, sizeof *self);
 
     *solver = NULL;
@@ -117,11 +117,11 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->least_squares = least_squares_create(most_rows, model->num_unknowns);
     self->kept = least_squares_create(most_rows, model->num_unknowns);
     self->kept_matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
-    self->kept_row = malloc(model->num_rows * sizeof *self->kept_row);
+    self->kept_row = malloc(model->rows.num_rows * sizeof *self->kept_row);
     self->kept_exit = calloc(num_lines, sizeof *self->kept_exit);
     self->start_exit = calloc(num_lines, sizeof *self->start_exit);
     self->exit = calloc(num_lines, sizeof *self->exit);
-    self->alive = calloc(model->num_needed, sizeof *self->alive);
+    self->alive = calloc(model->rows.num_needed, sizeof *self->alive);
     self->runs = calloc(num_lines, sizeof *self->runs);
     self->table_exit = calloc(num_lines, sizeof *self->table_exit);
     self->block = malloc(block_size * sizeof(double));
@@ -129,24 +129,24 @@ ehd_status reduced_solver_create(reduced_solver **solver, const reduced_model *m
     self->wanted = calloc(num_lines, sizeof *self->wanted);
     self->moved = calloc(num_lines, sizeof *self->moved);
     self->watches = calloc(num_lines, sizeof *self->watches);
-    self->cut = malloc((coupled ? 1 : model->num_cut * model->num_pressure) * sizeof(double));
-    self->cut_value = malloc(model->num_cut * sizeof(double));
-    self->step_cut = malloc(model->num_cut * sizeof(double));
-    self->pressure = malloc(model->num_needed * sizeof(double));
-    self->film = malloc(model->num_needed * sizeof(double));
-    self->step_pressure = malloc(model->num_needed * sizeof(double));
-    self->step_film = malloc(model->num_needed * sizeof(double));
-    self->fluid_memory = malloc(4 * model->num_needed * sizeof(double));
-    self->band_pressure = malloc(model->num_band * sizeof(double));
-    self->band_film = malloc(model->num_band * sizeof(double));
-    self->band_search = calloc(model->num_band, sizeof *self->band_search);
-    self->rows = malloc(model->num_rows * sizeof *self->rows);
-    self->system_row = malloc(model->num_rows * sizeof *self->system_row);
+    self->cut = malloc((coupled ? 1 : model->cut.num_rows * model->num_pressure) * sizeof(double));
+    self->cut_value = malloc(model->cut.num_rows * sizeof(double));
+    self->step_cut = malloc(model->cut.num_rows * sizeof(double));
+    self->pressure = malloc(model->rows.num_needed * sizeof(double));
+    self->film = malloc(model->rows.num_needed * sizeof(double));
+    self->step_pressure = malloc(model->rows.num_needed * sizeof(double));
+    self->step_film = malloc(model->rows.num_needed * sizeof(double));
+    self->fluid_memory = malloc(4 * model->rows.num_needed * sizeof(double));
+    self->band_pressure = malloc(model->band.num_nodes * sizeof(double));
+    self->band_film = malloc(model->band.num_nodes * sizeof(double));
+    self->band_search = calloc(model->band.num_nodes, sizeof *self->band_search);
+    self->rows = malloc(model->rows.num_rows * sizeof *self->rows);
+    self->system_row = malloc(model->rows.num_rows * sizeof *self->system_row);
     self->matrix = malloc(most_rows * model->num_unknowns * sizeof(double));
     self->right = malloc(most_rows * sizeof(double));
     self->step = malloc(model->num_unknowns * sizeof(double));
     self->start = malloc(model->num_unknowns * sizeof(double));
-    self->observed = malloc(2 * model->num_rows * sizeof(double));
+    self->observed = malloc(2 * model->rows.num_rows * sizeof(double));
     if (!self->least_squares || !self->kept || !self->kept_matrix || !self->kept_row ||
         !self->kept_exit || !self->start_exit || !self->exit || !self->alive || !self->runs ||
         !self->table_exit || !self->block || !self->block_right || !self->wanted || !self->moved ||
@@ -189,12 +189,12 @@ static double damping(reduced_solver *self, double *change) {
     nodes_expand(self->step_pressure, self->step_film, self->step_cut, self, &self->step_values,
                  self->step);
     *change = 0;
-    for (size_t q = 0; q < model->num_needed; q++) {
+    for (size_t q = 0; q < model->rows.num_needed; q++) {
         *change = fmax(*change, fabs(self->step_pressure[q]));
         least = fmin(least, self->film[q]);
     }
     if (*change > MOST_PRESSURE_CHANGE) factor = MOST_PRESSURE_CHANGE / *change;
-    for (size_t q = 0; q < model->num_needed; q++)
+    for (size_t q = 0; q < model->rows.num_needed; q++)
         if (self->step_film[q] < 0)
             factor = fmin(factor, (self->film[q] - LEAST_FILM_LEFT * least) / -self->step_film[q]);
     return factor;
@@ -204,17 +204,18 @@ static double at_centre(const reduced_model *model, const double *values) {
     double sum = 0;
 
     for (size_t i = 0; i < 4; i++)
-        if (model->centre_weight[i] != 0) sum += model->centre_weight[i] * values[model->centre[i]];
+        if (model->centre.weight[i] != 0)
+            sum += model->centre.weight[i] * values[model->centre.place[i]];
     return sum;
 }
 
 /* Hands D f and D J dz of this iteration to the observer, rows behind the exit as zeros. */
 static ehd_status observe(reduced_solver *self, ehd_error *error) {
     const reduced_model *model = self->model;
-    double *residual = self->observed, *step = self->observed + model->num_rows;
+    double *residual = self->observed, *step = self->observed + model->rows.num_rows;
 
     if (!self->observer) return EHD_OK;
-    memset(residual, 0, 2 * model->num_rows * sizeof(double));
+    memset(residual, 0, 2 * model->rows.num_rows * sizeof(double));
     for (size_t i = 0; i < self->num_system; i++) {
         size_t r = self->system_row[i];
         residual[r] = self->right[i];
@@ -242,9 +243,9 @@ static double minimum_film(reduced_solver *self, const reduced_state *state) {
     double least = INFINITY;
 
     nodes_expand_runs(self, state->coordinates);
-    for (size_t l = model->first_minimum; l <= model->last_minimum; l++) {
+    for (size_t l = model->band.first_minimum; l <= model->band.last_minimum; l++) {
         size_t first = l * grid_width(&model->grid);
-        least = fmin(least, band_minimum(film_at, &film, first + model->lines[l].begin,
+        least = fmin(least, band_minimum(film_at, &film, first + model->band.lines[l].begin,
                                          first + self->exit[l] + 1));
     }
     return least;
@@ -337,7 +338,7 @@ static void start_exits(reduced_info *info, reduced_solver *self, reduced_state 
                                  : exits_stationary_watch(self->model, self->settings.tolerance);
 
     exits_watch(self, watch);
-    if (squeeze || self->model->num_lines == 1) return;
+    if (squeeze || self->model->band.num_lines == 1) return;
     nodes_move_exit(self, reduced_state_exits(state));
     exits_adapt(info, self, state, contact, NULL, INFINITY);
     exits_watch(self, watch); // where it began does not count
@@ -391,7 +392,8 @@ void reduced_drop_factors(reduced_solver *self) {
 
 void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
                           const ehd_contact *contact, double rate) {
-    memset(self->right, 0, self->model->num_rows * sizeof(double)); // the matrix needs no residual
+    memset(self->right, 0,
+           self->model->rows.num_rows * sizeof(double)); // the matrix needs no residual
     const reduced_squeeze squeeze = {.rate = rate, .earlier = self->right};
     reduced_info ignored = {0};
 
@@ -399,7 +401,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     system_list_rows(self);
     self->kept_weight = system_closure_weight(rate);
     system_fill_matrix(self, &contact->closure, self->kept_weight);
-    memcpy(self->kept_exit, self->exit, self->model->num_lines * sizeof *self->kept_exit);
+    memcpy(self->kept_exit, self->exit, self->model->band.num_lines * sizeof *self->kept_exit);
     self->num_kept = self->num_system;
     memcpy(self->kept_row, self->system_row, self->num_system * sizeof *self->kept_row);
     size_t num_rows = self->num_system + self->model->num_deformation + 1;
@@ -416,20 +418,20 @@ static double central_change(reduced_solver *self) {
 
     nodes_expand_runs(self, self->step);
     for (size_t i = 0; i < 4; i++) {
-        size_t q = model->centre[i];
+        size_t q = model->centre.place[i];
         double film = 0;
-        if (model->centre_weight[i] == 0) continue;
+        if (model->centre.weight[i] == 0) continue;
         if (model->deformation == DEFORMATION_INDEPENDENT) {
-            film = cblas_ddot((int)num_deformation, model->needed_film + q * num_deformation, 1,
+            film = cblas_ddot((int)num_deformation, model->rows.film + q * num_deformation, 1,
                               self->step + num_pressure, 1);
         } else {
             film = cblas_ddot((int)num_pressure, checkpoint + q * num_pressure, 1, self->step, 1);
             for (size_t r = 0; r < self->num_runs; r++)
                 for (size_t n = 0, k = self->runs[r].first; n < self->runs[r].count; n++, k++)
-                    film += self->runs[r].sign * model->left[k * model->num_cut + q] *
+                    film += self->runs[r].sign * model->cut.left[k * model->cut.num_rows + q] *
                             self->band_pressure[k];
         }
-        change += model->centre_weight[i] * film;
+        change += model->centre.weight[i] * film;
     }
     return change;
 }
@@ -470,7 +472,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
 static bool is_near_kept(const reduced_solver *self, const reduced_state *state, size_t most) {
     const size_t *exit = reduced_state_exits(state), *kept = self->kept_exit;
 
-    for (size_t l = 0; l < self->model->num_lines; l++)
+    for (size_t l = 0; l < self->model->band.num_lines; l++)
         if (index_distance(exit[l], kept[l]) > most) return false;
     return true;
 }
@@ -508,7 +510,7 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
     if (squeeze && self->has_kept && !self->observer) {
         memcpy(self->start, state->coordinates, bytes);
         memcpy(self->start_exit, reduced_state_exits(state),
-               model->num_lines * sizeof *self->start_exit);
+               model->band.num_lines * sizeof *self->start_exit);
         if (newton_with_kept(info, state, self, contact, squeeze)) return EHD_OK;
         info->status = EHD_NOT_CONVERGED;
         memcpy(state->coordinates, self->start, bytes);
@@ -523,13 +525,13 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
 
     nodes_move_exit(self, reduced_state_exits(state));
     nodes_expand_state(self, NULL, state->coordinates);
-    for (size_t q = 0; q < model->num_needed; q++)
-        self->film[q] += model->needed_gap[q];
+    for (size_t q = 0; q < model->rows.num_needed; q++)
+        self->film[q] += model->rows.gap[q];
     scalars.central_film_thickness = at_centre(model, self->film);
     scalars.central_pressure = at_centre(model, self->pressure);
     scalars.minimum_film_thickness = minimum_film(self, state);
     // in time a dip passes through the front of the contact too, where only the needed nodes are known
-    for (size_t q = 0; q < model->num_needed; q++)
+    for (size_t q = 0; q < model->rows.num_needed; q++)
         if (self->alive[q])
             scalars.minimum_film_thickness = fmin(scalars.minimum_film_thickness, self->film[q]);
     scalars.rigid_approach = state->coordinates[model->num_unknowns - 1];
@@ -556,14 +558,15 @@ static void add_film_row(double *target, double factor, const reduced_solver *se
     size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
 
     if (model->deformation == DEFORMATION_INDEPENDENT) {
-        nodes_add_row(target, factor, model->needed_film + q * num_deformation, num_deformation);
+        nodes_add_row(target, factor, model->rows.film + q * num_deformation, num_deformation);
         return;
     }
     nodes_add_row(target, factor, nodes_checkpoint_table(self) + q * num_pressure, num_pressure);
     for (size_t r = 0; r < self->num_runs; r++)
         for (size_t n = 0, k = self->runs[r].first; n < self->runs[r].count; n++, k++)
-            nodes_add_row(target, factor * self->runs[r].sign * model->left[k * model->num_cut + q],
-                          model->band_pressure + k * num_pressure, num_pressure);
+            nodes_add_row(
+                target, factor * self->runs[r].sign * model->cut.left[k * model->cut.num_rows + q],
+                model->band.pressure + k * num_pressure, num_pressure);
 }
 
 double reduced_central_sensitivity(reduced_solver *self) {
@@ -573,8 +576,8 @@ double reduced_central_sensitivity(reduced_solver *self) {
 
     memset(gradient, 0, model->num_unknowns * sizeof(double));
     for (size_t i = 0; i < 4; i++)
-        if (model->centre_weight[i] != 0)
-            add_film_row(film, model->centre_weight[i], self, model->centre[i]);
+        if (model->centre.weight[i] != 0)
+            add_film_row(film, model->centre.weight[i], self, model->centre.place[i]);
     gradient[model->num_unknowns - 1] = 1;
     return least_squares_sensitivity(self->least_squares, gradient);
 }
@@ -583,8 +586,8 @@ void reduced_last_values(reduced_values *values, const reduced_solver *self) {
     const reduced_model *model = self->model;
 
     values->checkpoint = self->values.checkpoint;
-    memcpy(values->pressure, self->values.pressure, model->num_needed * sizeof(double));
-    memcpy(values->cut, self->values.cut, model->num_cut * sizeof(double));
+    memcpy(values->pressure, self->values.pressure, model->rows.num_needed * sizeof(double));
+    memcpy(values->cut, self->values.cut, model->cut.num_rows * sizeof(double));
 }
 
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *self,
@@ -593,8 +596,8 @@ void reduced_row_values(double *pressure, double *mass, const reduced_solver *se
     const density_law *law = contact->lubricant.density;
     double ignored;
 
-    for (size_t r = 0; r < model->num_rows; r++) {
-        size_t q = model->stencils[r].node[NODE_HERE];
+    for (size_t r = 0; r < model->rows.num_rows; r++) {
+        size_t q = model->rows.stencils[r].node[NODE_HERE];
         pressure[r] = self->pressure[q];
         if (!mass) continue;
         mass[r] = self->film[q];

@@ -12,10 +12,11 @@ static const double SETTLED = 0.005; // half widths
 static const double NOISE = 1e-5;    // negative pressure that the truncated basis may show
 
 static size_t window_begin(const reduced_model *model, size_t exit) {
-    size_t base = model->checkpoint_exit[reduced_model_checkpoint(model, &exit)];
+    size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
     size_t reach = window + 2; // a row at the window's first node has its stencil before it
-    size_t begin = exit > model->band_begin + reach ? exit - reach : model->band_begin;
+    size_t begin =
+        exit > model->band.lines[0].begin + reach ? exit - reach : model->band.lines[0].begin;
 
     return begin < base ? begin : base;
 }
@@ -94,23 +95,24 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
     double flux;
 
     nodes_expand_band(self, z, begin, exit);
-    while (node < exit && self->band_pressure[node - model->band_begin] >= -NOISE)
+    while (node < exit && self->band_pressure[node - model->band.lines[0].begin] >= -NOISE)
         node++;
     if (node < exit) {
-        from = node > model->band_begin + 2 ? node : model->band_begin + 2;
+        from = node > model->band.lines[0].begin + 2 ? node : model->band.lines[0].begin + 2;
         band_row(self, z, from, contact, NULL, &flux);
     } else {
         reynolds_row row = band_row(self, z, exit, contact, NULL, &flux);
         if (row.residual <= 0) return exit;
         from = exit + 1;
-        end = exit + window < model->most_exit ? exit + window : model->most_exit;
+        end = exit + window < model->band.lines[0].max_exit ? exit + window
+                                                            : model->band.lines[0].max_exit;
     }
     for (node = from; node < end; node++)
         if (contact->entrainment * film_at(self, z, node, reduced_model_band_place(model, node)) >=
             flux)
             break;
-    node = node > model->least_exit ? node : model->least_exit;
-    return node < model->most_exit ? node : model->most_exit;
+    node = node > model->band.lines[0].min_exit ? node : model->band.lines[0].min_exit;
+    return node < model->band.lines[0].max_exit ? node : model->band.lines[0].max_exit;
 }
 
 /* With a film that varies in time, and across the lines of a point contact, there is no such flux: the exit of a
@@ -120,17 +122,17 @@ static size_t adapt_exit(reduced_solver *self, const reduced_state *state,
 static size_t exit_by_signs(reduced_solver *self, const double *z, size_t line, size_t window,
                             const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const reduced_model *model = self->model;
-    const band_line *band = &model->lines[line];
+    const band_line *band = &model->band.lines[line];
     const double *pressure = self->band_pressure + band->offset;
     size_t exit = self->exit[line], first = line * grid_width(&model->grid);
     size_t column = exit > band->begin + window ? exit - window : band->begin;
-    size_t end = exit + window < band->most ? exit + window : band->most;
+    size_t end = exit + window < band->max_exit ? exit + window : band->max_exit;
     double ignored;
 
     while (column < exit && pressure[column - band->begin] >= -NOISE)
         column++;
-    if (column < exit) return column > band->least ? column : band->least;
-    bool by_pressure = squeeze && model->num_lines > 1;
+    if (column < exit) return column > band->min_exit ? column : band->min_exit;
+    bool by_pressure = squeeze && model->band.num_lines > 1;
     while (column < end && !(by_pressure && pressure[column - band->begin] < -NOISE) &&
            band_row(self, z, first + column, contact, squeeze, &ignored).residual > 0)
         column++;
@@ -152,11 +154,11 @@ static void expand_around(reduced_solver *self, const double *z, size_t window) 
     const reduced_model *model = self->model;
 
     nodes_expand_runs(self, z);
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *band = &model->lines[l];
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *band = &model->band.lines[l];
         size_t exit = self->exit[l], first = exit, last = exit + 1, reach = window + 2;
         if (!reduced_model_has_band(model, l)) continue;
-        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->num_lines;
+        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->band.num_lines;
              beside++) {
             if (!reduced_model_has_band(model, beside)) continue;
             first = self->exit[beside] < first ? self->exit[beside] : first;
@@ -189,9 +191,11 @@ static void fill_between(size_t *exits, const reduced_solver *self) {
         if (!is_looked_at(self, l)) continue;
         double slope = ((double)exits[l] - (double)exits[before]) / (double)(l - before);
         for (size_t i = before + 1; i < l; i++) {
-            const band_line *band = &self->model->lines[i];
+            const band_line *band = &self->model->band.lines[i];
             size_t exit = (size_t)lround((double)exits[before] + slope * (double)(i - before));
-            exits[i] = exit < band->least ? band->least : exit > band->most ? band->most : exit;
+            exits[i] = exit < band->min_exit   ? band->min_exit
+                       : exit > band->max_exit ? band->max_exit
+                                               : exit;
         }
         before = l;
     }
@@ -204,13 +208,13 @@ static void find_exits(reduced_solver *self, const reduced_state *state, const e
     size_t window = (size_t)(WINDOW / model->grid.step) + 2;
 
     self->search++;
-    if (model->num_lines == 1) {
+    if (model->band.num_lines == 1) {
         self->wanted[0] = squeeze ? adapt_exit_in_time(self, state, contact, squeeze)
                                   : adapt_exit(self, state, contact);
         return;
     }
     expand_around(self, state->coordinates, window);
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         self->wanted[l] = is_looked_at(self, l)
                               ? exit_by_signs(self, state->coordinates, l, window, contact, squeeze)
                               : self->exit[l];
@@ -225,7 +229,7 @@ bool exits_settled(const reduced_solver *self) {
     const reduced_model *model = self->model;
     size_t sum = 0;
 
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         sum += index_distance(self->wanted[l], self->exit[l]);
     return sum <= settled_distance(model) * model->grid.inner_lines;
 }
@@ -261,7 +265,7 @@ static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t n
 }
 
 void exits_watch(reduced_solver *self, exit_watch watch) {
-    for (size_t l = 0; l < self->model->num_lines; l++)
+    for (size_t l = 0; l < self->model->band.num_lines; l++)
         self->watches[l] = watch;
 }
 
@@ -271,10 +275,10 @@ bool exits_adapt(reduced_info *info, reduced_solver *self, reduced_state *state,
     double start = program_seconds();
 
     find_exits(self, state, contact, squeeze);
-    for (size_t l = 0; l < model->num_lines; l++)
+    for (size_t l = 0; l < model->band.num_lines; l++)
         self->moved[l] = watch_exit(&self->watches[l], change, self->exit[l], self->wanted[l]);
-    if (model->num_lines > 1) fill_between(self->moved, self);
-    bool moved = memcmp(self->moved, self->exit, model->num_lines * sizeof *self->moved) != 0;
+    if (model->band.num_lines > 1) fill_between(self->moved, self);
+    bool moved = memcmp(self->moved, self->exit, model->band.num_lines * sizeof *self->moved) != 0;
     reduced_state_set_exits(state, model, self->moved);
     info->seconds_exit += program_seconds() - start;
     return moved;

@@ -8,28 +8,29 @@
 
 void nodes_move_exit(reduced_solver *self, const size_t *exit) {
     const reduced_model *model = self->model;
-    size_t num_lines = model->num_lines, bytes = num_lines * sizeof *exit;
+    size_t num_lines = model->band.num_lines, bytes = num_lines * sizeof *exit;
 
     if (memcmp(self->exit, exit, bytes) == 0) return;
     memcpy(self->exit, exit, bytes);
-    for (size_t q = 0; q < model->num_needed; q++) {
-        size_t node = model->needed_node[q];
+    for (size_t q = 0; q < model->rows.num_needed; q++) {
+        size_t node = model->rows.needed_node[q];
         self->alive[q] = reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
     }
     self->checkpoint = reduced_model_checkpoint(model, exit);
     self->num_runs = reduced_model_runs(
-        self->runs, model, model->checkpoint_exit + self->checkpoint * num_lines, exit);
+        self->runs, model, model->checkpoints.exit + self->checkpoint * num_lines, exit);
 }
 
 const double *nodes_checkpoint_table(const reduced_solver *self) {
     const reduced_model *model = self->model;
 
-    return model->checkpoint_cut + self->checkpoint * model->num_cut * model->num_pressure;
+    return model->checkpoints.cut + self->checkpoint * model->cut.num_rows * model->num_pressure;
 }
 
 void nodes_make_cut_table(reduced_solver *self) {
     const reduced_model *model = self->model;
-    size_t size = model->num_cut * model->num_pressure, bytes = model->num_lines * sizeof(size_t);
+    size_t size = model->cut.num_rows * model->num_pressure,
+           bytes = model->band.num_lines * sizeof(size_t);
 
     if (memcmp(self->table_exit, self->exit, bytes) == 0) return;
     memcpy(self->cut, nodes_checkpoint_table(self), size * sizeof(double));
@@ -53,7 +54,7 @@ void nodes_expand_places(reduced_solver *self, const double *z, size_t first, si
 }
 
 void nodes_expand_band(reduced_solver *self, const double *z, size_t from, size_t to) {
-    if (to > from) nodes_expand_places(self, z, from - self->model->band_begin, to - from);
+    if (to > from) nodes_expand_places(self, z, from - self->model->band.lines[0].begin, to - from);
 }
 
 void nodes_expand_runs(reduced_solver *self, const double *z) {
@@ -63,11 +64,11 @@ void nodes_expand_runs(reduced_solver *self, const double *z) {
 
 void nodes_values_at(reduced_values *values, const reduced_model *model, const double *z,
                      size_t checkpoint) {
-    size_t size = model->num_cut * model->num_pressure;
+    size_t size = model->cut.num_rows * model->num_pressure;
 
     values->checkpoint = checkpoint;
-    product(values->pressure, model->needed_pressure, z, model->num_needed, model->num_pressure);
-    product(values->cut, model->checkpoint_cut + values->checkpoint * size, z, model->num_cut,
+    product(values->pressure, model->rows.pressure, z, model->rows.num_needed, model->num_pressure);
+    product(values->cut, model->checkpoints.cut + values->checkpoint * size, z, model->cut.num_rows,
             model->num_pressure);
 }
 
@@ -78,30 +79,30 @@ void reduced_values_of(reduced_values *values, const reduced_model *model, const
 
 void nodes_add_values(reduced_values *values, double factor, const reduced_values *of,
                       const reduced_model *model) {
-    cblas_daxpy((int)model->num_needed, factor, of->pressure, 1, values->pressure, 1);
-    cblas_daxpy((int)model->num_cut, factor, of->cut, 1, values->cut, 1);
+    cblas_daxpy((int)model->rows.num_needed, factor, of->pressure, 1, values->pressure, 1);
+    cblas_daxpy((int)model->cut.num_rows, factor, of->cut, 1, values->cut, 1);
 }
 
 void nodes_expand(double *pressure, double *film, double *cut_value, reduced_solver *self,
                   const reduced_values *values, const double *z) {
     const reduced_model *model = self->model;
 
-    for (size_t q = 0; q < model->num_needed; q++)
+    for (size_t q = 0; q < model->rows.num_needed; q++)
         pressure[q] = self->alive[q] ? values->pressure[q] : 0;
-    memcpy(cut_value, values->cut, model->num_cut * sizeof(double));
+    memcpy(cut_value, values->cut, model->cut.num_rows * sizeof(double));
     nodes_expand_runs(self, z);
     for (size_t r = 0; r < self->num_runs; r++) {
         const cut_run *run = &self->runs[r];
-        cblas_dgemv(CblasRowMajor, CblasTrans, (int)run->count, (int)model->num_cut, run->sign,
-                    model->left + run->first * model->num_cut, (int)model->num_cut,
+        cblas_dgemv(CblasRowMajor, CblasTrans, (int)run->count, (int)model->cut.num_rows, run->sign,
+                    model->cut.left + run->first * model->cut.num_rows, (int)model->cut.num_rows,
                     self->band_pressure + run->first, 1, 1, cut_value, 1);
     }
     if (model->deformation == DEFORMATION_COUPLED)
-        memcpy(film, cut_value, model->num_needed * sizeof(double));
+        memcpy(film, cut_value, model->rows.num_needed * sizeof(double));
     else
-        product(film, model->needed_film, z + model->num_pressure, model->num_needed,
+        product(film, model->rows.film, z + model->num_pressure, model->rows.num_needed,
                 model->num_deformation);
-    for (size_t q = 0; q < model->num_needed; q++)
+    for (size_t q = 0; q < model->rows.num_needed; q++)
         film[q] += z[model->num_unknowns - 1];
 }
 
@@ -114,7 +115,7 @@ void nodes_expand_state(reduced_solver *self, const reduced_values *known, const
 }
 
 double nodes_load(const reduced_solver *self) {
-    return self->cut_value[self->model->num_cut - 1];
+    return self->cut_value[self->model->cut.num_rows - 1];
 }
 
 void nodes_band_films(double *film, const reduced_solver *self, const double *z, size_t node,
@@ -124,8 +125,8 @@ void nodes_band_films(double *film, const reduced_solver *self, const double *z,
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? num_pressure : model->num_deformation;
     const double *checkpoint =
-        model->checkpoint_band + self->checkpoint * model->num_band * num_pressure;
-    const double *basis = (coupled ? checkpoint : model->band_film) + place * width;
+        model->checkpoints.band + self->checkpoint * model->band.num_nodes * num_pressure;
+    const double *basis = (coupled ? checkpoint : model->band.film) + place * width;
     const grid_place at = reduced_model_place(model, node);
 
     for (size_t i = 0; i < count; i++)
@@ -152,6 +153,6 @@ void nodes_add_row(double *target, double factor, const double *source, size_t c
 
 void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
                            size_t first, size_t count) {
-    product(pressure, model->band_pressure + first * model->num_pressure, coordinates, count,
+    product(pressure, model->band.pressure + first * model->num_pressure, coordinates, count,
             model->num_pressure);
 }

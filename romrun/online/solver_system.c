@@ -8,12 +8,12 @@
 // ---- one iteration
 
 static bool is_row_alive(const reduced_solver *self, size_t r) {
-    return self->alive[self->model->stencils[r].node[NODE_HERE]];
+    return self->alive[self->model->rows.stencils[r].node[NODE_HERE]];
 }
 
 void system_list_rows(reduced_solver *self) {
     self->num_system = 0;
-    for (size_t r = 0; r < self->model->num_rows; r++)
+    for (size_t r = 0; r < self->model->rows.num_rows; r++)
         if (is_row_alive(self, r)) self->system_row[self->num_system++] = r;
 }
 
@@ -21,7 +21,7 @@ void system_evaluate_rows(reduced_solver *self, const ehd_contact *contact,
                           const reduced_squeeze *squeeze, const reduced_values *known,
                           const double *z) {
     const reduced_model *model = self->model;
-    size_t num_needed = model->num_needed;
+    size_t num_needed = model->rows.num_needed;
     double *memory = self->fluid_memory;
     bool compressible = contact->lubricant.density != NULL;
     reynolds_fluid fluid = {memory, memory + num_needed,
@@ -30,13 +30,13 @@ void system_evaluate_rows(reduced_solver *self, const ehd_contact *contact,
 
     nodes_expand_state(self, known, z);
     for (size_t q = 0; q < num_needed; q++)
-        self->film[q] += model->needed_gap[q];
+        self->film[q] += model->rows.gap[q];
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
     const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
                                            squeeze ? squeeze->earlier : NULL};
     reynolds_rows(self->rows, model->grid.step, contact->entrainment,
-                  squeeze ? &rows_squeeze : NULL, model->stencils, model->num_rows, &fluid,
-                  self->pressure, self->film);
+                  squeeze ? &rows_squeeze : NULL, model->rows.stencils, model->rows.num_rows,
+                  &fluid, self->pressure, self->film);
 }
 
 /* target += sum of factors[a] * sources[a], in one pass. */
@@ -54,13 +54,13 @@ static void add_rows(double *restrict target, const double factors[NUM_LINE_STEN
  * exit's checkpoint. */
 static void fill_reynolds_row(double *target, const reduced_solver *self, size_t r) {
     const reduced_model *model = self->model;
-    const reynolds_stencil *stencil = &model->stencils[r];
+    const reynolds_stencil *stencil = &model->rows.stencils[r];
     const reynolds_row *row = &self->rows[r];
-    double weight = model->row_weight[r], approach = 0;
+    double weight = model->rows.weight[r], approach = 0;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? model->num_pressure : model->num_deformation;
     size_t offset = coupled ? 0 : model->num_pressure;
-    const double *film = coupled ? nodes_checkpoint_table(self) : model->needed_film;
+    const double *film = coupled ? nodes_checkpoint_table(self) : model->rows.film;
 
     double by_pressure[NUM_LINE_STENCIL] = {0}, by_film[NUM_LINE_STENCIL] = {0};
     const double *pressures[NUM_LINE_STENCIL], *films[NUM_LINE_STENCIL];
@@ -68,7 +68,7 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
     for (int a = 0; a < NUM_LINE_STENCIL; a++) {
         bool there = stencil->node[a] != NO_NODE;
         size_t q = there ? stencil->node[a] : 0;
-        pressures[a] = model->needed_pressure + q * model->num_pressure;
+        pressures[a] = model->rows.pressure + q * model->num_pressure;
         films[a] = film + q * width;
         if (!there) continue;
         if (self->alive[q]) by_pressure[a] = weight * row->by_pressure[a];
@@ -82,7 +82,7 @@ static void fill_reynolds_row(double *target, const reduced_solver *self, size_t
         size_t q = stencil->node[a];
         if (self->alive[q])
             nodes_add_row(target, weight * row->by_pressure[a],
-                          model->needed_pressure + q * model->num_pressure, model->num_pressure);
+                          model->rows.pressure + q * model->num_pressure, model->num_pressure);
         nodes_add_row(target + offset, weight * row->by_film[a], film + q * width, width);
         approach += row->by_film[a];
     }
@@ -97,7 +97,7 @@ size_t system_fill_right(reduced_solver *self, const double *z, const size_t *li
     for (; count < num_list; count++) {
         size_t r = list[count];
         self->right[count] =
-            is_row_alive(self, r) ? model->row_weight[r] * self->rows[r].residual : 0;
+            is_row_alive(self, r) ? model->rows.weight[r] * self->rows[r].residual : 0;
     }
     for (size_t j = 0; j < model->num_deformation; j++, count++)
         self->right[count] = z[model->num_pressure + j] - self->cut_value[j];
@@ -112,18 +112,18 @@ size_t system_fill_right(reduced_solver *self, const double *z, const size_t *li
 static void weigh_left(double *left, size_t stride, const reduced_solver *self, size_t place,
                        double sign, double load_weight) {
     const reduced_model *model = self->model;
-    const double *by_node = model->left + place * model->num_cut;
+    const double *by_node = model->cut.left + place * model->cut.num_rows;
 
     for (size_t i = 0; i < self->num_system; i++) {
         size_t r = self->system_row[i];
-        const reynolds_stencil *stencil = &model->stencils[r];
-        double weight = model->row_weight[r], sum = 0;
+        const reynolds_stencil *stencil = &model->rows.stencils[r];
+        double weight = model->rows.weight[r], sum = 0;
         for (int a = 0; a < NUM_STENCIL; a++)
             if (stencil->node[a] != NO_NODE)
                 sum += weight * self->rows[r].by_film[a] * by_node[stencil->node[a]];
         left[i * stride] = sign * sum;
     }
-    left[self->num_system * stride] = sign * load_weight * by_node[model->num_cut - 1];
+    left[self->num_system * stride] = sign * load_weight * by_node[model->cut.num_rows - 1];
 }
 
 /* matrix += left right of the first `rank` nodes in the block. */
@@ -146,7 +146,7 @@ static void add_runs(reduced_solver *self, double load_weight) {
         for (size_t k = run->first; k < run->first + run->count; k++) {
             weigh_left(self->block + rank, CUT_BLOCK, self, k, run->sign, load_weight);
             memcpy(self->block_right + rank * model->num_pressure,
-                   model->band_pressure + k * model->num_pressure,
+                   model->band.pressure + k * model->num_pressure,
                    model->num_pressure * sizeof(double));
             if (++rank < CUT_BLOCK) continue;
             add_block(self, rank);
@@ -177,8 +177,8 @@ void system_fill_matrix(reduced_solver *self, const contact_closure *closure,
     bool coupled = model->deformation == DEFORMATION_COUPLED;
 
     if (!coupled) nodes_make_cut_table(self);
-    const double *load =
-        (coupled ? nodes_checkpoint_table(self) : self->cut) + (model->num_cut - 1) * num_pressure;
+    const double *load = (coupled ? nodes_checkpoint_table(self) : self->cut) +
+                         (model->cut.num_rows - 1) * num_pressure;
     for (; count < self->num_system; count++)
         fill_reynolds_row(self->matrix + count * n, self, self->system_row[count]);
     count = fill_elasticity(self, count);

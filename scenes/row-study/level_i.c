@@ -154,7 +154,7 @@ static void apply_inverse(void *context, double *matrix, double *right, size_t n
 
     band_factor(self, num_rows);
     for (size_t r = 0; r < num_rows; r++) {
-        const double weight = self->model->row_weight[r];
+        const double weight = self->model->rows.weight[r];
         for (size_t j = 0; j < num_unknowns; j++)
             self->columns[j * num_rows + r] = matrix[r * num_unknowns + j] / weight;
         self->columns[num_unknowns * num_rows + r] = right[r] / weight;
@@ -235,7 +235,7 @@ static ehd_status solve_changed(double *step, void *context, const double *matri
 
 static void measure(const variant *way, const reduced_model *model, const training_set *set,
                     const bool *inside, const double *film) {
-    const size_t most_rows = model->num_rows + 1;
+    const size_t most_rows = model->rows.num_rows + 1;
     changed_rows rows = {.way = way,
                          .workspace = least_squares_create(most_rows, model->num_unknowns),
                          .matrix = claim(most_rows * model->num_unknowns),
@@ -318,7 +318,7 @@ int main(int argc, char **argv) {
                             {"band, kernel 10 nodes", apply_inverse, &bands[1], &bands[1]},
                             {"band, kernel 100 nodes", apply_inverse, &bands[2], &bands[2]},
                             {"band of one scene", apply_inverse, &one, NULL}};
-    printf("all %zu rows, %zu modes\n%-22s %8s %8s %8s  %5s %4s %7s %4s\n", model.num_rows,
+    printf("all %zu rows, %zu modes\n%-22s %8s %8s %8s  %5s %4s %7s %4s\n", model.rows.num_rows,
            model.num_pressure, "", "median", "95 %", "worst", "mean", "most", "ms", "fail");
     for (size_t i = 0; i < sizeof ways / sizeof *ways; i++)
         measure(&ways[i], &model, &set, inside, film);

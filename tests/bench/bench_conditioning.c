@@ -409,7 +409,7 @@ static void earlier_init(earlier_mass *self, double rate, const problem *station
     measurement result;
     ehd_error error;
 
-    self->at_rows = must_allocate(model->num_rows * sizeof(double));
+    self->at_rows = must_allocate(model->rows.num_rows * sizeof(double));
     self->at_nodes = must_allocate(num_nodes * sizeof(double));
     solve_scene(&result, &state, stationary, NULL, NULL);
     must(model_read_modes(&modes, NULL, path, model, &error), &error);
@@ -419,8 +419,8 @@ static void earlier_init(earlier_mass *self, double rate, const problem *station
         double p = fmax(pressure[k], 0) * contact->hertz_pressure;
         self->at_nodes[k] *= -rate * (law ? law->relative_density(p, &ignored) : 1);
     }
-    for (size_t r = 0; r < model->num_rows; r++)
-        self->at_rows[r] = self->at_nodes[model->row_node[r]];
+    for (size_t r = 0; r < model->rows.num_rows; r++)
+        self->at_rows[r] = self->at_nodes[model->rows.node[r]];
     free(state.coordinates);
     free(modes);
     free(pressure);
@@ -451,7 +451,7 @@ static void print(const measurement *results, const reduced_model *model, const 
     double scaled = condition(seen->work->scaled, seen->num_rows, n);
     for (size_t s = 0; s < NUM_SOLVERS; s++)
         printf("%s,%zu,%zu,%zu,%zu,%.3g,%.3g,%s,%s,%zu,%.3g,%.3g,%.3g,%.3g\n", variant,
-               model->num_pressure, model->num_rows, n, seen->num_rows, scaled, unscaled,
+               model->num_pressure, model->rows.num_rows, n, seen->num_rows, scaled, unscaled,
                solvers[s].name,
                results[s].status == EHD_OK          ? "converged"
                : results[s].status == EHD_UNTRUSTED ? "exit-not-settled"
@@ -463,7 +463,7 @@ static void print(const measurement *results, const reduced_model *model, const 
 
 /* All solvers on one scene with one variant of a model. */
 static void measure(const problem *self, const char *variant) {
-    size_t n = self->model->num_unknowns, most_rows = self->model->num_rows + 1;
+    size_t n = self->model->num_unknowns, most_rows = self->model->rows.num_rows + 1;
     measurement results[NUM_SOLVERS] = {0}, with_all;
     reduced_state state = {.coordinates = must_allocate(n * sizeof(double))};
     workspace work;

@@ -48,7 +48,7 @@ static void solve_once(reduced_state *state, const reduced_model *model, reduced
     must(reduced_solve(&info, state, solver, contact, NULL, &error), &error);
     printf("n %zu, %zu unknowns, %zu rows, %zu needed nodes: %s, %zu iterations, exit %.4f "
            "to %.4f, H_c %.8f\n",
-           model->grid.num_inner, model->num_unknowns, model->num_rows, model->num_needed,
+           model->grid.num_inner, model->num_unknowns, model->rows.num_rows, model->rows.num_needed,
            info.status ? "NOT CONVERGED" : "converged", info.iterations, start,
            info.scalars.exit_position, info.scalars.central_film_thickness);
 }

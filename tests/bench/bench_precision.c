@@ -236,13 +236,14 @@ static const struct {
                {"substitutions", substitutions, single_substitutions, true}};
 
 static void operands_init(operands *self, const reduced_model *model) {
-    size_t most = (model->num_cut + model->num_needed + model->num_rows) * model->num_unknowns;
+    size_t most =
+        (model->cut.num_rows + model->rows.num_needed + model->rows.num_rows) * model->num_unknowns;
 
     self->unknowns = (int)model->num_unknowns;
-    self->equations = (int)model->num_rows + 1;
-    self->needed = (int)model->num_needed;
-    self->cut = (int)model->num_cut;
-    self->moved = (int)(model->checkpoint_stride / 2);
+    self->equations = (int)model->rows.num_rows + 1;
+    self->needed = (int)model->rows.num_needed;
+    self->cut = (int)model->cut.num_rows;
+    self->moved = (int)(model->checkpoints.stride / 2);
     double **const in_double[] = {&self->a, &self->b, &self->c, &self->x, &self->y};
     float **const in_single[] = {&self->single_a, &self->single_b, &self->single_c, &self->single_x,
                                  &self->single_y};

@@ -26,13 +26,13 @@ static void change_tables(reduced_model *model, row_change *change, double by) {
     const struct {
         double *table;
         size_t num_rows;
-    } tables[] = {{model->needed_pressure, model->num_needed},
-                  {model->needed_film, model->num_needed},
-                  {model->band_pressure, model->num_band},
-                  {model->band_film, model->num_band},
-                  {model->cut_base, model->num_cut},
-                  {model->checkpoint_cut, model->num_checkpoints * model->num_cut},
-                  {model->checkpoint_band, model->num_checkpoints * model->num_band}};
+    } tables[] = {{model->rows.pressure, model->rows.num_needed},
+                  {model->rows.film, model->rows.num_needed},
+                  {model->band.pressure, model->band.num_nodes},
+                  {model->band.film, model->band.num_nodes},
+                  {model->cut.base, model->cut.num_rows},
+                  {model->checkpoints.cut, model->checkpoints.num * model->cut.num_rows},
+                  {model->checkpoints.band, model->checkpoints.num * model->band.num_nodes}};
 
     for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
         for (size_t r = 0; r < tables[t].num_rows; r++)
@@ -61,8 +61,8 @@ static void take_D_away(reduced_model *model, const char *path) {
     double *factor = must_allocate(num_stored * sizeof(double));
     must(artefact_get(file, "row_weight", weight, &error), &error);
     must(artefact_get(file, "row_factor", factor, &error), &error);
-    for (size_t r = 0; r < model->num_rows; r++)
-        model->row_weight[r] *= factor[r] / weight[r];
+    for (size_t r = 0; r < model->rows.num_rows; r++)
+        model->rows.weight[r] *= factor[r] / weight[r];
     free(factor);
     free(weight);
     artefact_close(&file);

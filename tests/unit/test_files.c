@@ -184,7 +184,7 @@ static void check_same_solution(const reduced_model *a, const reduced_model *b, 
 
     assert_non_null(z);
     assert_int_equal(a->num_unknowns, b->num_unknowns);
-    assert_int_equal(a->num_needed, b->num_needed);
+    assert_int_equal(a->rows.num_needed, b->rows.num_needed);
     reduced_info first = solve(a, z), second = solve(b, z + a->num_unknowns);
     assert_int_equal(first.status, EHD_OK);
     assert_int_equal(second.iterations, first.iterations);
@@ -242,21 +242,22 @@ static void a_model_comes_back(void **state) {
         check_ok(model_read(&found, path, &everything, &error));
         size_t num_pressure = model.num_pressure;
         assert_int_equal(found.deformation, model.deformation);
-        assert_int_equal(found.num_rows, NUM_ROWS);
+        assert_int_equal(found.rows.num_rows, NUM_ROWS);
         for (size_t r = 0; r < NUM_ROWS; r++)
-            assert_int_equal(found.row_node[r], rows[r]);
-        check_close_array(found.row_weight, model.row_weight, NUM_ROWS, 0, 0);
-        assert_int_equal(found.num_needed, model.num_needed);
-        assert_int_equal(found.band_begin, model.band_begin);
-        assert_int_equal(found.least_exit, model.least_exit);
-        assert_int_equal(found.most_exit, model.most_exit);
-        assert_int_equal(found.num_cut, model.num_cut);
-        check_close_array(found.left, model.left, model.num_band * model.num_cut, 0, 0);
-        check_close_array(found.checkpoint_cut, model.checkpoint_cut,
-                          model.num_checkpoints * model.num_cut * num_pressure, 0, 0);
-        if (model.checkpoint_band)
-            check_close_array(found.checkpoint_band, model.checkpoint_band,
-                              model.num_checkpoints * model.num_band * num_pressure, 0, 0);
+            assert_int_equal(found.rows.node[r], rows[r]);
+        check_close_array(found.rows.weight, model.rows.weight, NUM_ROWS, 0, 0);
+        assert_int_equal(found.rows.num_needed, model.rows.num_needed);
+        assert_int_equal(found.band.lines[0].begin, model.band.lines[0].begin);
+        assert_int_equal(found.band.lines[0].min_exit, model.band.lines[0].min_exit);
+        assert_int_equal(found.band.lines[0].max_exit, model.band.lines[0].max_exit);
+        assert_int_equal(found.cut.num_rows, model.cut.num_rows);
+        check_close_array(found.cut.left, model.cut.left, model.band.num_nodes * model.cut.num_rows,
+                          0, 0);
+        check_close_array(found.checkpoints.cut, model.checkpoints.cut,
+                          model.checkpoints.num * model.cut.num_rows * num_pressure, 0, 0);
+        if (model.checkpoints.band)
+            check_close_array(found.checkpoints.band, model.checkpoints.band,
+                              model.checkpoints.num * model.band.num_nodes * num_pressure, 0, 0);
         check_states(&found.states, &model.states);
         check_same_solution(&found, &model, 0);
         double *basis;
@@ -284,7 +285,7 @@ static void control_rows_come_back(void **state) {
         for (size_t fewer = 0; fewer < 3; fewer += 2) {
             size_t deformation = basis->num_deformation ? basis->num_deformation - fewer : 0;
             const ehdrom_sizes sizes = {basis->num_pressure - fewer, deformation, 40 - fewer};
-            const control_rows *expected = &model.control, *control = &found.control;
+            const row_set *expected = &model.control, *control = &found.control;
             check_ok(model_read(&found, path, &sizes, &error));
             assert_int_equal(control->num_rows, 3);
             assert_memory_equal(control->node, nodes, sizeof nodes);
@@ -319,7 +320,7 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
         build_model(&part, &bases[kind], 30);
         write_model(&whole, &bases[kind]);
         check_ok(model_read(&found, path, &sizes, &error));
-        assert_int_equal(found.num_rows, 30);
+        assert_int_equal(found.rows.num_rows, 30);
         check_same_solution(&found, &part, 0);
         reduced_model_free(&found);
         reduced_model_free(&part);
@@ -377,14 +378,14 @@ static void a_part_is_weighed_by_itself(void **state) {
 
     build_model(&model, &bases[1], NUM_ROWS);
     for (size_t r = 0; r < NUM_ROWS; r++)
-        model.row_weight[r] *= factors[r];
+        model.rows.weight[r] *= factors[r];
     write_weighted(&model, &bases[1], "quadrature");
     check_ok(artefact_check(path, &error));
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         reduced_model found;
         check_ok(model_read(&found, path, &cases[i].sizes, &error));
         expected_weights(weights, &bases[1], cases[i].num_rows, cases[i].num_modes);
-        check_close_array(found.row_weight, weights, cases[i].num_rows, 1e-14, 0);
+        check_close_array(found.rows.weight, weights, cases[i].num_rows, 1e-14, 0);
         reduced_model_free(&found);
     }
     reduced_model_free(&model);
@@ -476,7 +477,7 @@ static void bad_models_are_refused(void **state) {
     }
     // an exit needs the two nodes before it in the band
     write_model(&model, &bases[1]);
-    patch_integer_attribute("least_exit", (long long)model.band_begin);
+    patch_integer_attribute("least_exit", (long long)model.band.lines[0].begin);
     model_is_refused(&everything, "inside the band");
     reduced_model_free(&model);
 }

@@ -179,11 +179,11 @@ static void point_film_init(point_film *self, const reduced_basis *basis, bool t
            states->num_unknowns * sizeof(double));
     reduced_state_set_exits(&self->film.state, &self->model,
                             states->exit + STATE * states->num_lines);
-    size_t central = self->model.num_lines / 2; // of a whole grid
-    for (size_t l = 0; l < self->model.num_lines && !trained_exits; l++) {
-        const band_line *line = &self->model.lines[l];
+    size_t central = self->model.band.num_lines / 2; // of a whole grid
+    for (size_t l = 0; l < self->model.band.num_lines && !trained_exits; l++) {
+        const band_line *line = &self->model.band.lines[l];
         size_t from_centre = basis->grid.half ? l : l > central ? l - central : central - l;
-        self->film.state.exits[l] = from_centre % 3 ? line->least : line->most;
+        self->film.state.exits[l] = from_centre % 3 ? line->min_exit : line->max_exit;
     }
     earlier_film_prepare(&self->film, &self->model, &self->splines, &self->reference);
 }
@@ -311,7 +311,7 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     size_t l = (size_t)(line + 1e-9), first = grid_first_line(grid);
     size_t last = first + grid->inner_lines - 1;
 
-    if (l + 1 >= self->model.num_lines) return false;
+    if (l + 1 >= self->model.band.num_lines) return false;
     double part = line - (double)l, exit = (double)self->film.state.exits[l < first ? first : l];
     double next = (double)self->film.state.exits[l + 1 > last ? last : l + 1];
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
@@ -356,7 +356,7 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
     for (int i = 0; i < 3; i++) { // the half with both exit lines, and the whole
         point_film self;
         point_film_init(&self, i < 2 ? &half_basis : &whole_basis, i == 0);
-        assert_true(self.film.num_runs > (i == 0 ? 0 : self.model.num_lines / 2));
+        assert_true(self.film.num_runs > (i == 0 ? 0 : self.model.band.num_lines / 2));
         const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
                                         point_frame(1.3, 1)};
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)

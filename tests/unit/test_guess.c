@@ -29,10 +29,10 @@ static void training_init(training *self, size_t columns, size_t rows, bool quad
     ehd_error error;
 
     memset(self, 0, sizeof *self);
-    self->line = (band_line){.least = 40, .most = 60};
+    self->line = (band_line){.min_exit = 40, .max_exit = 60};
     self->model.grid = grid_of(-4, 0.05, 98, 1, false);
-    self->model.num_lines = 1;
-    self->model.lines = &self->line;
+    self->model.band.num_lines = 1;
+    self->model.band.lines = &self->line;
     self->model.num_unknowns = UNKNOWNS;
     assert_int_equal(reduced_states_init(states, columns * rows, 1, UNKNOWNS, &error), EHD_OK);
     assert_int_equal(reduced_state_init(&self->state, &self->model, &error), EHD_OK);

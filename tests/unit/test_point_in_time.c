@@ -104,7 +104,7 @@ static void check_same_exits(const marching *a, const marching *b) {
     const reduced_state one = reduced_march_state(a->march, NULL),
                         other = reduced_march_state(b->march, NULL);
 
-    assert_memory_equal(one.exits, other.exits, a->model.num_lines * sizeof *one.exits);
+    assert_memory_equal(one.exits, other.exits, a->model.band.num_lines * sizeof *one.exits);
 }
 
 // ---- tests
@@ -250,8 +250,8 @@ static void check_half_of_exits(const marching *half, const marching *whole) {
     const size_t *exits = reduced_march_state(half->march, NULL).exits;
     const size_t *both = reduced_march_state(whole->march, NULL).exits;
 
-    assert_memory_equal(exits, both + whole->model.num_lines / 2,
-                        half->model.num_lines * sizeof *exits);
+    assert_memory_equal(exits, both + whole->model.band.num_lines / 2,
+                        half->model.band.num_lines * sizeof *exits);
 }
 
 static void the_half_marches_as_the_whole(void **state) {
@@ -291,14 +291,15 @@ static void saved_exits_outside_of_the_band_are_refused(void **state) {
 
     marching_init(&self, &basis);
     size_t size = self.solver.saved_size(self.solver.self);
-    size_t num_lines = self.model.num_lines, first = 1 + sizeof(contact_frame) / sizeof(double);
+    size_t num_lines = self.model.band.num_lines,
+           first = 1 + sizeof(contact_frame) / sizeof(double);
     double *slots = calloc(size, sizeof *slots);
     assert_non_null(slots);
     self.solver.save(slots, self.solver.self);
     for (size_t l = 0; l < num_lines; l++) {
         double kept = slots[first + l];
-        const double outside[] = {(double)self.model.lines[l].least - 1,
-                                  (double)self.model.lines[l].most + 1, NAN};
+        const double outside[] = {(double)self.model.band.lines[l].min_exit - 1,
+                                  (double)self.model.band.lines[l].max_exit + 1, NAN};
         for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
             slots[first + l] = outside[i];
             assert_int_equal(self.solver.restore(self.solver.self, slots, &error), EHD_DATA);

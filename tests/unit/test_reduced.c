@@ -292,9 +292,9 @@ static double dense_cut(const reduced_model *model, const reduced_basis *basis, 
                         size_t row, size_t mode) {
     double sum = 0;
 
-    if (row == model->num_cut - 1) return dense_load(basis, exit, mode);
+    if (row == model->cut.num_rows - 1) return dense_load(basis, exit, mode);
     if (basis->deformation == DEFORMATION_COUPLED)
-        return dense_deflection(basis, exit, model->needed_node[row], mode);
+        return dense_deflection(basis, exit, model->rows.needed_node[row], mode);
     for (size_t k = 0; k < basis->grid.num_nodes; k++)
         sum += basis->deformation_modes[k * basis->num_deformation + row] *
                dense_deflection(basis, exit, k, mode);
@@ -311,21 +311,23 @@ static void cut_tables_equal_plain_sums(void **state) {
         reduced_model model;
         assert_int_equal(reduced_model_build(&model, basis, rows, sizeof rows / sizeof *rows, NULL),
                          EHD_OK);
-        assert_true(model.num_checkpoints > 3 && model.checkpoint_stride > 1);
-        for (size_t c = 0; c < model.num_checkpoints; c++) {
-            size_t exit = model.least_exit + c * model.checkpoint_stride;
+        assert_true(model.checkpoints.num > 3 && model.checkpoints.stride > 1);
+        for (size_t c = 0; c < model.checkpoints.num; c++) {
+            size_t exit = model.band.lines[0].min_exit + c * model.checkpoints.stride;
             assert_int_equal(reduced_model_checkpoint(&model, &exit), c);
-            const size_t last = exit + model.checkpoint_stride - 1;
+            const size_t last = exit + model.checkpoints.stride - 1;
             assert_int_equal(reduced_model_checkpoint(&model, &last), c);
-            if (c % 4 && c + 1 < model.num_checkpoints) continue; // plain sums are slow
-            const double *cut = model.checkpoint_cut + c * model.num_cut * num_pressure;
-            for (size_t row = 0; row < model.num_cut; row += row + 4 < model.num_cut ? 3 : 1)
+            if (c % 4 && c + 1 < model.checkpoints.num) continue; // plain sums are slow
+            const double *cut = model.checkpoints.cut + c * model.cut.num_rows * num_pressure;
+            for (size_t row = 0; row < model.cut.num_rows;
+                 row += row + 4 < model.cut.num_rows ? 3 : 1)
                 for (size_t j = 0; j < num_pressure; j += 3)
                     check_close(cut[row * num_pressure + j], dense_cut(&model, basis, exit, row, j),
                                 1e-12, 1e-12);
-            for (size_t i = 0; i < model.num_band && model.checkpoint_band; i++)
-                check_close(model.checkpoint_band[(c * model.num_band + i) * num_pressure + 1],
-                            dense_deflection(basis, exit, model.band_begin + i, 1), 1e-12, 1e-12);
+            for (size_t i = 0; i < model.band.num_nodes && model.checkpoints.band; i++)
+                check_close(
+                    model.checkpoints.band[(c * model.band.num_nodes + i) * num_pressure + 1],
+                    dense_deflection(basis, exit, model.band.lines[0].begin + i, 1), 1e-12, 1e-12);
         }
         reduced_model_free(&model);
     }
@@ -345,7 +347,8 @@ static void moving_the_exit_equals_rebuilding(void **state) {
         const reduced_basis *basis = kinds[kind].basis;
         reduced_problem reduced;
         reduced_problem_init(&reduced, basis, NULL, 0, &strict_settings);
-        size_t least = reduced.model.least_exit, most = reduced.model.most_exit, found = 0;
+        size_t least = reduced.model.band.lines[0].min_exit,
+               most = reduced.model.band.lines[0].max_exit, found = 0;
         for (size_t exit = least; exit <= most; exit++) {
             double load = 0;
             reduced_neighbour(&reduced.state, &reduced.model, training.set.moes_M[STATE],
@@ -379,7 +382,8 @@ static void the_exit_stays_inside_the_tables(void **state) {
     for (int kind = 0; kind < 2; kind++) {
         reduced_problem reduced;
         reduced_problem_init(&reduced, kinds[kind].basis, NULL, 0, &strict_settings);
-        const size_t ends[] = {reduced.model.least_exit, reduced.model.most_exit};
+        const size_t ends[] = {reduced.model.band.lines[0].min_exit,
+                               reduced.model.band.lines[0].max_exit};
         for (size_t i = 0; i < 12; i++) {
             ehd_contact contact = training.contacts[0];
             contact_set_moes(&contact, moes_M[i / 2], 3);
@@ -388,8 +392,8 @@ static void the_exit_stays_inside_the_tables(void **state) {
             assert_int_equal(
                 reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL, NULL),
                 EHD_OK);
-            assert_true(reduced.state.exit >= reduced.model.least_exit);
-            assert_true(reduced.state.exit <= reduced.model.most_exit);
+            assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
+            assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
             assert_true(reduced.info.iterations <= strict_settings.max_iterations);
         }
         reduced_problem_free(&reduced);
@@ -460,7 +464,7 @@ static void jacobian_equals_finite_differences(void **state) {
         const reduced_basis *basis = kinds[kind].basis;
         reduced_problem reduced;
         reduced_problem_init(&reduced, basis, NULL, 0, &once);
-        size_t n = reduced.model.num_unknowns, num_rows = reduced.model.num_rows;
+        size_t n = reduced.model.num_unknowns, num_rows = reduced.model.rows.num_rows;
         double *memory = calloc(6 * num_rows + 3 * n, sizeof *memory);
         assert_non_null(memory);
         double *z = memory + 6 * num_rows, *dz = z + n, *moved = dz + n;
@@ -517,8 +521,8 @@ static void guess_at_a_training_point_is_that_state(void **state) {
         for (size_t j = 0; j < n; j++)
             away = fmax(away, fabs(reduced.state.coordinates[j] - expected[j]));
         assert_true(away > 1e-3);
-        assert_true(reduced.state.exit >= reduced.model.least_exit);
-        assert_true(reduced.state.exit <= reduced.model.most_exit);
+        assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
+        assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     }
     // far outside: some trained solution, and an exit within the tables
     reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
@@ -526,8 +530,8 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     for (size_t s = 0; s < TRAINED_STATES; s++)
         same += reduced.state.coordinates[0] == coupled.states.coordinates[s * n];
     assert_int_equal(same, 1);
-    assert_true(reduced.state.exit >= reduced.model.least_exit);
-    assert_true(reduced.state.exit <= reduced.model.most_exit);
+    assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
+    assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     reduced_problem_free(&reduced);
 }
 

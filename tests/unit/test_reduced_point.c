@@ -188,9 +188,9 @@ static double dense_load(const reduced_basis *basis, const size_t *exit, size_t 
 
 static double dense_cut(const reduced_model *model, const reduced_basis *basis, const size_t *exit,
                         size_t row, size_t mode) {
-    if (row + 1 == model->num_cut) return dense_load(basis, exit, mode);
+    if (row + 1 == model->cut.num_rows) return dense_load(basis, exit, mode);
     return basis->deformation == DEFORMATION_COUPLED
-               ? dense_deflection(basis, exit, model->needed_node[row], mode)
+               ? dense_deflection(basis, exit, model->rows.needed_node[row], mode)
                : projected_deflection(basis, exit, row, mode);
 }
 
@@ -205,7 +205,7 @@ static void check_films(const double *films, const size_t *nodes, size_t count,
 
 static void check_cut(const double *cut, const reduced_model *model, const reduced_basis *basis,
                       const size_t *exit) {
-    for (size_t row = 0; row < model->num_cut; row += row + 8 < model->num_cut ? 7 : 1)
+    for (size_t row = 0; row < model->cut.num_rows; row += row + 8 < model->cut.num_rows ? 7 : 1)
         for (size_t j = 0; j < basis->num_pressure; j += 4)
             check_close(cut[row * basis->num_pressure + j], dense_cut(model, basis, exit, row, j),
                         1e-11, 1e-11);
@@ -231,32 +231,33 @@ static void cut_tables_equal_plain_sums(void **state) {
         reduced_problem reduced;
         reduced_problem_init(&reduced, basis, rows, count, &strict_settings);
         const reduced_model *model = &reduced.model;
-        size_t size = model->num_cut * model->num_pressure, *exit = reduced.state.exits;
-        assert_true(model->num_checkpoints > 3);
-        for (size_t c = 0; c < model->num_checkpoints; c += 3)
-            check_cut(model->checkpoint_cut + c * size, model, basis,
-                      model->checkpoint_exit + c * model->num_lines);
+        size_t size = model->cut.num_rows * model->num_pressure, *exit = reduced.state.exits;
+        assert_true(model->checkpoints.num > 3);
+        for (size_t c = 0; c < model->checkpoints.num; c += 3)
+            check_cut(model->checkpoints.cut + c * size, model, basis,
+                      model->checkpoints.exit + c * model->band.num_lines);
 
-        const control_rows *control = &model->control;
+        const row_set *control = &model->control;
         assert_int_equal(reduced_model_add_control(&reduced.model, basis, rows, count / 2, &error),
                          EHD_OK);
         assert_true(control->num_needed > 7);
         bool coupled = model->deformation == DEFORMATION_COUPLED;
-        for (size_t c = 0; coupled && c < model->num_checkpoints; c += 3)
-            check_films(control->checkpoint_film + c * control->num_needed * model->num_pressure,
+        for (size_t c = 0; coupled && c < model->checkpoints.num; c += 3)
+            check_films(model->checkpoints.control + c * control->num_needed * model->num_pressure,
                         control->needed_node, control->num_needed, basis,
-                        model->checkpoint_exit + c * model->num_lines);
+                        model->checkpoints.exit + c * model->band.num_lines);
 
         // lines to and fro of a checkpoint, more nodes than a block has
-        cut_run *runs = malloc(model->num_lines * sizeof *runs);
-        double *work = malloc(CUT_BLOCK * (model->num_cut + model->num_pressure) * sizeof *work);
+        cut_run *runs = malloc(model->band.num_lines * sizeof *runs);
+        double *work =
+            malloc(CUT_BLOCK * (model->cut.num_rows + model->num_pressure) * sizeof *work);
         double *cut = malloc(size * sizeof *cut);
         assert_true(runs && work && cut);
-        memcpy(cut, model->checkpoint_cut, size * sizeof *cut);
-        for (size_t l = 0; l < model->num_lines; l++)
-            exit[l] = l % 2 ? model->lines[l].least : model->lines[l].most;
-        size_t num_runs = reduced_model_runs(runs, model, model->checkpoint_exit, exit);
-        assert_true(num_runs > model->num_lines / 2);
+        memcpy(cut, model->checkpoints.cut, size * sizeof *cut);
+        for (size_t l = 0; l < model->band.num_lines; l++)
+            exit[l] = l % 2 ? model->band.lines[l].min_exit : model->band.lines[l].max_exit;
+        size_t num_runs = reduced_model_runs(runs, model, model->checkpoints.exit, exit);
+        assert_true(num_runs > model->band.num_lines / 2);
         reduced_model_change_cut(cut, model, runs, num_runs, work);
         check_cut(cut, model, basis, exit);
         free(runs);
@@ -309,10 +310,10 @@ static void exits_between_lines_are_interpolated(void **state) {
     reduced_state_set_exits(&reduced.state, &reduced.model, states->exit + s * states->num_lines);
     reduced_problem_solve(&reduced, &half.contacts[s]);
     for (size_t l = 1; l + 1 < half.set.grid.inner_lines; l += 2) {
-        const band_line *band = &reduced.model.lines[l];
+        const band_line *band = &reduced.model.band.lines[l];
         const size_t *exit = reduced.state.exits + l;
         double middle = (double)(exit[-1] + exit[1]) / 2;
-        middle = fmin(fmax(middle, (double)band->least), (double)band->most);
+        middle = fmin(fmax(middle, (double)band->min_exit), (double)band->max_exit);
         assert_int_equal(*exit, (size_t)lround(middle));
     }
     check_close(reduced.info.scalars.central_film_thickness, half.set.central_film_thickness[s],
@@ -358,17 +359,18 @@ static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state)
         reduced_problem_init(&reduced, bases[g].basis, NULL, 0, &strict_settings);
         reduced_model *model = &reduced.model;
         const reduced_states *states = &bases[g].basis->states;
-        size_t width = grid_width(&model->grid), num_lines = model->num_lines, s = 3;
-        size_t table = model->num_band * model->num_pressure, tail = width * model->num_pressure;
+        size_t width = grid_width(&model->grid), num_lines = model->band.num_lines, s = 3;
+        size_t table = model->band.num_nodes * model->num_pressure,
+               tail = width * model->num_pressure;
         size_t last = grid_first_line(&model->grid) + model->grid.inner_lines - 1;
         size_t *exits = malloc(num_lines * sizeof *exits);
-        double *longer = realloc(model->checkpoint_band, (table + tail) * sizeof *longer);
+        double *longer = realloc(model->checkpoints.band, (table + tail) * sizeof *longer);
 
         assert_true(exits && longer && !has_two_exits(s));
         for (size_t i = 0; i < tail; i++)
             longer[table + i] = NAN;
-        model->checkpoint_band = longer;
-        model->num_checkpoints = 1;
+        model->checkpoints.band = longer;
+        model->checkpoints.num = 1;
         memcpy(exits, states->exit + s * num_lines, num_lines * sizeof *exits);
         exits[last] -= 2;
         memcpy(reduced.state.coordinates, states->coordinates + s * model->num_unknowns,
@@ -390,17 +392,17 @@ static void the_band_has_what_rows_at_exits_need(void **state) {
         const reduced_model *model = &reduced.model;
         size_t first = grid_first_line(&model->grid), count = 0;
         for (size_t l = first; l < first + model->grid.inner_lines; l++) {
-            const band_line *line = &model->lines[l];
+            const band_line *line = &model->band.lines[l];
             assert_int_equal(line->offset, count);
             count += line->end - line->begin;
-            assert_true(line->begin + 2 <= line->least && line->most + 1 < line->end);
+            assert_true(line->begin + 2 <= line->min_exit && line->max_exit + 1 < line->end);
             for (size_t beside = l > first ? l - 1 : l; beside <= l + 1; beside++) {
-                const band_line *other = &model->lines[beside];
+                const band_line *other = &model->band.lines[beside];
                 if (other->begin == other->end) continue;
-                assert_true(line->begin <= other->least && line->end > other->most);
+                assert_true(line->begin <= other->min_exit && line->end > other->max_exit);
             }
         }
-        assert_int_equal(count, model->num_band);
+        assert_int_equal(count, model->band.num_nodes);
         reduced_problem_free(&reduced);
     }
 }

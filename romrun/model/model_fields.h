@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What writing and reading a model file share: the names in it. For these two files alone. */
+#ifndef EHD_MODEL_FIELDS_H
+#define EHD_MODEL_FIELDS_H
+
+#include "romrun/model/reduced_model.h"
+
+/* Axes and datasets of a set of rows. */
+typedef struct row_fields {
+    const char *row_axis, *needed_axis;
+    const char *row, *weight, *needed;
+    const char *pressure;
+    const char *film[2]; // by deformation_kind
+} row_fields;
+extern const row_fields selected_fields, control_fields;
+
+/* What a file has of the band on each line of a point contact. */
+enum { NUM_BAND_FIELDS = 4 };
+extern const char *const band_fields[NUM_BAND_FIELDS];
+size_t *band_value(band_line *line, int field);
+
+#endif

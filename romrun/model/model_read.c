@@ -1,0 +1,467 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/basis_file.h"
+#include "romrun/model/model_fields.h"
+#include "romrun/model/model_file.h"
+#include "romrun/model/weighting.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(const artefact *file, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+}
+
+/* What is stored, against which the wanted sizes are checked. */
+typedef struct stored_sizes {
+    size_t pressure, deformation, rows, band;
+    size_t jacobian; // modes of the Jacobian products
+} stored_sizes;
+
+static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const char *option,
+                              const artefact *file, ehd_error *error) {
+    if (wanted > stored)
+        return ehd_fail(error, EHD_DATA, "%s: found %zu, expected at most the %zu stored in %s",
+                        option, wanted, stored, artefact_path(file));
+    *size = wanted ? wanted : stored;
+    return EHD_OK;
+}
+
+/* Reads [rows, columns] and keeps the rows listed (NULL: all) and the first columns. */
+static ehd_status read_part(double **part, arena *memory, artefact *file, const char *field,
+                            size_t rows, size_t columns, const size_t *kept_rows, size_t num_kept,
+                            size_t kept_columns, ehd_error *error) {
+    double *whole = malloc((rows * columns + 1) * sizeof *whole);
+
+    *part = arena_array(memory, num_kept * kept_columns, sizeof **part);
+    ehd_status status = whole && *part ? EHD_OK : no_memory(file, error);
+    if (!status && !artefact_has(file, field))
+        status = ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected it for this basis",
+                          artefact_path(file), field);
+    if (!status) status = artefact_get(file, field, whole, error);
+    for (size_t i = 0; i < rows * columns && !status; i++)
+        if (!isfinite(whole[i]))
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
+                              artefact_path(file), field);
+    for (size_t i = 0; i < num_kept && !status; i++)
+        memcpy(*part + i * kept_columns, whole + (kept_rows ? kept_rows[i] : i) * columns,
+               kept_columns * sizeof(double));
+    free(whole);
+    return status;
+}
+
+static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, const char *field,
+                             size_t count, bool inner, const ehd_grid *grid, ehd_error *error) {
+    int64_t *indices = malloc((count + 1) * sizeof *indices);
+
+    *nodes = arena_array(memory, count, sizeof **nodes);
+    ehd_status status = indices && *nodes ? EHD_OK : no_memory(file, error);
+    if (!status) status = artefact_get_integers(file, field, indices, error);
+    for (size_t i = 0; i < count && !status; i++) {
+        int64_t last = (int64_t)(inner ? grid->num_inner : grid->num_nodes) - 1;
+        if (indices[i] < 0 || indices[i] > last)
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 0 to %lld",
+                              artefact_path(file), field, (long long)indices[i], (long long)last);
+        else
+            (*nodes)[i] = inner ? grid_node_of_row(grid, (size_t)indices[i]) : (size_t)indices[i];
+    }
+    free(indices);
+    return status;
+}
+
+/* Places in a stored list of nodes of those that the chosen rows need. */
+static ehd_status match_nodes(size_t **places, arena *memory, const size_t *nodes, size_t count,
+                              const ehd_grid *grid, artefact *file, const char *field,
+                              size_t num_stored, ehd_error *error) {
+    size_t *stored = NULL, at = 0;
+    ehd_status status = read_nodes(&stored, memory, file, field, num_stored, false, grid, error);
+
+    *places = arena_array(memory, count, sizeof **places);
+    if (!status && !*places) status = no_memory(file, error);
+    for (size_t i = 0; i < count && !status; i++) {
+        while (at < num_stored && stored[at] < nodes[i])
+            at++;
+        if (at == num_stored || stored[at] != nodes[i])
+            status = ehd_fail(error, EHD_DATA,
+                              "%s: %s: found no node %zu, expected all that the rows need, "
+                              "ascending",
+                              artefact_path(file), field, nodes[i]);
+        else
+            (*places)[i] = at;
+    }
+    return status;
+}
+
+/* The factors of the first rows and modes alone, in place of those of the whole. */
+static ehd_status weigh_again(reduced_model *model, artefact *file, const stored_sizes *stored,
+                              const weighting *weights, ehd_error *error) {
+    size_t num_rows = model->rows.num_rows;
+    size_t num_modes =
+        model->num_unknowns < stored->jacobian ? model->num_unknowns : stored->jacobian;
+    arena memory = {0};
+    double *factors = arena_array(&memory, num_rows, sizeof *factors), *before, *sampled;
+    ehd_status status = factors ? EHD_OK : no_memory(file, error);
+
+    if (!status)
+        status = read_part(&before, &memory, file, "row_factor", stored->rows, 1, NULL, num_rows, 1,
+                           error);
+    if (!status)
+        status = read_part(&sampled, &memory, file, "row_jacobian_modes", stored->rows,
+                           stored->jacobian, NULL, num_rows, num_modes, error);
+    for (size_t r = 0; r < num_rows && !status; r++)
+        if (!(before[r] > 0))
+            status = ehd_fail(error, EHD_DATA, "%s: row_factor: found %g, expected above 0",
+                              artefact_path(file), before[r]);
+    if (!status) status = weights->weigh(factors, sampled, num_rows, num_modes, error);
+    for (size_t r = 0; r < num_rows && !status; r++)
+        model->rows.weight[r] *= factors[r] / before[r];
+    arena_free(&memory);
+    return status;
+}
+
+/* Weights belong to a list of rows and to the modes it was weighed for, so that a part has its own. */
+static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
+                             ehd_error *error) {
+    bool whole = model->rows.num_rows == stored->rows && model->num_pressure == stored->pressure &&
+                 model->num_deformation == stored->deformation;
+    char *name = NULL;
+
+    if (whole || !artefact_has(file, "weights") || !artefact_has(file, "row_factor") ||
+        !artefact_has(file, "row_jacobian_modes"))
+        return EHD_OK;
+    ehd_status status = artefact_get_text(file, "weights", &name, error);
+    const weighting *weights = status ? NULL : weighting_find(name);
+    if (!status && !weights)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: weights: found %.40s, expected one that is known, for a part of the "
+                          "rows or modes",
+                          artefact_path(file), name);
+    if (!status) status = weigh_again(model, file, stored, weights, error);
+    free(name);
+    return status;
+}
+
+static ehd_status read_line(size_t *value, artefact *file, const char *name,
+                            const reduced_model *model, ehd_error *error) {
+    int64_t line = 0;
+    ehd_status status = artefact_get_integer(file, name, &line, error);
+
+    if (!status && (line < (int64_t)grid_first_line(&model->grid) ||
+                    line >= (int64_t)(grid_first_line(&model->grid) + model->grid.inner_lines)))
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected a line of y",
+                          artefact_path(file), name, (long long)line);
+    *value = (size_t)line;
+    return status;
+}
+
+/* Each line's exits inside of its band with room for the rows there, and the lines together all band nodes. */
+static ehd_status check_lines(const reduced_model *model, const artefact *file, ehd_error *error) {
+    size_t width = grid_width(&model->grid), count = 0;
+
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        if (line->end == line->begin) continue;
+        count += line->end - line->begin;
+        if (!(line->begin >= 1 && line->begin + 2 <= line->min_exit &&
+              line->min_exit <= line->max_exit && line->max_exit + 2 <= line->end &&
+              line->end <= width))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: band_line_begin: found columns %zu to %zu with exits from %zu to "
+                            "%zu, expected these inside",
+                            artefact_path(file), line->begin, line->end, line->min_exit,
+                            line->max_exit);
+    }
+    if (count == model->band.num_nodes) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: band_node: found %zu, expected %zu, as many as the lines",
+                    artefact_path(file), model->band.num_nodes, count);
+}
+
+static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *error) {
+    size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
+    int64_t *values = malloc(num_inner * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        model->band.lines[l] = (band_line){1, 1, 0, 1, 1};
+    for (int f = 0; f < NUM_BAND_FIELDS && !status; f++) {
+        if (!artefact_has(file, band_fields[f]))
+            status = ehd_fail(error, EHD_DATA,
+                              "%s: found no dataset %s, expected it for a point contact",
+                              artefact_path(file), band_fields[f]);
+        if (!status) status = artefact_get_integers(file, band_fields[f], values, error);
+        for (size_t l = 0; l < num_inner && !status; l++)
+            *band_value(&model->band.lines[first + l], f) = (size_t)values[l];
+    }
+    free(values);
+    for (size_t l = 1; l < model->band.num_lines && !status; l++)
+        model->band.lines[l].offset = model->band.lines[l - 1].offset +
+                                      model->band.lines[l - 1].end - model->band.lines[l - 1].begin;
+    if (!status) status = check_lines(model, file, error);
+    if (!status)
+        status = read_line(&model->band.first_minimum, file, "first_minimum_line", model, error);
+    return status ? status
+                  : read_line(&model->band.last_minimum, file, "last_minimum_line", model, error);
+}
+
+/* The band of a line contact. */
+static ehd_status read_places(reduced_model *model, artefact *file, ehd_error *error) {
+    band_line *line = &model->band.lines[0];
+    struct {
+        const char *name;
+        size_t *value;
+    } places[] = {{"band_begin", &line->begin},
+                  {"least_exit", &line->min_exit},
+                  {"most_exit", &line->max_exit}};
+
+    for (size_t i = 0; i < 3; i++) {
+        int64_t value = 0;
+        ehd_status status = artefact_get_integer(file, places[i].name, &value, error);
+        if (status) return status;
+        if (value < 3 || (size_t)value >= model->grid.num_nodes)
+            return ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 3 to %zu",
+                            artefact_path(file), places[i].name, (long long)value,
+                            model->grid.num_nodes - 1);
+        *places[i].value = (size_t)value;
+    }
+    line->end = line->begin + model->band.num_nodes;
+    if (line->begin + 2 <= line->min_exit && line->min_exit <= line->max_exit &&
+        line->max_exit + 2 <= line->end)
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found exits from %zu to %zu, expected them inside the band",
+                    artefact_path(file), line->min_exit, line->max_exit);
+}
+
+static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *error) {
+    model->band.lines =
+        arena_array(&model->memory, model->band.num_lines, sizeof *model->band.lines);
+    if (!model->band.lines) return no_memory(file, error);
+    return model->band.num_lines > 1 ? read_lines(model, file, error)
+                                     : read_places(model, file, error);
+}
+
+/* The cut table for an exit where the band begins and the left sides, from what the file holds. */
+static ehd_status read_cut(reduced_model *model, artefact *file, const stored_sizes *stored,
+                           ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t num_pressure = model->num_pressure, width = model->num_deformation;
+    exit_cut *cut = &model->cut;
+    arena memory = {0};
+    double *load, *elasticity = NULL, *kernel = NULL;
+    ehd_status status = read_part(&load, &memory, file, "load_jacobian", 1, stored->pressure, NULL,
+                                  1, num_pressure, error);
+
+    cut->num_rows = (coupled ? model->rows.num_needed : width) + 1;
+    cut->base = arena_array(&model->memory, cut->num_rows * num_pressure, sizeof(double));
+    cut->left = arena_array(&model->memory, model->band.num_nodes * cut->num_rows, sizeof(double));
+    if (!status && (!cut->base || !cut->left)) status = no_memory(file, error);
+    if (!status && !coupled)
+        status = read_part(&elasticity, &memory, file, "elasticity_jacobian", stored->deformation,
+                           stored->pressure, NULL, width, num_pressure, error);
+    if (!status && !coupled)
+        status = read_part(&kernel, &memory, file, "band_projected_kernel", stored->band,
+                           stored->deformation, NULL, model->band.num_nodes, width, error);
+    if (!status) {
+        size_t last = (cut->num_rows - 1) * num_pressure;
+        memcpy(cut->base, coupled ? model->rows.film : elasticity, last * sizeof(double));
+        memcpy(cut->base + last, load, num_pressure * sizeof(double));
+        for (size_t i = 0; i < model->band.num_nodes && !coupled; i++)
+            memcpy(cut->left + i * cut->num_rows, kernel + i * width, width * sizeof(double));
+    }
+    arena_free(&memory);
+    return status;
+}
+
+/* Width of the film's basis: in the model, and as stored. */
+static size_t film_width(const reduced_model *model) {
+    return model->deformation == DEFORMATION_COUPLED ? model->num_pressure : model->num_deformation;
+}
+
+static size_t stored_film_width(const reduced_model *model, const stored_sizes *stored) {
+    return model->deformation == DEFORMATION_COUPLED ? stored->pressure : stored->deformation;
+}
+
+/* The bases at the nodes that the first set->num_rows rows need, which a file may have for more. */
+static ehd_status read_needed(reduced_model *model, row_set *set, const row_fields *fields,
+                              artefact *file, const stored_sizes *stored, ehd_error *error) {
+    size_t num_stored = artefact_length(file, fields->needed_axis), *places;
+    arena memory = {0};
+    ehd_status status = reduced_model_list_needed(model, set, error);
+
+    if (!status)
+        status = match_nodes(&places, &memory, set->needed_node, set->num_needed, &model->grid,
+                             file, fields->needed, num_stored, error);
+    if (!status)
+        status = read_part(&set->pressure, &model->memory, file, fields->pressure, num_stored,
+                           stored->pressure, places, set->num_needed, model->num_pressure, error);
+    if (!status)
+        status = read_part(&set->film, &model->memory, file, fields->film[model->deformation],
+                           num_stored, stored_film_width(model, stored), places, set->num_needed,
+                           film_width(model), error);
+    arena_free(&memory);
+    return status;
+}
+
+/* The first set->num_rows of `num_stored` rows. */
+static ehd_status read_rows(reduced_model *model, row_set *set, const row_fields *fields,
+                            size_t num_stored, artefact *file, ehd_error *error) {
+    ehd_status status = read_nodes(&set->node, &model->memory, file, fields->row, num_stored, true,
+                                   &model->grid, error);
+
+    return status ? status
+                  : read_part(&set->weight, &model->memory, file, fields->weight, num_stored, 1,
+                              NULL, set->num_rows, 1, error);
+}
+
+static ehd_status read_tables(reduced_model *model, artefact *file, const stored_sizes *stored,
+                              ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    exit_band *band = &model->band;
+    ehd_status status = read_rows(model, &model->rows, &selected_fields, stored->rows, file, error);
+
+    if (!status) status = weigh_part(model, file, stored, error);
+    if (!status) status = read_needed(model, &model->rows, &selected_fields, file, stored, error);
+    if (!status)
+        status =
+            read_part(&band->pressure, &model->memory, file, "band_pressure_basis", stored->band,
+                      stored->pressure, NULL, band->num_nodes, model->num_pressure, error);
+    if (!status)
+        status = read_part(&band->film, &model->memory, file,
+                           coupled ? "band_coupled_basis" : "band_deformation_basis", stored->band,
+                           stored_film_width(model, stored), NULL, band->num_nodes,
+                           film_width(model), error);
+    return status ? status : read_cut(model, file, stored, error);
+}
+
+/* All control rows, whatever the number of selected ones. */
+static ehd_status read_control(reduced_model *model, artefact *file, const stored_sizes *stored,
+                               ehd_error *error) {
+    row_set *control = &model->control;
+
+    control->num_rows = artefact_length(file, control_fields.row_axis);
+    if (control->num_rows == 0) return EHD_OK;
+    ehd_status status = read_rows(model, control, &control_fields, control->num_rows, file, error);
+    return status ? status : read_needed(model, control, &control_fields, file, stored, error);
+}
+
+/* The states' coordinates in the chosen modes. */
+static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
+                              ehd_error *error) {
+    reduced_states whole = {0};
+    reduced_states *kept = &model->states;
+    ehd_status status =
+        states_read(&whole, file, stored->pressure, stored->deformation, &model->grid, error);
+
+    if (!status)
+        status = reduced_states_init(kept, whole.num_states, whole.num_lines, model->num_unknowns,
+                                     error);
+    if (!status)
+        memcpy(kept->exit, whole.exit, whole.num_states * whole.num_lines * sizeof *kept->exit);
+    for (size_t s = 0; s < whole.num_states && !status; s++) {
+        const double *source = whole.coordinates + s * whole.num_unknowns;
+        double *target = kept->coordinates + s * kept->num_unknowns;
+        memcpy(target, source, model->num_pressure * sizeof(double));
+        memcpy(target + model->num_pressure, source + stored->pressure,
+               model->num_deformation * sizeof(double));
+        target[kept->num_unknowns - 1] = source[whole.num_unknowns - 1];
+        kept->moes_M[s] = whole.moes_M[s];
+        kept->alpha_p_H[s] = whole.alpha_p_H[s];
+        kept->central_film_thickness[s] = whole.central_film_thickness[s];
+        kept->stationary[s] = whole.stationary[s];
+        kept->rate[s] = whole.rate[s];
+    }
+    reduced_states_free(&whole);
+    return status;
+}
+
+static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artefact *file,
+                               const ehdrom_sizes *wanted, ehd_error *error) {
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+
+    stored->pressure = artefact_length(file, "pressure_mode");
+    stored->deformation = coupled ? 0 : artefact_length(file, "deformation_mode");
+    stored->rows = artefact_length(file, "row");
+    stored->jacobian = artefact_length(file, "jacobian_mode");
+    stored->band = model->band.num_nodes = artefact_length(file, "band_node");
+    ehd_status status = choose_size(&model->num_pressure, wanted->pressure_modes, stored->pressure,
+                                    "--pressure-modes", file, error);
+    if (!status)
+        status = choose_size(&model->num_deformation, wanted->deformation_modes,
+                             stored->deformation, "--deformation-modes", file, error);
+    if (!status)
+        status =
+            choose_size(&model->rows.num_rows, wanted->rows, stored->rows, "--rows", file, error);
+    if (status) return status;
+    model->num_unknowns = reduced_num_unknowns(model->num_pressure, model->num_deformation);
+    if (model->rows.num_rows < model->num_pressure)
+        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
+                        model->rows.num_rows, model->num_pressure);
+    return EHD_OK;
+}
+
+ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes *sizes,
+                      ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_model, NULL};
+    artefact *file = NULL;
+    const ehdrom_sizes whole = {0};
+    stored_sizes stored;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    memset(model, 0, sizeof *model);
+    if (!status) status = grid_read(&model->grid, &model->kind, file, error);
+    model->band.num_lines = grid_lines(&model->grid);
+    if (!status) status = deformation_read(&model->deformation, file, error);
+    if (!status) status = choose_sizes(model, &stored, file, sizes ? sizes : &whole, error);
+    if (!status) status = read_band(model, file, error);
+    if (!status) status = read_tables(model, file, &stored, error);
+    if (!status) status = read_control(model, file, &stored, error);
+    if (!status) status = read_states(model, file, &stored, error);
+    artefact_close(&file);
+    if (!status) status = reduced_model_complete(model, error);
+    if (!status && model->control.num_rows > 0)
+        status = reduced_model_complete_control(model, error);
+    if (status) reduced_model_free(model);
+    return status;
+}
+
+/* The first `wanted` of the stored modes. */
+static ehd_status read_modes(double **modes, artefact *file, const char *field,
+                             const char *mode_axis, size_t wanted, const ehd_grid *grid, bool inner,
+                             ehd_error *error) {
+    size_t stored = artefact_length(file, mode_axis), num_nodes = grid->num_nodes;
+    double *whole = NULL;
+    ehd_status status = modes_read(&whole, file, field, grid, stored, inner, error);
+
+    *modes = status ? NULL : malloc(num_nodes * wanted * sizeof(double));
+    if (!status && !*modes) status = no_memory(file, error);
+    for (size_t k = 0; k < num_nodes && !status; k++)
+        memcpy(*modes + k * wanted, whole + k * stored, wanted * sizeof(double));
+    free(whole);
+    return status;
+}
+
+ehd_status model_read_modes(double **pressure_basis, double **deformation_basis, const char *path,
+                            const reduced_model *model, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_model, NULL};
+    bool wanted = deformation_basis && model->num_deformation > 0;
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, kinds, error);
+
+    *pressure_basis = NULL;
+    if (deformation_basis) *deformation_basis = NULL;
+    if (!status)
+        status = read_modes(pressure_basis, file, "pressure_basis", "pressure_mode",
+                            model->num_pressure, &model->grid, true, error);
+    if (!status && wanted && !artefact_has(file, "deformation_basis"))
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found no dataset deformation_basis, expected it for a transient "
+                          "scene with an independent basis",
+                          path);
+    if (!status && wanted)
+        status = read_modes(deformation_basis, file, "deformation_basis", "deformation_mode",
+                            model->num_deformation, &model->grid, false, error);
+    artefact_close(&file);
+    return status;
+}

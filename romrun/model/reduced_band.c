@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/reduced_build.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double EXIT_MARGIN = 0.1;     // beyond the trained exits, half widths
+static const double LINES_MARGIN = 0.3;    // where there are several, of which each wanders farther
+static const double MINIMUM_MARGIN = 0.05; // before the trained film minima, half widths
+
+/* Film minimum of a training state, as a node: the deflection of its pressure, from the bases. */
+static size_t film_minimum(const reduced_basis *basis, const double *deflection,
+                           const size_t *exit) {
+    const ehd_grid *grid = &basis->grid;
+    size_t width = grid_width(grid), num_lines = grid_lines(grid), best = exit[0];
+    size_t centre = (size_t)(-grid->x_min / grid->step) + 1;
+    double least = INFINITY;
+
+    for (size_t l = 0; l < num_lines; l++)
+        for (size_t c = centre; c <= exit[l] && c < width; c++) {
+            size_t k = l * width + c;
+            double film = deflection[k] + grid_gap(grid, k);
+            if (film < least) {
+                least = film;
+                best = k;
+            }
+        }
+    return best;
+}
+
+/* Deflection of a training state's pressure. */
+static void deflect_state(double *deflections, const reduced_basis *basis, size_t state,
+                          ehd_deflection *deflection) {
+    const reduced_states *states = &basis->states;
+    const size_t *exit = states->exit + state * states->num_lines;
+    size_t width = grid_width(&basis->grid);
+
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)basis->grid.num_nodes, (int)basis->num_pressure,
+                1, basis->pressure, (int)basis->num_pressure,
+                states->coordinates + state * states->num_unknowns, 1, 0, deflections, 1);
+    for (size_t l = 0; l < states->num_lines; l++)
+        memset(deflections + l * width + exit[l], 0, (width - exit[l]) * sizeof(double));
+    deflection_apply(deflections, deflection, deflections);
+}
+
+/* The extremes of training on each line, in place of where the exit may lie, and in `begin` the first film minimum
+ * on it or near it. */
+static void find_extremes(reduced_model *model, const reduced_basis *basis,
+                          ehd_deflection *deflection, double *work) {
+    const reduced_states *states = &basis->states;
+    size_t width = grid_width(&basis->grid), near = (size_t)ceil(MINIMUM_MARGIN / basis->grid.step);
+
+    model->band.first_minimum = model->band.num_lines - 1;
+    model->band.last_minimum = 0;
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        model->band.lines[l] =
+            (band_line){.begin = width - 1, .min_exit = width - 1, .max_exit = 1};
+    for (size_t s = 0; s < states->num_states; s++) {
+        const size_t *exit = states->exit + s * states->num_lines;
+        deflect_state(work, basis, s, deflection);
+        size_t minimum = film_minimum(basis, work, exit);
+        size_t own = reduced_model_line(model, minimum);
+        size_t column = reduced_model_column(model, minimum);
+        for (size_t l = 0; l < model->band.num_lines; l++) {
+            band_line *line = &model->band.lines[l];
+            line->min_exit = exit[l] < line->min_exit ? exit[l] : line->min_exit;
+            line->max_exit = exit[l] > line->max_exit ? exit[l] : line->max_exit;
+            if (index_distance(l, own) > near || !grid_is_inner_line(&basis->grid, l)) continue;
+            line->begin = column < line->begin ? column : line->begin;
+            model->band.first_minimum =
+                l < model->band.first_minimum ? l : model->band.first_minimum;
+            model->band.last_minimum = l > model->band.last_minimum ? l : model->band.last_minimum;
+        }
+    }
+}
+
+/* Where the exit may lie on each line. A row at the exit needs the two nodes before it. */
+static void widen_exits(reduced_model *model) {
+    const ehd_grid *grid = &model->grid;
+    size_t margin =
+               (size_t)ceil((model->band.num_lines > 1 ? LINES_MARGIN : EXIT_MARGIN) / grid->step),
+           width = grid_width(grid);
+    // on a line contact it lies behind the centre
+    size_t foremost = model->band.num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
+
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        band_line *line = &model->band.lines[l];
+        if (!grid_is_inner_line(grid, l)) {
+            *line = (band_line){1, 1, 0, 1, 1};
+            continue;
+        }
+        line->min_exit =
+            line->min_exit > foremost + margin + 2 ? line->min_exit - margin : foremost + 2;
+        line->max_exit = line->max_exit + margin < width - 2 ? line->max_exit + margin : width - 2;
+    }
+}
+
+/* Columns of each line: from before the first film minimum, and what rows at the exits of the lines beside it need,
+ * to behind the last exit of these. */
+static void place_band(reduced_model *model) {
+    const ehd_grid *grid = &model->grid;
+    size_t before = (size_t)ceil(MINIMUM_MARGIN / grid->step) + 2;
+    size_t foremost = model->band.num_lines > 1 ? 1 : (size_t)(-grid->x_min / grid->step) + 2;
+
+    model->band.num_nodes = 0;
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        band_line *line = &model->band.lines[l];
+        size_t first = line->begin, last = line->max_exit;
+        line->offset = model->band.num_nodes;
+        if (!grid_is_inner_line(grid, l)) continue;
+        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->band.num_lines;
+             beside++) {
+            if (!grid_is_inner_line(grid, beside)) continue;
+            const band_line *other = &model->band.lines[beside];
+            first = other->min_exit < first ? other->min_exit : first;
+            last = other->max_exit > last ? other->max_exit : last;
+        }
+        line->begin = first > foremost + before ? first - before : foremost;
+        line->end = last + 2;
+        model->band.num_nodes += line->end - line->begin;
+    }
+}
+
+ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *basis,
+                                   ehd_deflection *deflection, ehd_error *error) {
+    double *work = malloc(basis->grid.num_nodes * sizeof(double));
+
+    model->band.lines =
+        arena_array(&model->memory, model->band.num_lines, sizeof *model->band.lines);
+    if (!work || !model->band.lines) {
+        free(work);
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
+    }
+    find_extremes(model, basis, deflection, work);
+    widen_exits(model);
+    place_band(model);
+    free(work);
+    return EHD_OK;
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/reduced_build.h"
+
+#include <cblas.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
+}
+
+/* Whether a node lies before the band, where there is always pressure. */
+static bool is_before_band(const reduced_model *model, size_t node) {
+    return reduced_model_column(model, node) <
+           model->band.lines[reduced_model_line(model, node)].begin;
+}
+
+/* Deflections of the pressure modes cut where the band begins, [num_nodes, num_pressure]. */
+static void deflect_modes(double *coupled, const reduced_model *model, const reduced_basis *basis,
+                          ehd_deflection *deflection, double *work) {
+    size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
+
+    for (size_t j = 0; j < num_pressure; j++) {
+        for (size_t k = 0; k < num_nodes; k++)
+            work[k] = is_before_band(model, k) ? basis->pressure[k * num_pressure + j] : 0;
+        deflection_apply(work, deflection, work);
+        for (size_t k = 0; k < num_nodes; k++)
+            coupled[k * num_pressure + j] = work[k];
+    }
+}
+
+/* Copies rows of a node-major matrix: target[i, :] = source[nodes[i], :]. */
+static double *gather_rows(arena *memory, const double *source, const size_t *nodes, size_t count,
+                           size_t width) {
+    double *target = arena_array(memory, count * width, sizeof(double));
+
+    for (size_t i = 0; target && i < count; i++)
+        memcpy(target + i * width, source + nodes[i] * width, width * sizeof(double));
+    return target;
+}
+
+/* The same for the band's nodes, line after line. */
+static double *gather_band(reduced_model *model, const double *source, size_t width) {
+    double *target = arena_array(&model->memory, model->band.num_nodes * width, sizeof(double));
+
+    for (size_t l = 0; target && l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        size_t first = l * grid_width(&model->grid) + line->begin;
+        memcpy(target + line->offset * width, source + first * width,
+               (line->end - line->begin) * width * sizeof(double));
+    }
+    return target;
+}
+
+/* The cut table for an exit where the band begins. Coupled: deflections at the needed nodes. Independent:
+ * V_delta^T K V_p. Last row: the load balance. */
+static void fill_cut_base(reduced_model *model, const reduced_basis *basis, const double *coupled) {
+    size_t num_pressure = model->num_pressure, last = model->cut.num_rows - 1;
+    double *load = model->cut.base + last * num_pressure;
+
+    if (model->deformation == DEFORMATION_COUPLED)
+        memcpy(model->cut.base, model->rows.film, last * num_pressure * sizeof(double));
+    else
+        cblas_dgemm(CblasRowMajor, CblasTrans, CblasNoTrans, (int)last, (int)num_pressure,
+                    (int)basis->grid.num_nodes, 1, basis->deformation_modes, (int)last, coupled,
+                    (int)num_pressure, 0, model->cut.base, (int)num_pressure);
+    for (size_t j = 0; j < num_pressure; j++) {
+        load[j] = 0;
+        for (size_t k = 1; k < basis->grid.num_nodes; k++)
+            if (is_before_band(model, k))
+                load[j] +=
+                    grid_load_weight(&model->grid, k) * basis->pressure[k * num_pressure + j];
+    }
+}
+
+/* Left sides of the independent basis, but for the load: row i is V_delta^T K e_i = K^T V_delta at node i. K is
+ * symmetric where every node counts as often as the cells it stands for: K^T = W K W^-1 on a half grid. */
+static void fill_left_independent(reduced_model *model, const reduced_basis *basis,
+                                  ehd_deflection *deflection, double *work) {
+    const ehd_grid *grid = &basis->grid;
+    size_t num_deformation = model->num_deformation;
+
+    for (size_t j = 0; j < num_deformation; j++) {
+        for (size_t k = 0; k < grid->num_nodes; k++)
+            work[k] = basis->deformation_modes[k * num_deformation + j] / grid_weight(grid, k);
+        deflection_apply(work, deflection, work);
+        for (size_t l = 0; l < model->band.num_lines; l++) {
+            const band_line *line = &model->band.lines[l];
+            for (size_t c = line->begin; c < line->end; c++) {
+                size_t node = l * grid_width(grid) + c, place = line->offset + c - line->begin;
+                model->cut.left[place * model->cut.num_rows + j] =
+                    grid_weight(grid, node) * work[node];
+            }
+        }
+    }
+}
+
+/* Rows of the grid with D of the basis; the selection has been checked. */
+static ehd_status list_rows(reduced_model *model, row_set *set, const reduced_basis *basis,
+                            const size_t *rows, size_t num_rows, ehd_error *error) {
+    set->num_rows = num_rows;
+    set->node = arena_array(&model->memory, num_rows, sizeof *set->node);
+    set->weight = arena_array(&model->memory, num_rows, sizeof *set->weight);
+    if (!set->node || !set->weight) return no_memory(error);
+    for (size_t r = 0; r < num_rows; r++) {
+        set->node[r] = rows ? rows[r] : grid_node_of_row(&basis->grid, r);
+        set->weight[r] = basis->weight[set->node[r]];
+    }
+    return reduced_model_list_needed(model, set, error);
+}
+
+static ehd_status check_rows(const reduced_model *model, const size_t *rows, size_t num_rows,
+                             ehd_error *error) {
+    const ehd_grid *grid = &model->grid;
+
+    if (num_rows + 1 + model->num_deformation < model->num_unknowns)
+        return ehd_fail(error, EHD_DATA, "rows: found %zu, expected at least %zu, one an unknown",
+                        num_rows, model->num_pressure);
+    for (size_t r = 0; rows && r < num_rows; r++) {
+        const grid_place at = reduced_model_place(model, rows[r]);
+        if (at.column < 1 || at.column > grid->inner_x || rows[r] >= grid->num_nodes ||
+            !grid_is_inner_line(grid, at.line))
+            return ehd_fail(error, EHD_DATA, "rows: found node %zu, expected 1 to %zu", rows[r],
+                            grid->num_inner);
+    }
+    return EHD_OK;
+}
+
+/* Bases at the nodes that rows need: of the film the coupled deflections or the deformation modes. */
+static ehd_status gather_needed(reduced_model *model, row_set *set, const reduced_basis *basis,
+                                const double *film, size_t film_width, ehd_error *error) {
+    set->pressure = gather_rows(&model->memory, basis->pressure, set->needed_node, set->num_needed,
+                                basis->num_pressure);
+    set->film = gather_rows(&model->memory, film, set->needed_node, set->num_needed, film_width);
+    return set->pressure && set->film ? EHD_OK : no_memory(error);
+}
+
+/* The bases in the band, and the cut table. */
+static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
+                           ehd_deflection *deflection, const double *coupled, double *work,
+                           ehd_error *error) {
+    bool coupled_basis = model->deformation == DEFORMATION_COUPLED;
+    exit_band *band = &model->band;
+    exit_cut *cut = &model->cut;
+
+    cut->num_rows = (coupled_basis ? model->rows.num_needed : model->num_deformation) + 1;
+    band->pressure = gather_band(model, basis->pressure, basis->num_pressure);
+    band->film = coupled_basis
+                     ? gather_band(model, coupled, basis->num_pressure)
+                     : gather_band(model, basis->deformation_modes, basis->num_deformation);
+    cut->base = arena_array(&model->memory, cut->num_rows * basis->num_pressure, sizeof(double));
+    cut->left = arena_array(&model->memory, band->num_nodes * cut->num_rows, sizeof(double));
+    if (model->memory.failed) return no_memory(error);
+    fill_cut_base(model, basis, coupled);
+    if (!coupled_basis) fill_left_independent(model, basis, deflection, work);
+    return EHD_OK;
+}
+
+/* The tables of a set of rows, and of the selected ones those of the exit too. */
+static ehd_status fill_tables(reduced_model *model, row_set *set, const reduced_basis *basis,
+                              ehd_deflection *deflection, ehd_error *error) {
+    size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;
+    bool coupled_basis = model->deformation == DEFORMATION_COUPLED;
+    arena memory = {0};
+    double *coupled = arena_array(&memory, num_nodes * num_pressure, sizeof(double));
+    double *work = arena_array(&memory, num_nodes, sizeof(double));
+    const double *film = coupled_basis ? coupled : basis->deformation_modes;
+    size_t film_width = coupled_basis ? num_pressure : basis->num_deformation;
+    ehd_status status = memory.failed ? no_memory(error) : EHD_OK;
+
+    if (!status && (coupled_basis || set == &model->rows))
+        deflect_modes(coupled, model, basis, deflection, work);
+    if (!status) status = gather_needed(model, set, basis, film, film_width, error);
+    if (!status && set == &model->rows)
+        status = fill_cut(model, basis, deflection, coupled, work, error);
+    arena_free(&memory);
+    return status;
+}
+
+ehd_status reduced_model_build(reduced_model *model, const reduced_basis *basis, const size_t *rows,
+                               size_t num_rows, ehd_error *error) {
+    ehd_deflection *deflection = deflection_create(basis->kind, &basis->grid);
+    size_t count = rows ? num_rows : basis->grid.num_inner;
+
+    *model = (reduced_model){.kind = basis->kind,
+                             .grid = basis->grid,
+                             .band.num_lines = grid_lines(&basis->grid),
+                             .deformation = basis->deformation,
+                             .num_pressure = basis->num_pressure,
+                             .num_deformation = basis->num_deformation,
+                             .num_unknowns =
+                                 reduced_num_unknowns(basis->num_pressure, basis->num_deformation)};
+    ehd_status status = deflection ? EHD_OK : no_memory(error);
+    if (!status) status = check_rows(model, rows, count, error);
+    if (!status) status = list_rows(model, &model->rows, basis, rows, count, error);
+    if (!status) status = reduced_model_find_band(model, basis, deflection, error);
+    if (!status) status = fill_tables(model, &model->rows, basis, deflection, error);
+    if (!status) status = reduced_states_copy(&model->states, &basis->states, error);
+    if (!status) status = reduced_model_complete(model, error);
+    deflection_free(deflection);
+    if (status) reduced_model_free(model);
+    return status;
+}
+
+ehd_status reduced_model_add_control(reduced_model *model, const reduced_basis *basis,
+                                     const size_t *rows, size_t num_rows, ehd_error *error) {
+    ehd_deflection *deflection = deflection_create(basis->kind, &basis->grid);
+    ehd_status status = deflection ? EHD_OK : no_memory(error);
+
+    if (!status) status = list_rows(model, &model->control, basis, rows, num_rows, error);
+    if (!status) status = fill_tables(model, &model->control, basis, deflection, error);
+    if (!status) status = reduced_model_complete_control(model, error);
+    deflection_free(deflection);
+    return status;
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Building a reduced model from bases on the whole grid. */
+#ifndef EHD_REDUCED_BUILD_H
+#define EHD_REDUCED_BUILD_H
+
+#include "common/physics/deflection.h"
+#include "romrun/model/reduced_model.h"
+
+/* The band: on each line from before the first trained film minimum to behind the last trained
+ * exit. EHD_MEMORY. */
+ehd_status reduced_model_find_band(
+    // in and out:
+    reduced_model *model,
+    // input:
+    const reduced_basis *basis, ehd_deflection *deflection, ehd_error *error);
+
+#endif

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/model/reduced_model.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const deformation_names[] = {"independent", "coupled", NULL};
+
+size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation) {
+    return num_pressure + num_deformation + 1;
+}
+
+ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
+                               size_t num_unknowns, ehd_error *error) {
+    states->num_states = num_states;
+    states->num_lines = num_lines;
+    states->num_unknowns = num_unknowns;
+    states->coordinates = calloc(num_states * num_unknowns, sizeof(double));
+    states->exit = calloc(num_states * num_lines, sizeof *states->exit);
+    states->moes_M = calloc(num_states, sizeof(double));
+    states->alpha_p_H = calloc(num_states, sizeof(double));
+    states->central_film_thickness = calloc(num_states, sizeof(double));
+    states->stationary = malloc((num_states + 1) * sizeof *states->stationary);
+    states->rate = calloc(num_states, sizeof(double));
+    if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
+        !states->central_film_thickness || !states->stationary || !states->rate) {
+        reduced_states_free(states);
+        return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
+                        num_states);
+    }
+    for (size_t s = 0; s < num_states; s++)
+        states->stationary[s] = true;
+    return EHD_OK;
+}
+
+static bool is_same(double left, double right) {
+    return fabs(left - right) <= 1e-9 * fmax(fabs(left), fabs(right));
+}
+
+bool reduced_states_have(const reduced_states *states, const ehd_contact *contact) {
+    for (size_t s = 0; s < states->num_states; s++)
+        if (is_same(states->moes_M[s], contact->moes_M) &&
+            is_same(states->alpha_p_H[s], contact->alpha_p_H))
+            return true;
+    return false;
+}
+
+void reduced_states_free(reduced_states *states) {
+    free(states->coordinates);
+    free(states->exit);
+    free(states->moes_M);
+    free(states->alpha_p_H);
+    free(states->central_film_thickness);
+    free(states->stationary);
+    free(states->rate);
+    memset(states, 0, sizeof *states);
+}
+
+void reduced_basis_free(reduced_basis *basis) {
+    free(basis->pressure);
+    free(basis->deformation_modes);
+    free(basis->weight);
+    reduced_states_free(&basis->states);
+    memset(basis, 0, sizeof *basis);
+}
+
+ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
+                               ehd_error *error) {
+    ehd_status status = reduced_states_init(target, source->num_states, source->num_lines,
+                                            source->num_unknowns, error);
+    size_t count = source->num_states;
+
+    if (status) return status;
+    memcpy(target->coordinates, source->coordinates, count * source->num_unknowns * sizeof(double));
+    memcpy(target->exit, source->exit, count * source->num_lines * sizeof *target->exit);
+    memcpy(target->moes_M, source->moes_M, count * sizeof(double));
+    memcpy(target->alpha_p_H, source->alpha_p_H, count * sizeof(double));
+    memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
+    memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
+    memcpy(target->rate, source->rate, count * sizeof(double));
+    return EHD_OK;
+}

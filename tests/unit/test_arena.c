@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/program/arena.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <stdint.h>
+#include <string.h>
+
+static void arrays_are_zero_apart_and_aligned(void **state) {
+    (void)state;
+    arena memory = {0};
+    char *bytes = arena_array(&memory, 3, 1);
+    double *numbers = arena_array(&memory, 100, sizeof *numbers);
+
+    assert_non_null(bytes);
+    assert_non_null(numbers);
+    assert_int_equal((uintptr_t)numbers % _Alignof(max_align_t), 0);
+    memset(bytes, 7, 3);
+    for (size_t i = 0; i < 100; i++)
+        assert_true(numbers[i] == 0);
+    assert_false(memory.failed);
+    arena_free(&memory);
+    assert_null(memory.last);
+}
+
+static void an_empty_array_is_an_array(void **state) {
+    (void)state;
+    arena memory = {0};
+
+    assert_non_null(arena_array(&memory, 0, 8));
+    assert_false(memory.failed);
+    arena_free(&memory);
+}
+
+static void sizes_that_overflow_are_refused(void **state) {
+    (void)state;
+    arena memory = {0};
+
+    assert_null(arena_array(&memory, SIZE_MAX / 8 + 1, 8));
+    assert_true(memory.failed);
+    assert_null(arena_array(&memory, 1, SIZE_MAX - 8));
+    arena_free(&memory);
+    assert_false(memory.failed);
+}
+
+static void a_failure_is_remembered(void **state) {
+    (void)state;
+    arena memory = {0};
+
+    allocation_fail_at(1);
+    assert_non_null(arena_array(&memory, 4, 8));
+    assert_null(arena_array(&memory, 4, 8));
+    assert_true(allocation_failed());
+    assert_non_null(arena_array(&memory, 4, 8));
+    assert_true(memory.failed);
+    arena_free(&memory);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arrays_are_zero_apart_and_aligned),
+        cmocka_unit_test(an_empty_array_is_an_array),
+        cmocka_unit_test(sizes_that_overflow_are_refused),
+        cmocka_unit_test(a_failure_is_remembered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
