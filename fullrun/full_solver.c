@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/full_solver.h"
 
+#include "common/physics/exit.h"
 #include "common/program/program.h"
 #include "fullrun/gmres.h"
 
@@ -232,69 +233,61 @@ static double scale_rows(full_solver *self, const full_state *state,
 
 // ---- exit boundary
 
-static const double LONGEST_STRIDE = 0.1; // of the exit downstream in one iteration, half widths
+static const double MAX_STRIDE = 0.1; // of the exit downstream in one iteration, half widths
 
-/* Flux U rho H - eps dP/dx across the half node before `node`. In the pressurised zone it is the same
- * everywhere, and the exit condition P = dP/dx = 0 says that rho H equals it there. */
-static double flux_before(const full_solver *self, const full_state *state, double entrainment,
-                          size_t node) {
-    const double *film = state->film, *pressure = state->pressure;
-    const double *mobility = self->fluid.mobility, *density = self->fluid.density;
-    double mass = 0, eps = 0;
+/* A state whose exit is looked for. */
+typedef struct exit_query {
+    const full_solver *solver;
+    const full_state *state;
+    double entrainment;
+} exit_query;
 
-    for (size_t k = node - 1; k <= node; k++) {
-        mass += 0.5 * (density ? density[k] : 1) * film[k];
-        eps += 0.5 * mobility[k] * film[k] * film[k] * film[k];
-    }
-    return entrainment * mass - eps * (pressure[node] - pressure[node - 1]) / self->grid.step;
+static double film_at(void *context, size_t node) {
+    const exit_query *query = context;
+
+    return query->state->film[node];
 }
 
-/* First node from `node` on, before `end`, where an unpressurised film would carry the flux. */
-static size_t node_with_flux(const full_state *state, double entrainment, double flux, size_t node,
-                             size_t end) {
-    while (node < end && entrainment * state->film[node] < flux)
-        node++;
-    return node;
+static double flux_at(void *context, size_t node) {
+    const exit_query *query = context;
+
+    return exit_flux(&query->solver->fluid, query->state->pressure, query->state->film, node - 1,
+                     node, query->entrainment, query->solver->grid.step);
 }
 
-/* First node behind the contact centre with negative pressure, or `exit`. */
-static size_t first_negative(const full_solver *self, const full_state *state, double threshold) {
-    size_t node = (size_t)ceil(-self->grid.x_min / self->grid.step) + 1;
-
-    while (node < state->exit && state->pressure[node] >= -threshold)
-        node++;
-    return node;
-}
-
-static size_t longest_stride(const full_solver *self) {
-    return (size_t)(LONGEST_STRIDE / self->grid.step) + 1;
-}
-
-/* Whether the multiplier Lambda = -f is negative at a node without pressure. */
-static bool wants_pressure(const full_solver *self, size_t node, double threshold) {
+/* The multiplier at a node without pressure, scaled as its row. */
+static double scaled_multiplier(const full_solver *self, size_t node) {
     size_t r = grid_row_of_node(&self->grid, node);
 
-    return self->rows[r].residual * self->row_scale[r] > threshold;
+    return exit_multiplier(&self->rows[r]) * self->row_scale[r];
 }
 
-/* Moves the exit: back on negative pressure, on where the multiplier Lambda = -f is negative. The flux
- * says how far, so that the number of moves does not grow with the number of nodes; far from
- * convergence the flux is not yet one number, hence the longest stride. Returns the new exit. */
-static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
-    const double threshold = 0.1 * self->settings.tolerance;
-    size_t exit = state->exit, last = self->grid.num_nodes - 1;
-    size_t negative = first_negative(self, state, threshold);
+static double multiplier_at(void *context, size_t node) {
+    const exit_query *query = context;
 
-    if (negative < exit)
-        return node_with_flux(state, entrainment, flux_before(self, state, entrainment, negative),
-                              negative, exit - 1);
-    if (exit < last && wants_pressure(self, exit, threshold)) {
-        size_t end = exit + longest_stride(self) < last ? exit + longest_stride(self) : last;
-        double flux = flux_before(self, state, entrainment, exit);
-        size_t target = node_with_flux(state, entrainment, flux, exit, end);
-        return target > exit ? target : exit + 1;
-    }
-    return exit;
+    return scaled_multiplier(query->solver, node);
+}
+
+/* Where the exit of a stationary line contact should be, behind the contact's centre. */
+static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
+    const ehd_grid *grid = &self->grid;
+    const double noise = 0.1 * self->settings.tolerance;
+    const size_t behind_centre = (size_t)ceil(-grid->x_min / grid->step) + 1;
+    exit_query query = {self, state, entrainment};
+    const exit_line line = {.pressure = state->pressure + behind_centre,
+                            .first_node = behind_centre,
+                            .min_exit = 1,
+                            .max_exit = grid->num_nodes - 1,
+                            .max_stride = (size_t)(MAX_STRIDE / grid->step) + 1,
+                            .entrainment = entrainment,
+                            .pressure_noise = noise,
+                            .multiplier_noise = noise,
+                            .state = &query,
+                            .film = film_at,
+                            .flux = flux_at,
+                            .multiplier = multiplier_at};
+
+    return exit_by_flux(&line, state->exit);
 }
 
 /* Watches the exit's moves: when it keeps stepping to and fro between two neighbours, the discrete
@@ -393,10 +386,8 @@ static double complementarity(const full_solver *self, const full_state *state) 
 
     for (size_t r = 0; r < self->grid.num_inner; r++) {
         size_t k = grid_node_of_row(&self->grid, r);
-        if (full_has_pressure(state, k))
-            worst = fmax(worst, -state->pressure[k]);
-        else
-            worst = fmax(worst, self->rows[r].residual * self->row_scale[r]);
+        worst = fmax(worst, exit_violation(full_has_pressure(state, k), state->pressure[k],
+                                           scaled_multiplier(self, k)));
     }
     return worst;
 }
@@ -422,7 +413,7 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise, bool
         if (open)
             wanted = state->pressure[k] >= -noise;
         else if (self->flips[k] < MOST_FLIPS)
-            wanted = wants_pressure(self, k, noise);
+            wanted = scaled_multiplier(self, k) < -noise;
         if (wanted != open) {
             self->flips[k] += count_flips;
             changed = true;

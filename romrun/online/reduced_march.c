@@ -430,12 +430,6 @@ static void keep_factors(reduced_march *self) {
     reduced_keep_factors(self->solver, &self->factors.state, &contact, self->factors.rate);
 }
 
-static void copy_state(reduced_state *target, const reduced_state *source,
-                       const reduced_model *model) {
-    memcpy(target->coordinates, source->coordinates, model->num_unknowns * sizeof(double));
-    reduced_state_set_exits(target, model, reduced_state_exits(source));
-}
-
 static bool same_exits(const reduced_state *a, const reduced_state *b, const reduced_model *model) {
     return memcmp(reduced_state_exits(a), reduced_state_exits(b),
                   model->band.num_lines * sizeof(size_t)) == 0;
@@ -456,7 +450,7 @@ static void renew_factors(reduced_march *self, const earlier_film *solved) {
     self->factors.valid = true;
     self->factors.frame = solved->frame;
     self->factors.rate = self->formula.rate;
-    copy_state(&self->factors.state, &solved->state, self->model);
+    reduced_state_copy(&self->factors.state, &solved->state, self->model);
     keep_factors(self);
 }
 

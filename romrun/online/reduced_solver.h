@@ -39,6 +39,10 @@ typedef struct reduced_state {
 ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error);
 void reduced_state_free(reduced_state *state);
 
+/* Both of the same model. */
+void reduced_state_copy(reduced_state *target, const reduced_state *source,
+                        const reduced_model *model);
+
 /* Its exit line, [num_lines], and a new one. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);

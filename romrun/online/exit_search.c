@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/exit_search.h"
+
+#include "common/physics/exit.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double WINDOW = 0.05; // around the exit, where it is looked for and moved; half widths
+static const double SETTLED = 0.005; // half widths
+static const double NOISE = 1e-5;    // negative pressure that the truncated basis may show
+
+void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
+    const exit_band *band = &model->band;
+
+    self->model = model;
+    self->spacing = spacing;
+    self->wanted = arena_array(memory, band->num_lines, sizeof *self->wanted);
+    self->moved = arena_array(memory, band->num_lines, sizeof *self->moved);
+    self->watches = arena_array(memory, band->num_lines, sizeof *self->watches);
+    self->band_film = arena_array(memory, band->num_nodes, sizeof(double));
+    self->band_search = arena_array(memory, band->num_nodes, sizeof *self->band_search);
+}
+
+/* A search for the exits of one state. */
+typedef struct exit_query {
+    exit_search *search;
+    node_state *nodes;
+    const double *z;
+    const ehd_contact *contact;
+    const reduced_squeeze *squeeze; // NULL when stationary
+    size_t window;                  // nodes before and behind the exit
+} exit_query;
+
+static size_t window_begin(const reduced_model *model, size_t exit, size_t window) {
+    const size_t band_begin = model->band.lines[0].begin;
+    size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
+    size_t reach = window + 2; // a row at the window's first node has its stencil before it
+    size_t begin = exit > band_begin + reach ? exit - reach : band_begin;
+
+    return begin < base ? begin : base;
+}
+
+// ---- film and rows in the band
+
+/* H at a band node of the state, once: the rows of neighbouring lines share nodes. */
+static double film_at(const exit_query *query, size_t node) {
+    exit_search *self = query->search;
+    size_t place = reduced_model_band_place(self->model, node);
+
+    if (self->band_search[place] != self->search) {
+        self->band_film[place] = nodes_band_film(query->nodes, query->z, node);
+        self->band_search[place] = self->search;
+    }
+    return self->band_film[place];
+}
+
+/* The same at `count` neighbouring nodes together. */
+static void fill_films(const exit_query *query, size_t node, size_t count) {
+    exit_search *self = query->search;
+    size_t place = reduced_model_band_place(self->model, node);
+
+    nodes_band_films(self->band_film + place, query->nodes, query->z, node, count);
+    for (size_t i = place; i < place + count; i++)
+        self->band_search[i] = self->search;
+}
+
+/* The state around a band node. */
+typedef struct band_stencil {
+    reynolds_stencil stencil;
+    double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[4][NUM_STENCIL];
+    reynolds_fluid fluid;
+} band_stencil;
+
+static void fill_stencil(band_stencil *around, const exit_query *query, size_t node) {
+    const reduced_model *model = query->search->model;
+    const reynolds_stencil nodes = reynolds_stencil_at(&model->grid, node);
+    bool compressible = query->contact->lubricant.density != NULL;
+    size_t count = 0;
+
+    for (size_t a = 0; a < NUM_STENCIL; a++) {
+        size_t other = nodes.node[a];
+        around->stencil.node[a] = other == NO_NODE ? NO_NODE : count;
+        if (other == NO_NODE) continue;
+        const grid_place at = reduced_model_place(model, other);
+        bool banded = reduced_model_has_band(model, at.line);
+        bool alive = at.column < query->nodes->exit[at.line];
+        size_t place = banded ? reduced_model_band_place(model, other) : 0;
+        around->pressure[count] = alive ? query->nodes->band_pressure[place] : 0;
+        // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to
+        // it from the exit, where there is no pressure either.
+        around->film[count++] = banded ? film_at(query, other) : 0;
+    }
+    around->fluid = (reynolds_fluid){around->memory[0], around->memory[1],
+                                     compressible ? around->memory[2] : NULL,
+                                     compressible ? around->memory[3] : NULL};
+    reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
+}
+
+static double multiplier_at(void *state, size_t node) {
+    const exit_query *query = state;
+    const reduced_squeeze *squeeze = query->squeeze;
+    const double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
+    const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, &earlier};
+    band_stencil around;
+    reynolds_row row;
+
+    fill_stencil(&around, query, node);
+    reynolds_rows(&row, query->search->model->grid.step, query->contact->entrainment,
+                  squeeze ? &here : NULL, &around.stencil, 1, &around.fluid, around.pressure,
+                  around.film);
+    return exit_multiplier(&row);
+}
+
+static double flux_at(void *state, size_t node) {
+    const exit_query *query = state;
+    band_stencil around;
+
+    fill_stencil(&around, query, node);
+    return exit_flux(&around.fluid, around.pressure, around.film, around.stencil.node[NODE_BACK],
+                     around.stencil.node[NODE_HERE], query->contact->entrainment,
+                     query->search->model->grid.step);
+}
+
+static double line_film(void *state, size_t node) {
+    return film_at(state, node);
+}
+
+// ---- where the exits should be
+
+/* Of a stationary line contact: as far as the flux says, within the window. */
+static size_t find_by_flux(exit_query *query) {
+    const reduced_model *model = query->search->model;
+    const band_line *band = &model->band.lines[0];
+    size_t exit = query->nodes->exit[0], begin = window_begin(model, exit, query->window);
+    size_t first = exit > begin + query->window ? exit - query->window : begin;
+    first = first > band->begin + 2 ? first : band->begin + 2; // a row needs two nodes before it
+    const exit_line line = {.pressure = query->nodes->band_pressure + first - band->begin,
+                            .first_node = first,
+                            .min_exit = band->min_exit,
+                            .max_exit = band->max_exit,
+                            .max_stride = query->window,
+                            .entrainment = query->contact->entrainment,
+                            .pressure_noise = NOISE,
+                            .state = query,
+                            .film = line_film,
+                            .flux = flux_at,
+                            .multiplier = multiplier_at};
+
+    nodes_expand_band(query->nodes, query->z, begin, exit);
+    return exit_by_flux(&line, exit);
+}
+
+/* With a film that varies in time, and across the lines of a point contact, there is no such flux:
+ * the exit of a line goes by the signs of pressure and multiplier at each node of the window. In time
+ * a node that leaves or enters with a pressure changes the film at once, and with it the multipliers
+ * of a whole region, which would ask for nodes whose pressure is negative: these stay outside on a
+ * point contact, where exits would not come to rest otherwise. */
+static size_t find_by_signs(exit_query *query, size_t line) {
+    const reduced_model *model = query->search->model;
+    const band_line *band = &model->band.lines[line];
+    const double *pressure = query->nodes->band_pressure + band->offset;
+    size_t exit = query->nodes->exit[line], first = line * grid_width(&model->grid);
+    size_t window = query->window;
+    size_t column = exit > band->begin + window ? exit - window : band->begin;
+    size_t end = exit + window < band->max_exit ? exit + window : band->max_exit;
+    bool by_pressure = query->squeeze && model->band.num_lines > 1;
+
+    while (column < exit && pressure[column - band->begin] >= -NOISE)
+        column++;
+    if (column < exit) return column > band->min_exit ? column : band->min_exit;
+    while (column < end && !(by_pressure && pressure[column - band->begin] < -NOISE) &&
+           multiplier_at(query, first + column) < 0)
+        column++;
+    return column;
+}
+
+/* P and H at the band nodes around the exit line: as far as rows at the exits of a line and of those
+ * beside it need them, P in the whole window, what the modes say behind the exit too. */
+static void expand_around(exit_query *query) {
+    const reduced_model *model = query->search->model;
+    const size_t *exits = query->nodes->exit;
+
+    nodes_expand_runs(query->nodes, query->z);
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *band = &model->band.lines[l];
+        size_t exit = exits[l], first = exit, last = exit + 1, reach = query->window + 2;
+        if (!reduced_model_has_band(model, l)) continue;
+        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->band.num_lines;
+             beside++) {
+            if (!reduced_model_has_band(model, beside)) continue;
+            first = exits[beside] < first ? exits[beside] : first;
+            last = exits[beside] > last ? exits[beside] : last;
+        }
+        size_t from = first < exit - 2 ? first : exit - 2;
+        fill_films(query, l * grid_width(&model->grid) + from, last + 1 - from);
+        first = first > band->begin + reach ? first - reach : band->begin;
+        size_t end = exit + query->window < band->end ? exit + query->window : band->end;
+        nodes_expand_places(query->nodes, query->z, band->offset + first - band->begin,
+                            end - first);
+    }
+}
+
+/* Whether the exit is looked for on a line: on inner lines `spacing` apart, and the last one. */
+static bool is_looked_at(const exit_search *self, size_t line) {
+    const ehd_grid *grid = &self->model->grid;
+    size_t spacing = (size_t)(self->spacing / grid->step);
+    size_t inner = line - grid_first_line(grid);
+
+    if (!reduced_model_has_band(self->model, line)) return false;
+    return spacing < 2 || inner % spacing == 0 || inner + 1 == grid->inner_lines;
+}
+
+/* Exits of the lines between those that are looked at. */
+static void fill_between(size_t *exits, const exit_search *self) {
+    const ehd_grid *grid = &self->model->grid;
+    size_t first = grid_first_line(grid), before = first;
+
+    for (size_t l = first + 1; l < first + grid->inner_lines; l++) {
+        if (!is_looked_at(self, l)) continue;
+        double slope = ((double)exits[l] - (double)exits[before]) / (double)(l - before);
+        for (size_t i = before + 1; i < l; i++) {
+            const band_line *band = &self->model->band.lines[i];
+            size_t exit = (size_t)lround((double)exits[before] + slope * (double)(i - before));
+            exits[i] = exit < band->min_exit   ? band->min_exit
+                       : exit > band->max_exit ? band->max_exit
+                                               : exit;
+        }
+        before = l;
+    }
+}
+
+/* Where the exits should be, into self->wanted; on lines that are not looked at, where they are. */
+static void find_exits(exit_query *query) {
+    exit_search *self = query->search;
+    const reduced_model *model = self->model;
+    const size_t *exits = query->nodes->exit;
+
+    self->search++;
+    if (model->band.num_lines > 1) {
+        expand_around(query);
+        for (size_t l = 0; l < model->band.num_lines; l++)
+            self->wanted[l] = is_looked_at(self, l) ? find_by_signs(query, l) : exits[l];
+    } else if (query->squeeze) {
+        nodes_expand_band(query->nodes, query->z, window_begin(model, exits[0], query->window),
+                          exits[0]);
+        self->wanted[0] = find_by_signs(query, 0);
+    } else {
+        self->wanted[0] = find_by_flux(query);
+    }
+}
+
+// ---- moving them
+
+/* How far an exit may be kept from where it should be: a node or two do not move the film, more do. */
+static size_t settled_distance(const reduced_model *model) {
+    return (size_t)(SETTLED / model->grid.step) + 1;
+}
+
+bool exits_settled(const exit_search *self, const node_state *nodes) {
+    const reduced_model *model = self->model;
+    size_t sum = 0;
+
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        sum += index_distance(self->wanted[l], nodes->exit[l]);
+    return sum <= settled_distance(model) * model->grid.inner_lines;
+}
+
+static void watch_all(exit_search *self, exit_watch watch) {
+    for (size_t l = 0; l < self->model->band.num_lines; l++)
+        self->watches[l] = watch;
+}
+
+/* Where the exit goes by the flux. A node's move changes the film by 1e-5 or a few of them: where no
+ * more is asked the exit need not be looked for in a converged state. */
+void exits_watch_stationary(exit_search *self, double tolerance) {
+    const double coarse = 1e-5;
+
+    watch_all(self, (exit_watch){.max_turns = 0,
+                                 .near = settled_distance(self->model),
+                                 .small = tolerance < coarse ? 1e-3 : 5e-3,
+                                 .stalled = 5e-3,
+                                 .change = INFINITY});
+}
+
+void exits_watch_in_time(exit_search *self, double stalled) {
+    watch_all(self,
+              (exit_watch){.max_turns = 1, .near = 1, .stalled = stalled, .change = INFINITY});
+}
+
+/* `change` of the pressure in this iteration. */
+static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t next) {
+    const double stalled = 0.6; // reduced by less than 40 %
+    int direction = next > exit ? 1 : next < exit ? -1 : 0;
+    bool near = index_distance(next, exit) <= watch->near;
+    bool stalls = change < watch->stalled && change > stalled * watch->change;
+    bool cycles = near && (change < watch->small || stalls);
+
+    watch->change = change;
+    if (direction && watch->direction && direction != watch->direction) watch->turns++;
+    if (direction) watch->direction = direction;
+    if (watch->turns == 0) return next;
+    if (watch->turns > (cycles ? watch->max_turns : 3)) return exit;
+    return (size_t)((ptrdiff_t)exit + direction);
+}
+
+bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
+                 const ehd_contact *contact, const reduced_squeeze *squeeze, double change) {
+    const reduced_model *model = self->model;
+    size_t num_lines = model->band.num_lines;
+    exit_query query = {.search = self,
+                        .nodes = nodes,
+                        .z = state->coordinates,
+                        .contact = contact,
+                        .squeeze = squeeze,
+                        .window = (size_t)(WINDOW / model->grid.step) + 2};
+
+    find_exits(&query);
+    for (size_t l = 0; l < num_lines; l++)
+        self->moved[l] = watch_exit(&self->watches[l], change, nodes->exit[l], self->wanted[l]);
+    if (num_lines > 1) fill_between(self->moved, self);
+    bool moved = memcmp(self->moved, nodes->exit, num_lines * sizeof *self->moved) != 0;
+    reduced_state_set_exits(state, model, self->moved);
+    return moved;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/kept_factors.h"
+
+#include <string.h>
+
+void kept_factors_init(kept_factors *self, const reduced_model *model, arena *memory) {
+    size_t max_rows = system_max_rows(model), num_lines = model->band.num_lines;
+
+    self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
+    self->row = arena_array(memory, model->rows.num_rows, sizeof *self->row);
+    self->exit = arena_array(memory, num_lines, sizeof *self->exit);
+    self->start.coordinates = arena_array(memory, model->num_unknowns, sizeof(double));
+    if (num_lines > 1)
+        self->start.exits = arena_array(memory, num_lines, sizeof *self->start.exits);
+    self->factors = least_squares_create(max_rows, model->num_unknowns);
+    memory->failed |= !self->factors;
+}
+
+void kept_factors_free(kept_factors *self) {
+    self->factors = least_squares_free(self->factors);
+}
+
+void kept_factors_set(kept_factors *self, const row_system *system, const node_state *nodes,
+                      double closure_weight) {
+    const reduced_model *model = system->model;
+    size_t num_rows = system->num_active + model->num_deformation + 1;
+
+    self->weight = closure_weight;
+    self->num_rows = system->num_active;
+    memcpy(self->row, system->active, system->num_active * sizeof *self->row);
+    memcpy(self->exit, nodes->exit, model->band.num_lines * sizeof *self->exit);
+    memcpy(self->matrix, system->matrix, num_rows * model->num_unknowns * sizeof(double));
+    self->valid = least_squares_factorise(self->factors, self->matrix, num_rows) == EHD_OK;
+}
+
+static const double MAX_EXIT_DISTANCE = 0.025; // half widths
+
+bool kept_factors_are_near(const kept_factors *self, const reduced_model *model,
+                           const reduced_state *state) {
+    const size_t max_distance = (size_t)(MAX_EXIT_DISTANCE / model->grid.step);
+    const size_t *exit = reduced_state_exits(state);
+
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        if (index_distance(exit[l], self->exit[l]) > max_distance) return false;
+    return true;
+}

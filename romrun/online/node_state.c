@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/node_state.h"
+
+#include "romrun/online/band_minimum.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <string.h>
+
+static void fields_init(node_fields *fields, const reduced_model *model, arena *memory) {
+    fields->values =
+        (reduced_values){.checkpoint = model->checkpoints.num, // none
+                         .pressure = arena_array(memory, model->rows.num_needed, sizeof(double)),
+                         .cut = arena_array(memory, model->cut.num_rows, sizeof(double))};
+    fields->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));
+    fields->film = arena_array(memory, model->rows.num_needed, sizeof(double));
+    fields->cut = arena_array(memory, model->cut.num_rows, sizeof(double));
+}
+
+void nodes_init(node_state *self, const reduced_model *model, arena *memory) {
+    self->model = model;
+    self->exit = arena_array(memory, model->band.num_lines, sizeof *self->exit);
+    self->alive = arena_array(memory, model->rows.num_needed, sizeof *self->alive);
+    self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
+    self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
+    fields_init(&self->now, model, memory);
+    fields_init(&self->step, model, memory);
+}
+
+// ---- the exit's cut
+
+void nodes_move_exit(node_state *self, const size_t *exit) {
+    const reduced_model *model = self->model;
+    size_t num_lines = model->band.num_lines, bytes = num_lines * sizeof *exit;
+
+    if (memcmp(self->exit, exit, bytes) == 0) return;
+    memcpy(self->exit, exit, bytes);
+    for (size_t q = 0; q < model->rows.num_needed; q++) {
+        size_t node = model->rows.needed_node[q];
+        self->alive[q] = reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
+    }
+    self->checkpoint = reduced_model_checkpoint(model, exit);
+    self->num_runs = reduced_model_runs(
+        self->runs, model, model->checkpoints.exit + self->checkpoint * num_lines, exit);
+}
+
+const double *nodes_checkpoint_table(const node_state *self) {
+    const reduced_model *model = self->model;
+
+    return model->checkpoints.cut + self->checkpoint * model->cut.num_rows * model->num_pressure;
+}
+
+// ---- the state at the needed nodes
+
+static void product(double *y, const double *matrix, const double *x, size_t rows, size_t columns) {
+    if (rows > 0)
+        cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)rows, (int)columns, 1, matrix, (int)columns,
+                    x, 1, 0, y, 1);
+}
+
+/* Values of coordinates at a checkpoint. */
+static void values_at(reduced_values *values, const reduced_model *model, const double *z,
+                      size_t checkpoint) {
+    size_t size = model->cut.num_rows * model->num_pressure;
+
+    values->checkpoint = checkpoint;
+    product(values->pressure, model->rows.pressure, z, model->rows.num_needed, model->num_pressure);
+    product(values->cut, model->checkpoints.cut + checkpoint * size, z, model->cut.num_rows,
+            model->num_pressure);
+}
+
+void reduced_values_of(reduced_values *values, const reduced_model *model, const double *z,
+                       const size_t *exit) {
+    values_at(values, model, z, reduced_model_checkpoint(model, exit));
+}
+
+void nodes_expand(node_fields *fields, node_state *self, const reduced_values *known,
+                  const double *z) {
+    const reduced_model *model = self->model;
+    size_t num_cut = model->cut.num_rows, num_needed = model->rows.num_needed;
+
+    if (!known || known->checkpoint != self->checkpoint) {
+        values_at(&fields->values, model, z, self->checkpoint);
+        known = &fields->values;
+    }
+    for (size_t q = 0; q < num_needed; q++)
+        fields->pressure[q] = self->alive[q] ? known->pressure[q] : 0;
+    memcpy(fields->cut, known->cut, num_cut * sizeof(double));
+    nodes_expand_runs(self, z);
+    for (size_t r = 0; r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        cblas_dgemv(CblasRowMajor, CblasTrans, (int)run->count, (int)num_cut, run->sign,
+                    model->cut.left + run->first * num_cut, (int)num_cut,
+                    self->band_pressure + run->first, 1, 1, fields->cut, 1);
+    }
+    if (model->deformation == DEFORMATION_COUPLED)
+        memcpy(fields->film, fields->cut, num_needed * sizeof(double));
+    else
+        product(fields->film, model->rows.film, z + model->num_pressure, num_needed,
+                model->num_deformation);
+    for (size_t q = 0; q < num_needed; q++)
+        fields->film[q] += z[model->num_unknowns - 1];
+}
+
+void nodes_expand_state(node_state *self, const reduced_values *known, const double *z) {
+    nodes_expand(&self->now, self, known, z);
+    for (size_t q = 0; q < self->model->rows.num_needed; q++)
+        self->now.film[q] += self->model->rows.gap[q];
+}
+
+void nodes_add_step(node_state *self, double factor) {
+    const reduced_values *step = &self->step.values;
+    reduced_values *now = &self->now.values;
+
+    cblas_daxpy((int)self->model->rows.num_needed, factor, step->pressure, 1, now->pressure, 1);
+    cblas_daxpy((int)self->model->cut.num_rows, factor, step->cut, 1, now->cut, 1);
+}
+
+double nodes_at_centre(const reduced_model *model, const double *values) {
+    const centre_nodes *centre = &model->centre;
+    double sum = 0;
+
+    for (size_t i = 0; i < 4; i++)
+        if (centre->weight[i] != 0) sum += centre->weight[i] * values[centre->place[i]];
+    return sum;
+}
+
+double nodes_load(const node_state *self) {
+    return self->now.cut[self->model->cut.num_rows - 1];
+}
+
+// ---- the state in the band
+
+void reduced_band_pressure(double *pressure, const reduced_model *model, const double *coordinates,
+                           size_t first, size_t count) {
+    product(pressure, model->band.pressure + first * model->num_pressure, coordinates, count,
+            model->num_pressure);
+}
+
+void nodes_expand_places(node_state *self, const double *z, size_t first, size_t count) {
+    reduced_band_pressure(self->band_pressure + first, self->model, z, first, count);
+}
+
+void nodes_expand_band(node_state *self, const double *z, size_t from, size_t to) {
+    if (to > from) nodes_expand_places(self, z, from - self->model->band.lines[0].begin, to - from);
+}
+
+void nodes_expand_runs(node_state *self, const double *z) {
+    for (size_t r = 0; r < self->num_runs; r++)
+        nodes_expand_places(self, z, self->runs[r].first, self->runs[r].count);
+}
+
+void nodes_band_films(double *film, const node_state *self, const double *z, size_t node,
+                      size_t count) {
+    const reduced_model *model = self->model;
+    size_t place = reduced_model_band_place(model, node), num_pressure = model->num_pressure;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? num_pressure : model->num_deformation;
+    const double *checkpoint =
+        model->checkpoints.band + self->checkpoint * model->band.num_nodes * num_pressure;
+    const double *basis = (coupled ? checkpoint : model->band.film) + place * width;
+    const grid_place at = reduced_model_place(model, node);
+
+    for (size_t i = 0; i < count; i++)
+        film[i] = z[model->num_unknowns - 1] + grid_gap(&model->grid, node + i) +
+                  cblas_ddot((int)width, basis + i * width, 1, coupled ? z : z + num_pressure, 1);
+    for (size_t r = 0; coupled && r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        reduced_model_deflect(film, model, at, count, run->line, run->column, run->count,
+                              self->band_pressure + run->first, run->sign);
+    }
+}
+
+double nodes_band_film(const node_state *self, const double *z, size_t node) {
+    double film;
+
+    nodes_band_films(&film, self, z, node, 1);
+    return film;
+}
+
+/* The band's film of a state, for band_minimum. */
+typedef struct film_of_state {
+    const node_state *nodes;
+    const double *z;
+} film_of_state;
+
+static double film_at(const void *context, size_t node) {
+    const film_of_state *self = context;
+
+    return nodes_band_film(self->nodes, self->z, node);
+}
+
+double nodes_minimum_film(node_state *self, const double *z) {
+    const film_of_state film = {self, z};
+    const exit_band *band = &self->model->band;
+    double smallest = INFINITY;
+
+    nodes_expand_runs(self, z);
+    for (size_t l = band->first_minimum; l <= band->last_minimum; l++) {
+        size_t first = l * grid_width(&self->model->grid);
+        smallest = fmin(smallest, band_minimum(film_at, &film, first + band->lines[l].begin,
+                                               first + self->exit[l] + 1));
+    }
+    // in time a dip passes through the front of the contact too, where only the needed nodes are known
+    for (size_t q = 0; q < self->model->rows.num_needed; q++)
+        if (self->alive[q]) smallest = fmin(smallest, self->now.film[q]);
+    return smallest;
+}
+
+// ---- derivatives of the film
+
+void nodes_add_row(double *target, double factor, const double *source, size_t count) {
+    for (size_t j = 0; j < count; j++)
+        target[j] += factor * source[j];
+}
+
+void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed) {
+    const reduced_model *model = self->model;
+    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
+
+    if (model->deformation == DEFORMATION_INDEPENDENT) {
+        nodes_add_row(target + num_pressure, factor, model->rows.film + needed * num_deformation,
+                      num_deformation);
+        return;
+    }
+    nodes_add_row(target, factor, nodes_checkpoint_table(self) + needed * num_pressure,
+                  num_pressure);
+    for (size_t r = 0; r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        for (size_t k = run->first; k < run->first + run->count; k++)
+            nodes_add_row(target,
+                          factor * run->sign * model->cut.left[k * model->cut.num_rows + needed],
+                          model->band.pressure + k * num_pressure, num_pressure);
+    }
+}
+
+double nodes_central_change(node_state *self, const double *step) {
+    const reduced_model *model = self->model;
+    const double *checkpoint = nodes_checkpoint_table(self);
+    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
+    double change = step[model->num_unknowns - 1];
+
+    nodes_expand_runs(self, step);
+    for (size_t i = 0; i < 4; i++) {
+        size_t q = model->centre.place[i];
+        double film = 0;
+        if (model->centre.weight[i] == 0) continue;
+        if (model->deformation == DEFORMATION_INDEPENDENT) {
+            film = cblas_ddot((int)num_deformation, model->rows.film + q * num_deformation, 1,
+                              step + num_pressure, 1);
+        } else {
+            film = cblas_ddot((int)num_pressure, checkpoint + q * num_pressure, 1, step, 1);
+            for (size_t r = 0; r < self->num_runs; r++) {
+                const cut_run *run = &self->runs[r];
+                for (size_t k = run->first; k < run->first + run->count; k++)
+                    film += run->sign * model->cut.left[k * model->cut.num_rows + q] *
+                            self->band_pressure[k];
+            }
+        }
+        change += model->centre.weight[i] * film;
+    }
+    return change;
+}

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/row_system.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <string.h>
+
+size_t system_max_rows(const reduced_model *model) {
+    return model->rows.num_rows + model->num_deformation + 1;
+}
+
+void system_init(row_system *self, const reduced_model *model, arena *memory) {
+    size_t num_rows = model->rows.num_rows, max_rows = system_max_rows(model);
+    size_t num_cut = model->cut.num_rows, num_pressure = model->num_pressure;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+
+    self->model = model;
+    self->rows = arena_array(memory, num_rows, sizeof *self->rows);
+    self->fluid_memory = arena_array(memory, 4 * model->rows.num_needed, sizeof(double));
+    self->active = arena_array(memory, num_rows, sizeof *self->active);
+    self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
+    self->right = arena_array(memory, max_rows, sizeof(double));
+    self->step = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->gradient = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->block = arena_array(memory, coupled ? num_rows + 1 : num_cut + num_pressure,
+                              CUT_BLOCK * sizeof(double));
+    self->block_right = arena_array(memory, num_pressure, CUT_BLOCK * sizeof(double));
+    self->cut = arena_array(memory, coupled ? 1 : num_cut * num_pressure, sizeof(double));
+    self->cut_exit = arena_array(memory, model->band.num_lines, sizeof *self->cut_exit);
+    self->factors = least_squares_create(max_rows, model->num_unknowns);
+    memory->failed |= !self->factors;
+}
+
+void system_free(row_system *self) {
+    self->factors = least_squares_free(self->factors);
+}
+
+// ---- rows
+
+static bool is_active(const row_system *self, const node_state *nodes, size_t r) {
+    return nodes->alive[self->model->rows.stencils[r].node[NODE_HERE]];
+}
+
+void system_list_active(row_system *self, const node_state *nodes) {
+    self->num_active = 0;
+    for (size_t r = 0; r < self->model->rows.num_rows; r++)
+        if (is_active(self, nodes, r)) self->active[self->num_active++] = r;
+}
+
+void system_evaluate(row_system *self, const node_state *nodes, const ehd_contact *contact,
+                     const reduced_squeeze *squeeze) {
+    const row_set *set = &self->model->rows;
+    size_t num_needed = set->num_needed;
+    double *memory = self->fluid_memory;
+    bool compressible = contact->lubricant.density != NULL;
+    reynolds_fluid fluid = {memory, memory + num_needed,
+                            compressible ? memory + 2 * num_needed : NULL,
+                            compressible ? memory + 3 * num_needed : NULL};
+    const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
+                                           squeeze ? squeeze->earlier : NULL};
+
+    reynolds_fluid_evaluate(&fluid, contact, nodes->now.pressure, num_needed);
+    reynolds_rows(self->rows, self->model->grid.step, contact->entrainment,
+                  squeeze ? &rows_squeeze : NULL, set->stencils, set->num_rows, &fluid,
+                  nodes->now.pressure, nodes->now.film);
+}
+
+// ---- right side
+
+double system_closure_weight(const reduced_squeeze *squeeze) {
+    return squeeze ? 1 + squeeze->rate : 1;
+}
+
+size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
+                         const size_t *list, size_t num_list, const contact_closure *closure,
+                         double closure_weight) {
+    const reduced_model *model = self->model;
+    size_t count = 0;
+
+    for (; count < num_list; count++) {
+        size_t r = list[count];
+        self->right[count] =
+            is_active(self, nodes, r) ? model->rows.weight[r] * self->rows[r].residual : 0;
+    }
+    for (size_t j = 0; j < model->num_deformation; j++, count++)
+        self->right[count] = z[model->num_pressure + j] - nodes->now.cut[j];
+    self->right[count] =
+        closure_weight * (closure->by_load * nodes_load(nodes) +
+                          closure->by_approach * z[model->num_unknowns - 1] - closure->value);
+    return count + 1;
+}
+
+// ---- matrix
+
+/* target += sum of factors[a] * sources[a], in one pass. */
+static void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
+                     const double *const sources[NUM_LINE_STENCIL], size_t count) {
+    for (size_t j = 0; j < count; j++) {
+        double sum = target[j];
+        for (int a = 0; a < NUM_LINE_STENCIL; a++)
+            sum += factors[a] * sources[a][j];
+        target[j] = sum;
+    }
+}
+
+/* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases, those of the
+ * coupled film at the exit's checkpoint. */
+static void fill_reynolds_row(double *target, const row_system *self, const node_state *nodes,
+                              size_t r) {
+    const reduced_model *model = self->model;
+    const reynolds_stencil *stencil = &model->rows.stencils[r];
+    const reynolds_row *row = &self->rows[r];
+    double weight = model->rows.weight[r], approach = 0;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? model->num_pressure : model->num_deformation;
+    size_t offset = coupled ? 0 : model->num_pressure;
+    const double *film = coupled ? nodes_checkpoint_table(nodes) : model->rows.film;
+
+    double by_pressure[NUM_LINE_STENCIL] = {0}, by_film[NUM_LINE_STENCIL] = {0};
+    const double *pressures[NUM_LINE_STENCIL], *films[NUM_LINE_STENCIL];
+
+    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+        bool there = stencil->node[a] != NO_NODE;
+        size_t q = there ? stencil->node[a] : 0;
+        pressures[a] = model->rows.pressure + q * model->num_pressure;
+        films[a] = film + q * width;
+        if (!there) continue;
+        if (nodes->alive[q]) by_pressure[a] = weight * row->by_pressure[a];
+        by_film[a] = weight * row->by_film[a];
+        approach += row->by_film[a];
+    }
+    memset(target, 0, model->num_unknowns * sizeof(double));
+    add_rows(target, by_pressure, pressures, model->num_pressure);
+    add_rows(target + offset, by_film, films, width);
+    for (int a = NODE_LEFT; a <= NODE_RIGHT && stencil->node[a] != NO_NODE; a++) {
+        size_t q = stencil->node[a];
+        if (nodes->alive[q])
+            nodes_add_row(target, weight * row->by_pressure[a],
+                          model->rows.pressure + q * model->num_pressure, model->num_pressure);
+        nodes_add_row(target + offset, weight * row->by_film[a], film + q * width, width);
+        approach += row->by_film[a];
+    }
+    target[model->num_unknowns - 1] = weight * approach;
+}
+
+/* What a band node's pressure makes of the active rows: the load balance last, [num_active + 1]. The
+ * products are rounded as fill_reynolds_row does, so that a node that is taken away leaves nothing of
+ * itself. */
+static void fill_left_side(double *left, size_t stride, const row_system *self, size_t place,
+                           double sign, double load_weight) {
+    const reduced_model *model = self->model;
+    const double *by_node = model->cut.left + place * model->cut.num_rows;
+
+    for (size_t i = 0; i < self->num_active; i++) {
+        size_t r = self->active[i];
+        const reynolds_stencil *stencil = &model->rows.stencils[r];
+        double weight = model->rows.weight[r], sum = 0;
+        for (int a = 0; a < NUM_STENCIL; a++)
+            if (stencil->node[a] != NO_NODE)
+                sum += weight * self->rows[r].by_film[a] * by_node[stencil->node[a]];
+        left[i * stride] = sign * sum;
+    }
+    left[self->num_active * stride] = sign * load_weight * by_node[model->cut.num_rows - 1];
+}
+
+/* matrix += left right of the first `rank` nodes in the block. */
+static void add_block(row_system *self, size_t rank) {
+    const reduced_model *model = self->model;
+
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)self->num_active + 1,
+                (int)model->num_pressure, (int)rank, 1, self->block, CUT_BLOCK, self->block_right,
+                (int)model->num_pressure, 1, self->matrix, (int)model->num_unknowns);
+}
+
+/* Brings the rows of a coupled basis from the exit's checkpoint to the exit: eq. 36 of Maier et al.
+ * (2015) with the stencils applied to its left sides first. */
+static void add_runs(row_system *self, const node_state *nodes, double load_weight) {
+    const reduced_model *model = self->model;
+    size_t rank = 0;
+
+    for (size_t r = 0; r < nodes->num_runs; r++) {
+        const cut_run *run = &nodes->runs[r];
+        for (size_t k = run->first; k < run->first + run->count; k++) {
+            fill_left_side(self->block + rank, CUT_BLOCK, self, k, run->sign, load_weight);
+            memcpy(self->block_right + rank * model->num_pressure,
+                   model->band.pressure + k * model->num_pressure,
+                   model->num_pressure * sizeof(double));
+            if (++rank < CUT_BLOCK) continue;
+            add_block(self, rank);
+            rank = 0;
+        }
+    }
+    if (rank > 0) add_block(self, rank);
+}
+
+/* Brings the cut table of an independent basis to the exit, always from the exit's checkpoint: its
+ * bits then depend on the exit alone, and rounding errors do not add up over thousands of steps in
+ * time. Of a coupled one the rows of the Jacobian are brought there instead, of which there are fewer
+ * (add_runs). */
+static void make_cut_table(row_system *self, const node_state *nodes) {
+    const reduced_model *model = self->model;
+    size_t size = model->cut.num_rows * model->num_pressure;
+    size_t bytes = model->band.num_lines * sizeof(size_t);
+
+    if (memcmp(self->cut_exit, nodes->exit, bytes) == 0) return;
+    memcpy(self->cut, nodes_checkpoint_table(nodes), size * sizeof(double));
+    if (nodes->num_runs > 0)
+        reduced_model_change_cut(self->cut, model, nodes->runs, nodes->num_runs, self->block);
+    memcpy(self->cut_exit, nodes->exit, bytes);
+}
+
+/* The projected elasticity of an independent basis, from row `count` on; returns the row behind. */
+static size_t fill_elasticity(row_system *self, size_t count) {
+    const reduced_model *model = self->model;
+    size_t n = model->num_unknowns, num_pressure = model->num_pressure;
+
+    for (size_t j = 0; j < model->num_deformation; j++, count++) {
+        double *row = self->matrix + count * n;
+        memset(row, 0, n * sizeof(double));
+        nodes_add_row(row, -1, self->cut + j * num_pressure, num_pressure);
+        row[num_pressure + j] = 1;
+    }
+    return count;
+}
+
+void system_fill_matrix(row_system *self, const node_state *nodes, const contact_closure *closure,
+                        double closure_weight) {
+    const reduced_model *model = self->model;
+    size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+
+    if (!coupled) make_cut_table(self, nodes);
+    const double *load = (coupled ? nodes_checkpoint_table(nodes) : self->cut) +
+                         (model->cut.num_rows - 1) * num_pressure;
+    for (; count < self->num_active; count++)
+        fill_reynolds_row(self->matrix + count * n, self, nodes, self->active[count]);
+    count = fill_elasticity(self, count);
+    double *row = self->matrix + count * n;
+    memset(row, 0, n * sizeof(double));
+    nodes_add_row(row, closure_weight * closure->by_load, load, num_pressure);
+    row[n - 1] = closure_weight * closure->by_approach;
+    if (coupled) add_runs(self, nodes, closure_weight * closure->by_load);
+}
+
+double system_left_residual(const row_system *self) {
+    size_t n = self->model->num_unknowns;
+    size_t num_rows = self->num_active + self->model->num_deformation + 1;
+    double sum = 0;
+
+    for (size_t r = 0; r < num_rows; r++) {
+        double left = self->right[r] + cblas_ddot((int)n, self->matrix + r * n, 1, self->step, 1);
+        sum += left * left;
+    }
+    return sqrt(sum);
+}

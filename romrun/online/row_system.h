@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The least-squares problem of an iteration: the selected Reynolds rows before the exit, weighted,
+ * the projected elasticity of an independent basis, and the closure. Owns rows, matrix, factors and
+ * step. */
+#ifndef EHD_ROW_SYSTEM_H
+#define EHD_ROW_SYSTEM_H
+
+#include "romrun/online/least_squares.h"
+#include "romrun/online/node_state.h"
+
+typedef struct row_system {
+    const reduced_model *model;
+    reynolds_row *rows;   // [rows of the model] at the state
+    double *fluid_memory; // [4, num_needed]
+    size_t num_active;    // rows before the exit
+    size_t *active;       // [rows of the model] these
+    double *matrix;       // [rows + num_deformation + 1, num_unknowns]
+    double *right;        // [rows + num_deformation + 1]
+    double *step;         // [num_unknowns]
+    double *gradient;     // [num_unknowns] of the central film
+    least_squares *factors;
+    double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
+                         // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
+    double *block_right; // [CUT_BLOCK, num_pressure] right sides of those of rows
+    double *cut;         // independent: [cut rows, num_pressure] the cut table for cut_exit
+    size_t *cut_exit;    // [num_lines]; 0: none yet
+} row_system;
+
+/* Memory from an arena, but for the factors; the model must outlive it. */
+void system_init(row_system *self, const reduced_model *model, arena *memory);
+void system_free(row_system *self);
+
+/* Most rows that a least-squares problem of the model may have. */
+size_t system_max_rows(const reduced_model *model);
+
+/* Rows and their derivatives at the state that `nodes` holds, into self->rows. */
+void system_evaluate(row_system *self, const node_state *nodes, const ehd_contact *contact,
+                     const reduced_squeeze *squeeze);
+
+/* Lists the rows before the exit. */
+void system_list_active(row_system *self, const node_state *nodes);
+
+/* Right side of eq. 37 of Maier et al. (2015): the Reynolds rows of a list (those behind the exit
+ * count as fulfilled), projected elasticity, closure. Returns the number of rows. */
+size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
+                         const size_t *list, size_t num_list, const contact_closure *closure,
+                         double closure_weight);
+
+/* Matrix of eq. 38 for the active rows, at the present exit. */
+void system_fill_matrix(row_system *self, const node_state *nodes, const contact_closure *closure,
+                        double closure_weight);
+
+/* Short time steps make large rows, among which the closure must not get lost: 1 + rate. */
+double system_closure_weight(const reduced_squeeze *squeeze);
+
+/* |D f + D J step| of the last step: what least squares leave. */
+double system_left_residual(const row_system *self);
+
+#endif
