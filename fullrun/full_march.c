@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/full_march.h"
 
-#include "common/time/bdf.h"
+#include "common/time/saved_ring.h"
 #include "fullrun/continuation.h"
 #include "fullrun/earlier.h"
 #include "fullrun/judge.h"
@@ -369,69 +369,72 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 // ---- saving
 
-enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double), NUM_STATE_SCALARS = 2 };
+enum { NUM_STATE_SCALARS = 2 };
 
 static const double RUPTURED = -1; // in place of a pressure, which is never so low
 
-static size_t saved_state_size(const full_march *self) {
-    return NUM_FRAME + NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes;
+/* Rigid approach, exit, pressure and film. */
+static void save_state(double *target, contact_frame *frame, const void *solver, size_t place) {
+    const full_march *self = solver;
+    const earlier_state *earlier = &self->states[place];
+    size_t num_nodes = self->reference.grid.num_nodes;
+
+    *frame = earlier->frame;
+    target[0] = earlier->state.rigid_approach;
+    target[1] = (double)earlier->state.exit;
+    target += NUM_STATE_SCALARS;
+    for (size_t k = 0; k < num_nodes; k++)
+        target[k] = earlier->state.ruptured[k] ? RUPTURED : earlier->state.pressure[k];
+    memcpy(target + num_nodes, earlier->state.film, num_nodes * sizeof(double));
+}
+
+static ehd_status restore_state(void *solver, size_t place, const contact_frame *frame,
+                                const double *source, ehd_error *error) {
+    full_march *self = solver;
+    earlier_state *earlier = &self->states[place];
+    size_t num_nodes = self->reference.grid.num_nodes;
+
+    if (!(source[1] > 1 && source[1] < (double)num_nodes))
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found the exit at node %g, expected it on the grid",
+                        source[1]);
+    earlier->frame = *frame;
+    earlier->state.rigid_approach = source[0];
+    earlier->state.exit = (size_t)source[1];
+    source += NUM_STATE_SCALARS;
+    for (size_t k = 0; k < num_nodes; k++) {
+        earlier->state.ruptured[k] = source[k] == RUPTURED;
+        earlier->state.pressure[k] = earlier->state.ruptured[k] ? 0 : source[k];
+    }
+    memcpy(earlier->state.film, source + num_nodes, num_nodes * sizeof(double));
+    earlier_prepare(earlier, &self->carrier);
+    return EHD_OK;
+}
+
+static saved_states saved_states_of(const full_march *self) {
+    return (saved_states){.size = NUM_STATE_SCALARS + 2 * self->reference.grid.num_nodes,
+                          .save = save_state,
+                          .restore = restore_state};
 }
 
 static size_t saved_size(const void *solver) {
-    const full_march *self = solver;
+    const saved_states states = saved_states_of(solver);
 
-    return 1 + BDF_EARLIER * saved_state_size(self);
+    return ring_saved_size(&states);
 }
 
 static void save(double *saved, const void *solver) {
     const full_march *self = solver;
-    size_t num_nodes = self->reference.grid.num_nodes;
+    const saved_states states = saved_states_of(self);
 
-    memset(saved, 0, saved_size(self) * sizeof *saved);
-    saved[0] = (double)self->ring.num_earlier;
-    for (size_t i = 0; i < self->ring.num_earlier; i++) {
-        const earlier_state *earlier = &self->states[self->ring.place[i + 1]];
-        double *target = saved + 1 + i * saved_state_size(self);
-        memcpy(target, &earlier->frame, sizeof earlier->frame);
-        target += NUM_FRAME;
-        target[0] = earlier->state.rigid_approach;
-        target[1] = (double)earlier->state.exit;
-        target += NUM_STATE_SCALARS;
-        for (size_t k = 0; k < num_nodes; k++)
-            target[k] = earlier->state.ruptured[k] ? RUPTURED : earlier->state.pressure[k];
-        memcpy(target + num_nodes, earlier->state.film, num_nodes * sizeof(double));
-    }
+    ring_save(saved, &self->ring, &states, self);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     full_march *self = solver;
-    size_t num_nodes = self->reference.grid.num_nodes;
+    const saved_states states = saved_states_of(self);
 
-    if (!(saved[0] >= 1 && saved[0] <= BDF_EARLIER))
-        return ehd_fail(error, EHD_DATA, "restart: found %g earlier states, expected 1 to %d",
-                        saved[0], BDF_EARLIER);
-    self->ring.num_earlier = (size_t)saved[0];
-    for (size_t i = 0; i < self->ring.num_earlier; i++) {
-        earlier_state *earlier = state_before(self, i + 1);
-        const double *source = saved + 1 + i * saved_state_size(self);
-        memcpy(&earlier->frame, source, sizeof earlier->frame);
-        self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
-        source += NUM_FRAME;
-        if (!(source[1] > 1 && source[1] < (double)num_nodes))
-            return ehd_fail(error, EHD_DATA,
-                            "restart: found the exit at node %g, expected it on the grid",
-                            source[1]);
-        earlier->state.rigid_approach = source[0];
-        earlier->state.exit = (size_t)source[1];
-        source += NUM_STATE_SCALARS;
-        for (size_t k = 0; k < num_nodes; k++) {
-            earlier->state.ruptured[k] = source[k] == RUPTURED;
-            earlier->state.pressure[k] = earlier->state.ruptured[k] ? 0 : source[k];
-        }
-        memcpy(earlier->state.film, source + num_nodes, num_nodes * sizeof(double));
-        earlier_prepare(earlier, &self->carrier);
-    }
-    return EHD_OK;
+    return ring_restore(&self->ring, self, saved, &states, error);
 }
 
 static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {

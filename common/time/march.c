@@ -99,21 +99,27 @@ static double earlier(double time, double event) {
     return time < event * (1 - ROUNDING) ? time : event;
 }
 
-/* The next time: a step further, or where the histories have an event, a fixed step's multiple is or the
- * march ends. *is_kink: it is that of an event; *jump: the histories jump there. */
-static double next_time(bool *is_kink, bool *jump, const march *self) {
+/* Where the next attempt leads. */
+typedef struct next_stop {
+    double time;
+    bool is_kink; // the time of an event of the histories
+    bool is_jump; // and they jump there
+} next_stop;
+
+/* A step further, or where the histories have an event, a fixed step's multiple is or the march ends. */
+static next_stop find_next_stop(const march *self) {
     const double time = self->state.time, step = self->state.step;
     double fixed = self->settings.fixed_step, end = self->settings.end_time;
-    double kink = histories_next_kink(self->histories, time, jump), event = earlier(kink, end);
+    bool jump;
+    double kink = histories_next_kink(self->histories, time, &jump), event = earlier(kink, end);
 
     // a multiple, not a sum, so that times do not drift and a step that was cut falls back into place
     if (!isnan(fixed)) event = earlier(next_multiple(time, fixed), event);
-    *is_kink = event == kink;
-    *jump = *jump && *is_kink;
-    if (step >= (event - time) * (1 - 1e-9) - ROUNDING * event) return event;
-    *is_kink = *jump = false;
+    if (step >= (event - time) * (1 - 1e-9) - ROUNDING * event)
+        return (next_stop){event, event == kink, jump && event == kink};
     // two equal steps rather than a whole one and a sliver
-    return step > 0.5 * (event - time) ? time + 0.5 * (event - time) : time + step;
+    return (next_stop){.time =
+                           step > 0.5 * (event - time) ? time + 0.5 * (event - time) : time + step};
 }
 
 /* The solvers take the solution for smooth. Right after a kink its second derivative has jumped, by J say:
@@ -161,10 +167,67 @@ static double next_step(const march *self, const march_step *outcome) {
     return outcome->step * fmin(fmax(factor, LEAST_SHRINK), MOST_GROWTH);
 }
 
-static void take(march *self, const march_step *outcome) {
+/* Attempts the step to the next time. */
+static ehd_status attempt(march_step *outcome, march *self, const next_stop *next,
+                          ehd_error *error) {
+    march_state *state = &self->state;
+    double step = next->time - state->time;
+    double load = march_expected_load(state->load, state->load_rate, step);
+    contact_frame frame =
+        march_frame(&self->settings, self->reference->kind, self->histories, next->time, load);
+    ehd_status status = self->solver.attempt(outcome, self->solver.self, &frame, step, error);
+
+    if (status) return status;
+    outcome->frame = frame;
+    outcome->step = step;
+    if (state->at_kink > 0)
+        outcome->local_error = error_after_kink(self, step, outcome->local_error);
+    state->num_iterations += (double)outcome->iterations;
+    if (outcome->status != EHD_NOT_CONVERGED) watch_noise(self, outcome);
+    return EHD_OK;
+}
+
+static bool is_adaptive(const march *self) {
+    return isnan(self->settings.fixed_step);
+}
+
+static bool is_rejected(const march *self, const march_step *outcome) {
+    return outcome->status == EHD_NOT_CONVERGED ||
+           (is_adaptive(self) && !(outcome->local_error <= accepted_error(self)));
+}
+
+/* A shorter step is tried next, or the march ends where there is none. */
+static void reject(march *self, const march_step *outcome) {
+    march_state *state = &self->state;
+    bool failed = outcome->status == EHD_NOT_CONVERGED;
+    double step = outcome->step;
+
+    state->num_rejected++;
+    state->rejected_step = failed ? 0 : step;
+    state->rejected_error = outcome->local_error;
+    state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, outcome), 0.9 * step);
+    if (!(state->step > least_step(self)))
+        snprintf(self->reason, sizeof self->reason,
+                 "found a step size of %.1e at T = %.10g (%s), expected above %.1e", state->step,
+                 state->time, failed ? outcome->reason : "local error", least_step(self));
+}
+
+/* The length of the next attempt after an accepted step. Neither a step cut short by an event nor one
+ * shortened for noise says anything about it. */
+static double step_after(const march *self, const march_step *outcome) {
+    const march_state *state = &self->state;
+    double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
+
+    if (!is_adaptive(self)) return self->settings.fixed_step;
+    return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
+}
+
+/* The step counts; it was the solver's last attempt. */
+static void accept(march *self, const march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
     double load = outcome->scalars.load * outcome->frame.load;
 
+    self->solver.accept(self->solver.self);
     state->noise *= NOISE_KEPT;
     state->step_before = state->last_step;
     state->last_step = outcome->step;
@@ -172,49 +235,10 @@ static void take(march *self, const march_step *outcome) {
     state->load = load;
     state->time = outcome->frame.time;
     state->num_steps++;
+    state->at_kink = reached->is_kink;
     watch_trust(self, outcome);
-}
-
-/* One attempt, accepted or not. */
-static ehd_status advance(march *self, ehd_error *error) {
-    march_state *state = &self->state;
-    bool adaptive = isnan(self->settings.fixed_step), is_kink, jump;
-    double time = next_time(&is_kink, &jump, self), step = time - state->time;
-    march_step outcome;
-
-    contact_frame frame = march_frame(&self->settings, self->reference->kind, self->histories, time,
-                                      march_expected_load(state->load, state->load_rate, step));
-    ehd_status status = self->solver.attempt(&outcome, self->solver.self, &frame, step, error);
-    if (status) return status;
-    outcome.frame = frame;
-    outcome.step = step;
-    if (state->at_kink > 0) outcome.local_error = error_after_kink(self, step, outcome.local_error);
-    state->num_iterations += (double)outcome.iterations;
-
-    bool failed = outcome.status == EHD_NOT_CONVERGED;
-    if (!failed) watch_noise(self, &outcome);
-    if (failed || (adaptive && !(outcome.local_error <= accepted_error(self)))) {
-        state->num_rejected++;
-        state->rejected_step = failed ? 0 : step;
-        state->rejected_error = outcome.local_error;
-        state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, &outcome), 0.9 * step);
-        if ((adaptive || failed) && !(state->step > least_step(self)))
-            snprintf(self->reason, sizeof self->reason,
-                     "found a step size of %.1e at T = %.10g (%s), expected above %.1e",
-                     state->step, state->time, failed ? outcome.reason : "local error",
-                     least_step(self));
-        return EHD_OK;
-    }
-    self->solver.accept(self->solver.self);
-    take(self, &outcome);
-    state->at_kink = is_kink;
-    // neither a step cut short by an event nor one shortened for noise says anything about the length of the next one
-    double before = outcome.local_error > self->settings.tolerance ? state->rejected_step : 0;
-    if (adaptive)
-        state->step = fmax(next_step(self, &outcome), fmin(fmax(state->step, before), 2 * step));
-    else
-        state->step = self->settings.fixed_step;
-    if (jump) {
+    state->step = step_after(self, outcome);
+    if (reached->is_jump) {
         self->solver.restart(self->solver.self);
         state->last_step = state->step_before = 0;
         state->step = self->settings.first_step;
@@ -222,7 +246,21 @@ static ehd_status advance(march *self, ehd_error *error) {
     state->rejected_step = 0;
     // where this is too long, the march ends as soon as it is rejected
     state->step = fmax(state->step, 2 * least_step(self));
-    return self->store(self->sink, &outcome, (size_t)state->num_steps, error);
+}
+
+/* One attempt, accepted or not. */
+static ehd_status advance(march *self, ehd_error *error) {
+    const next_stop next = find_next_stop(self);
+    march_step outcome;
+    ehd_status status = attempt(&outcome, self, &next, error);
+
+    if (status) return status;
+    if (is_rejected(self, &outcome)) {
+        reject(self, &outcome);
+        return EHD_OK;
+    }
+    accept(self, &outcome, &next);
+    return self->store(self->sink, &outcome, (size_t)self->state.num_steps, error);
 }
 
 /* Ends a march that crawls: where a model's own noise is above the tolerance, steps get shorter until the noise

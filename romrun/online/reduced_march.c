@@ -2,7 +2,7 @@
 #include "romrun/online/reduced_march.h"
 
 #include "common/program/program.h"
-#include "common/time/bdf.h"
+#include "common/time/saved_ring.h"
 #include "romrun/online/fields.h"
 
 #include <cblas.h>
@@ -40,25 +40,18 @@ struct reduced_march {
     size_t last_iterations;            // of the attempt
     bool own_jacobian;                 // the attempt made one
     reduced_march_effort effort;
+    arena memory; // of the arrays above
 };
 
 reduced_march *reduced_march_free(reduced_march *self) {
-    if (self) {
-        reduced_solver_free(self->solver);
-        trained_range_free(self->range);
-        for (size_t i = 0; i <= BDF_EARLIER; i++)
-            earlier_film_free(&self->states[i]);
-        free(self->ascending);
-        free(self->mass);
-        reduced_state_free(&self->factors.state);
-        free(self->watched_end);
-        free(self->band_attempt);
-        free(self->band_earlier);
-        free(self->earlier);
-        free(self->row_pressure);
-        free(self->row_mass);
-        free(self);
-    }
+    if (!self) return NULL;
+    reduced_solver_free(self->solver);
+    trained_range_free(self->range);
+    for (size_t i = 0; i <= BDF_EARLIER; i++)
+        earlier_film_free(&self->states[i]);
+    reduced_state_free(&self->factors.state);
+    arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -76,12 +69,25 @@ static void sort_rows(reduced_march *self) {
             self->model->rows.node);
 }
 
+static void take_arrays(reduced_march *self) {
+    size_t num_rows = self->model->rows.num_rows, num_band = self->model->band.num_nodes;
+    size_t num_lines = self->model->band.num_lines;
+    arena *memory = &self->memory;
+
+    self->ascending = arena_array(memory, num_rows, sizeof *self->ascending);
+    self->mass = arena_array(memory, num_rows, BDF_EARLIER * sizeof(double));
+    self->earlier = arena_array(memory, num_rows, sizeof(double));
+    self->row_pressure = arena_array(memory, num_rows, sizeof(double));
+    self->row_mass = arena_array(memory, num_rows, sizeof(double));
+    self->watched_end = arena_array(memory, num_lines, sizeof *self->watched_end);
+    self->band_attempt = arena_array(memory, num_band, sizeof *self->band_attempt);
+    self->band_earlier = arena_array(memory, num_band, sizeof(double));
+}
+
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
                                 const film_splines *splines, const ehd_contact *reference,
                                 const reduced_settings *settings, ehd_error *error) {
-    size_t bytes = model->rows.num_rows * sizeof(double);
     reduced_march *self = calloc(1, sizeof *self);
-    bool whole;
 
     *created = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -89,18 +95,9 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->splines = splines;
     self->reference = *reference;
     self->ring = bdf_ring_empty();
-    self->earlier = malloc(bytes);
-    self->row_pressure = malloc(bytes);
-    self->row_mass = malloc(bytes);
     self->range = trained_range_create(model);
-    self->mass = malloc(BDF_EARLIER * bytes);
-    self->ascending = malloc(model->rows.num_rows * sizeof *self->ascending);
-    self->watched_end = malloc(model->band.num_lines * sizeof *self->watched_end);
-    self->band_attempt = calloc(model->band.num_nodes, sizeof *self->band_attempt);
-    self->band_earlier = malloc(model->band.num_nodes * sizeof(double));
-    whole = self->earlier && self->row_pressure && self->row_mass && self->mass &&
-            self->ascending && self->watched_end && self->band_attempt && self->band_earlier &&
-            self->range;
+    take_arrays(self);
+    bool whole = self->range && !self->memory.failed;
     if (whole) sort_rows(self);
     ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
                               : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -435,8 +432,8 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Whether the factors still serve the next step, by how they did in this one. */
-static bool factors_serve(const reduced_march *self, const reduced_state *solved) {
+/* Whether the kept factors may be used for the next step, by how they did in this one. */
+static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     const size_t most_iterations = 3;
     const double most_rate_change = 0.25;
 
@@ -446,7 +443,7 @@ static bool factors_serve(const reduced_march *self, const reduced_state *solved
 }
 
 static void renew_factors(reduced_march *self, const earlier_film *solved) {
-    if (factors_serve(self, &solved->state)) return;
+    if (factors_are_current(self, &solved->state)) return;
     self->factors.valid = true;
     self->factors.frame = solved->frame;
     self->factors.rate = self->formula.rate;
@@ -492,39 +489,23 @@ reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
 
 // ---- saving
 
-enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
-
-static size_t saved_state_size(const reduced_march *self) {
-    return NUM_FRAME + self->model->band.num_lines + self->model->num_unknowns;
+/* Numbers of a reduced state. */
+static size_t saved_state_size(const reduced_model *model) {
+    return model->band.num_lines + model->num_unknowns;
 }
 
-/* Number of earlier states, they themselves, the last frame of a solved load, and what the kept factors were
- * made at. */
-static size_t saved_size(const void *solver) {
-    const reduced_march *self = solver;
-
-    return 1 + BDF_EARLIER * saved_state_size(self) + NUM_FRAME + 2 + saved_state_size(self);
-}
-
-/* Frame, exits and coordinates. */
-static void save_state(double *target, const reduced_march *self, const contact_frame *frame,
-                       const reduced_state *state) {
-    const reduced_model *model = self->model;
+/* Exits and coordinates. */
+static void save_state(double *target, const reduced_state *state, const reduced_model *model) {
     const size_t *exit = reduced_state_exits(state);
 
-    memcpy(target, frame, sizeof *frame);
-    target += NUM_FRAME;
     for (size_t l = 0; l < model->band.num_lines; l++)
         target[l] = (double)exit[l];
     memcpy(target + model->band.num_lines, state->coordinates,
            model->num_unknowns * sizeof(double));
 }
 
-static ehd_status restore_state(contact_frame *frame, reduced_state *state,
-                                const reduced_march *self, const double *source, ehd_error *error) {
-    const reduced_model *model = self->model;
-    const double *exit = source + NUM_FRAME;
-
+static ehd_status restore_state(reduced_state *state, const double *exit,
+                                const reduced_model *model, ehd_error *error) {
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
         if (!(exit[l] >= (double)line->min_exit && exit[l] <= (double)line->max_exit))
@@ -532,7 +513,6 @@ static ehd_status restore_state(contact_frame *frame, reduced_state *state,
                             "saved state: found the exit at node %g, expected %zu to %zu", exit[l],
                             line->min_exit, line->max_exit);
     }
-    memcpy(frame, source, sizeof *frame);
     state->exit = (size_t)exit[grid_central_line(&model->grid) / grid_width(&model->grid)];
     for (size_t l = 0; l < model->band.num_lines && state->exits; l++)
         state->exits[l] = (size_t)exit[l];
@@ -540,54 +520,84 @@ static ehd_status restore_state(contact_frame *frame, reduced_state *state,
     return EHD_OK;
 }
 
+static void save_earlier(double *target, contact_frame *frame, const void *solver, size_t place) {
+    const reduced_march *self = solver;
+
+    *frame = self->states[place].frame;
+    save_state(target, &self->states[place].state, self->model);
+}
+
+static ehd_status restore_earlier(void *solver, size_t place, const contact_frame *frame,
+                                  const double *source, ehd_error *error) {
+    reduced_march *self = solver;
+    earlier_film *earlier = &self->states[place];
+    ehd_status status = restore_state(&earlier->state, source, self->model, error);
+
+    if (status) return status;
+    earlier->frame = *frame;
+    reduced_values_of(&earlier->values, self->model, earlier->state.coordinates,
+                      reduced_state_exits(&earlier->state));
+    earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
+    return EHD_OK;
+}
+
+static saved_states saved_states_of(const reduced_march *self) {
+    return (saved_states){
+        .size = saved_state_size(self->model), .save = save_earlier, .restore = restore_earlier};
+}
+
+/* What stands behind the accepted states: the frame of the last solved load, and whether there are
+ * kept factors, with rate, frame and state that they were made at. */
+typedef struct saved_rest {
+    contact_frame loaded;
+    double valid, rate;
+    contact_frame frame;
+} saved_rest;
+
+enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
+
+static size_t saved_size(const void *solver) {
+    const reduced_march *self = solver;
+    const saved_states states = saved_states_of(self);
+
+    return ring_saved_size(&states) + NUM_REST + saved_state_size(self->model);
+}
+
 static void save(double *saved, const void *solver) {
     const reduced_march *self = solver;
-    double *loaded = saved + 1 + BDF_EARLIER * saved_state_size(self);
-    double *factors = loaded + NUM_FRAME;
+    const saved_states states = saved_states_of(self);
+    double *behind = saved + ring_saved_size(&states);
+    saved_rest rest = {.loaded = self->last_loaded,
+                       .valid = self->factors.valid ? 1 : 0,
+                       .rate = self->factors.rate};
 
     memset(saved, 0, saved_size(self) * sizeof *saved);
-    saved[0] = (double)self->ring.num_earlier;
-    for (size_t i = 0; i < self->ring.num_earlier; i++) {
-        const earlier_film *earlier = &self->states[self->ring.place[i + 1]];
-        save_state(saved + 1 + i * saved_state_size(self), self, &earlier->frame, &earlier->state);
+    ring_save(saved, &self->ring, &states, self);
+    if (self->factors.valid) {
+        rest.frame = self->factors.frame;
+        save_state(behind + NUM_REST, &self->factors.state, self->model);
     }
-    memcpy(loaded, &self->last_loaded, sizeof self->last_loaded);
-    factors[0] = self->factors.valid ? 1 : 0;
-    factors[1] = self->factors.rate;
-    if (self->factors.valid)
-        save_state(factors + 2, self, &self->factors.frame, &self->factors.state);
+    memcpy(behind, &rest, sizeof rest);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     reduced_march *self = solver;
-    const double *loaded = saved + 1 + BDF_EARLIER * saved_state_size(self);
-    const double *factors = loaded + NUM_FRAME;
-    ehd_status status = EHD_OK;
+    const saved_states states = saved_states_of(self);
+    const double *behind = saved + ring_saved_size(&states);
+    saved_rest rest;
+    ehd_status status = ring_restore(&self->ring, self, saved, &states, error);
 
-    if (!(saved[0] >= 1 && saved[0] <= BDF_EARLIER))
-        return ehd_fail(error, EHD_DATA, "saved state: found %g earlier states, expected 1 to %d",
-                        saved[0], BDF_EARLIER);
-    for (size_t i = 0; i < (size_t)saved[0] && !status; i++) {
-        earlier_film *earlier = state_before(self, i + 1);
-        status = restore_state(&earlier->frame, &earlier->state, self,
-                               saved + 1 + i * saved_state_size(self), error);
-        if (status) break;
-        self->ring.time[self->ring.place[i + 1]] = earlier->frame.time;
-        reduced_values_of(&earlier->values, self->model, earlier->state.coordinates,
-                          reduced_state_exits(&earlier->state));
-        earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
-    }
-    memcpy(&self->last_loaded, loaded, sizeof self->last_loaded);
+    memcpy(&rest, behind, sizeof rest);
+    self->last_loaded = rest.loaded;
     drop_factors(self);
-    if (!status && factors[0] == 1) {
-        status =
-            restore_state(&self->factors.frame, &self->factors.state, self, factors + 2, error);
-        self->factors.rate = factors[1];
-        self->factors.valid = !status;
-        if (!status) keep_factors(self);
-    }
-    self->ring.num_earlier = (size_t)saved[0];
-    return status;
+    if (status || rest.valid != 1) return status;
+    status = restore_state(&self->factors.state, behind + NUM_REST, self->model, error);
+    if (status) return status;
+    self->factors.frame = rest.frame;
+    self->factors.rate = rest.rate;
+    self->factors.valid = true;
+    keep_factors(self);
+    return EHD_OK;
 }
 
 static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
