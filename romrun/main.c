@@ -8,8 +8,8 @@
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "romrun/calibrate/accuracy.h"
+#include "romrun/calibrate/against.h"
 #include "romrun/calibrate/calibrate.h"
-#include "romrun/calibrate/time_compare.h"
 #include "romrun/calibrate/verify.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/ehdrom.h"
@@ -41,7 +41,7 @@ typedef struct romrun_options {
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
     double accuracy;   // of the central film, to choose the sizes by; 0: not given
-    ehdrom_sizes most; // the most accurate sizes, for scenes that those do not do for
+    ehdrom_sizes most; // fallback sizes: the most accurate ones
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
@@ -161,62 +161,6 @@ static void print_settings(void) {
     scene_print_help(stdout);
 }
 
-// ---- comparison
-
-static void print_deviation(const char *name, double reduced, double full) {
-    if (isfinite(full) && full != 0)
-        printf("  %-24s %13.8g against %13.8g  %+.4f permille\n", name, reduced, full,
-               (reduced / full - 1) * 1e3);
-}
-
-/* Largest difference of a field on the nodes of a grid and one on the inner nodes of the whole of it. */
-static double field_difference(const double *nodes, const double *inner, const ehd_grid *grid) {
-    size_t num_inner = grid_whole(grid).num_inner;
-    double largest = 0;
-
-    for (size_t i = 0; i < num_inner; i++) {
-        size_t node = grid_node_of_row(grid, grid_row_of_whole(grid, i));
-        largest = fmax(largest, fabs(nodes[node] - inner[i]));
-    }
-    return largest;
-}
-
-static ehd_status check_same_scene(double moes_M, double alpha_p_H, double hertz_pressure,
-                                   const char *path, const ehd_contact *contact, ehd_error *error) {
-    const double slack = 1e-6;
-
-    if (fabs(moes_M - contact->moes_M) <= slack * contact->moes_M &&
-        fabs(hertz_pressure - contact->hertz_pressure) <=
-            slack * fmax(contact->hertz_pressure, 1) &&
-        fabs(alpha_p_H - contact->alpha_p_H) <= slack * fmax(contact->alpha_p_H, 1))
-        return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "%s: found a result of M = %g, alpha p_H = %g, %.6g GPa, expected the scene's "
-                    "M = %g, alpha p_H = %g, %.6g GPa",
-                    path, moes_M, alpha_p_H, hertz_pressure * 1e-9, contact->moes_M,
-                    contact->alpha_p_H, contact->hertz_pressure * 1e-9);
-}
-
-static void compare(const run_result *result, const stored_result *stored, const char *path,
-                    const ehd_contact *contact) {
-    const ehd_grid *grid = &contact->grid;
-    size_t num_inner = grid_whole(grid).num_inner;
-
-    printf("against %s:\n", path);
-    print_deviation("central film thickness", result->central_film_thickness,
-                    stored->central_film_thickness);
-    print_deviation("minimum film thickness", result->minimum_film_thickness,
-                    stored->minimum_film_thickness);
-    print_deviation("central pressure", result->central_pressure, stored->central_pressure);
-    print_deviation("exit position", result->exit_position, stored->exit_position);
-    if (result->pressure && stored->pressure && stored->num_inner == num_inner)
-        printf("  %-24s %.2e of the Hertz pressure\n", "largest pressure error",
-               field_difference(result->pressure, stored->pressure, grid));
-    if (result->film && stored->film && stored->num_inner == num_inner)
-        printf("  %-24s %.2e\n", "largest film error",
-               field_difference(result->film, stored->film, grid));
-}
-
 // ---- the solution
 
 static int compare_seconds(const void *a, const void *b) {
@@ -315,7 +259,7 @@ typedef struct attempt {
     ehdrom_model *model;
     ehdrom_solver *solver;
     ehdrom_result solution;
-    double first_seconds; // of an attempt before that did not do
+    double first_seconds; // of an attempt before, at the sizes chosen first
 } attempt;
 
 static void attempt_free(attempt *self) {
@@ -335,8 +279,8 @@ static ehd_status attempt_at(attempt *self, const ehdrom_sizes *sizes,
     return status ? status : ehdrom_solve(&self->solution, self->solver, contact, error);
 }
 
-/* With the sizes chosen, and where these do not do for the scene with the most accurate ones, which the
- * options then say. */
+/* With the sizes chosen and, where the result is not accurate enough, once more with the fallback sizes,
+ * which the options then say. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_at(self, &options->sizes, options, contact, error);
@@ -358,85 +302,111 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
     return status;
 }
 
-static ehd_status run_stationary(const program *self, romrun_options *options,
+/* A stationary scene on its way from the command line to the result. */
+typedef struct stationary_run {
+    const program *caller;
+    romrun_options *options;
+    const ehd_contact *contact;
+    stored_result against; // where there is one
+    attempt attempt;
+    double *pressure, *film; // [nodes of the grid], NULL unless fields are wanted
+    double *exits;           // [inner lines of the whole grid]
+    run_result result;       // views of these
+    char *text;              // settings
+} stationary_run;
+
+static void stationary_run_free(stationary_run *self) {
+    result_free(&self->against);
+    attempt_free(&self->attempt);
+    free(self->pressure);
+    free(self->film);
+    free(self->exits);
+    free(self->text);
+}
+
+static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error *error) {
+    const char *path = self->options->against;
+    stored_result *against = &self->against;
+    if (!path) return EHD_OK;
+    ehd_status status = result_read(against, path, self->contact->kind, with_fields, error);
+
+    return status ? status
+                  : against_check(against->moes_M, against->alpha_p_H, against->hertz_pressure,
+                                  path, self->contact, error);
+}
+
+/* The solution as a result, with its exits and, where wanted, fields. */
+static ehd_status take_result(stationary_run *self, bool with_fields, ehd_error *error) {
+    const ehd_grid *grid = &self->contact->grid;
+    attempt *done = &self->attempt;
+    ehd_status status = EHD_OK;
+
+    done->solution.seconds += done->first_seconds;
+    self->exits = malloc(grid_whole(grid).inner_lines * sizeof(double));
+    if (!self->exits) return ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
+    ehdrom_exits(self->exits, done->solver);
+    if (with_fields) {
+        self->pressure = malloc(grid->num_nodes * sizeof(double));
+        self->film = malloc(grid->num_nodes * sizeof(double));
+        status = self->pressure && self->film
+                     ? ehdrom_fields(self->pressure, self->film, done->solver, error)
+                     : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+    }
+    self->result = make_result(&done->solution, self->pressure, self->film);
+    self->result.exits = self->exits;
+    if (self->options->accuracy > 0) accuracy_judge(&self->result, self->options->accuracy);
+    return status;
+}
+
+/* What a person reads on stdout. */
+static ehd_status show(const stationary_run *self, ehd_error *error) {
+    const romrun_options *options = self->options;
+    const attempt *done = &self->attempt;
+    ehd_status status = EHD_OK;
+
+    if (self->result.status == EHD_NOT_CONVERGED) return EHD_OK;
+    result_print(&self->result, self->contact);
+    if (options->verify)
+        status = print_verification(done->solver, &done->solution, self->contact, error);
+    if (!status && options->against)
+        against_print(&self->result, &self->against, options->against, self->contact);
+    return status;
+}
+
+static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, bool with_fields,
+                                 ehd_error *error) {
+    const program *caller = self->caller;
+    romrun_options *options = self->options;
+    const char *const inputs[] = {caller->arguments[0], options->model, options->against, NULL};
+    attempt *done = &self->attempt;
+    artefact *file = NULL;
+    ehd_status status = read_against(self, with_fields, error);
+
+    if (!status) status = solve_scene(done, options, caller, self->contact, error);
+    if (!status) status = text_with_sizes(&self->text, scene_lines, options, error);
+    if (!status && caller->output)
+        status = result_create(&file, caller, self->contact, self->text, inputs, error);
+    if (!status && options->repeats > 1)
+        status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
+    if (!status) status = take_result(self, with_fields, error);
+    if (!status && file) status = result_write(&file, &self->result, self->contact, error);
+    if (!status) status = show(self, error);
+    if (!status) status = judge(&self->result, options, caller->arguments[0], error);
+    artefact_close(&file);
+    return status;
+}
+
+static ehd_status run_stationary(const program *caller, romrun_options *options,
                                  const ehd_contact *contact, const scene *given,
                                  const char *scene_lines, ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], options->model, options->against, NULL};
-    const bool with_fields = given->output_fields == 1;
-    attempt done = {0};
-    stored_result full = {0};
-    artefact *file = NULL;
-    double *pressure = NULL, *film = NULL;
-    double *exits = malloc(grid_whole(&contact->grid).inner_lines * sizeof *exits);
-    char *text = NULL;
-    ehd_status status =
-        exits ? EHD_OK : ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
+    stationary_run self = {.caller = caller, .options = options, .contact = contact};
+    ehd_status status = solve_and_show(&self, scene_lines, given->output_fields == 1, error);
 
-    if (!status && options->against) {
-        status = result_read(&full, options->against, contact->kind, with_fields, error);
-        if (!status)
-            status = check_same_scene(full.moes_M, full.alpha_p_H, full.hertz_pressure,
-                                      options->against, contact, error);
-    }
-    if (!status) status = solve_scene(&done, options, self, contact, error);
-    if (!status) status = text_with_sizes(&text, scene_lines, options, error);
-    if (!status && self->output) status = result_create(&file, self, contact, text, inputs, error);
-    if (!status && options->repeats > 1)
-        status = solve(&done.solution, done.solver, contact, options->repeats, error);
-    done.solution.seconds += done.first_seconds;
-    if (!status && with_fields) {
-        pressure = malloc(contact->grid.num_nodes * sizeof *pressure);
-        film = malloc(contact->grid.num_nodes * sizeof *film);
-        status = pressure && film ? ehdrom_fields(pressure, film, done.solver, error)
-                                  : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
-    }
-    if (!status) {
-        run_result result = make_result(&done.solution, pressure, film);
-        ehdrom_exits(exits, done.solver);
-        result.exits = exits;
-        if (options->accuracy > 0) accuracy_judge(&result, options->accuracy);
-        if (file) status = result_write(&file, &result, contact, error);
-        if (!status && result.status != EHD_NOT_CONVERGED) result_print(&result, contact);
-        if (!status && options->verify && result.status != EHD_NOT_CONVERGED)
-            status = print_verification(done.solver, &done.solution, contact, error);
-        if (!status && options->against && result.status != EHD_NOT_CONVERGED)
-            compare(&result, &full, options->against, contact);
-        if (!status) status = judge(&result, options, self->arguments[0], error);
-    }
-    artefact_close(&file);
-    result_free(&full);
-    attempt_free(&done);
-    free(pressure);
-    free(film);
-    free(exits);
-    free(text);
+    stationary_run_free(&self);
     return status;
 }
 
 // ---- in time
-
-static ehd_status compare_in_time(const time_trace *trace, const time_series *full,
-                                  const char *path, ehd_error *error) {
-    const struct {
-        const char *name;
-        const double *reduced, *full;
-    } quantities[] = {
-        {"central film thickness", trace->central_film_thickness, full->central_film_thickness},
-        {"central pressure", trace->central_pressure, full->central_pressure}};
-    ehd_error cause = {""};
-
-    printf("against %s:\n", path);
-    for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
-        time_deviation deviation;
-        ehd_status status =
-            time_compare(&deviation, trace->time, quantities[i].reduced, trace->count, full->time,
-                         quantities[i].full, full->num_times, &cause);
-        if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
-        printf("  %-24s at most %.3g %% off, at T = %.6g; %.2g %% in the mean\n",
-               quantities[i].name, deviation.largest * 100, deviation.at, deviation.mean * 100);
-    }
-    return EHD_OK;
-}
 
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 const ehd_contact *contact, const scene *given,
@@ -454,8 +424,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
-            status = check_same_scene(full.moes_M, full.alpha_p_H, full.hertz_pressure,
-                                      options->against, contact, error);
+            status = against_check(full.moes_M, full.alpha_p_H, full.hertz_pressure,
+                                   options->against, contact, error);
     }
     if (!status) {
         const time_run_task task = {.caller = self,
@@ -472,7 +442,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
     if ((!status || status == EHD_UNTRUSTED) && options->against) {
-        ehd_status compared = compare_in_time(&trace, &full, options->against, error);
+        ehd_status compared = against_print_in_time(&trace, &full, options->against, error);
         if (compared) status = compared;
     }
     time_trace_free(&trace);
