@@ -11,6 +11,31 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* rho H of the accepted states at the place of the present one: at the rows' nodes, and at the band's
+ * nodes where an iteration asks for it. */
+typedef struct earlier_sums {
+    size_t *ascending; // [num_rows] the rows by their nodes
+    double *mass;      // [num_rows, BDF_EARLIER] rho H of each state
+    double *sum;       // [num_rows] their sum by the formula
+    size_t attempt,
+        *band_attempt; // number of the attempt; [nodes of the band] of the one that asked
+    double *band_sum;  // [nodes of the band]
+} earlier_sums;
+
+/* What the local error of an attempt is estimated from. */
+typedef struct error_estimate {
+    double *pressure, *mass; // [num_rows] P and rho H at the rows' nodes
+    size_t *end;             // [num_lines] columns before which it is looked at
+} error_estimate;
+
+/* What the solver's kept factors were made at, so that a restored march makes the same ones. */
+typedef struct factors_origin {
+    bool valid;
+    contact_frame frame;
+    double rate;
+    reduced_state state;
+} factors_origin;
+
 struct reduced_march {
     const reduced_model *model;
     const film_splines *splines;
@@ -20,27 +45,14 @@ struct reduced_march {
     earlier_film states[BDF_EARLIER + 1]; // in the places of the ring
     bdf_ring ring;
     bdf_formula formula; // of the attempt
-    size_t *ascending;   // [num_rows] the rows by their nodes
-    double *mass;        // [num_rows, BDF_EARLIER] rho H of earlier states at the rows' nodes
-    double *earlier;     // [num_rows] their sum by the formula
-    double *row_pressure, *row_mass; // [num_rows]
-    size_t *watched_end; // [num_lines] columns before which the local error is looked at
-    // the sums asked for at the band's nodes in this attempt, by its number
-    size_t attempt, *band_attempt; // [num_band]
-    double *band_earlier;          // [num_band]
-    // what the solver's kept factors were made at, so that a restored march makes the same ones
-    struct {
-        bool valid;
-        contact_frame frame;
-        double rate;
-        reduced_state state;
-    } factors;
+    earlier_sums earlier;
+    error_estimate estimate;
+    factors_origin factors;
     // frames of the solved loads, where the approach is given not the ones that were solved in
     contact_frame loaded, last_loaded; // of the attempt; of the last accepted state
-    size_t last_iterations;            // of the attempt
-    bool own_jacobian;                 // the attempt made one
+    reduced_info info;                 // of the attempt
     reduced_march_effort effort;
-    arena memory; // of the arrays above
+    arena memory; // of all arrays
 };
 
 reduced_march *reduced_march_free(reduced_march *self) {
@@ -64,9 +76,9 @@ static int compare_nodes(const void *a, const void *b, void *context) {
 /* Neighbours share most of what the splines there take. */
 static void sort_rows(reduced_march *self) {
     for (size_t r = 0; r < self->model->rows.num_rows; r++)
-        self->ascending[r] = r;
-    qsort_r(self->ascending, self->model->rows.num_rows, sizeof *self->ascending, compare_nodes,
-            self->model->rows.node);
+        self->earlier.ascending[r] = r;
+    qsort_r(self->earlier.ascending, self->model->rows.num_rows, sizeof *self->earlier.ascending,
+            compare_nodes, self->model->rows.node);
 }
 
 static void take_arrays(reduced_march *self) {
@@ -74,14 +86,14 @@ static void take_arrays(reduced_march *self) {
     size_t num_lines = self->model->band.num_lines;
     arena *memory = &self->memory;
 
-    self->ascending = arena_array(memory, num_rows, sizeof *self->ascending);
-    self->mass = arena_array(memory, num_rows, BDF_EARLIER * sizeof(double));
-    self->earlier = arena_array(memory, num_rows, sizeof(double));
-    self->row_pressure = arena_array(memory, num_rows, sizeof(double));
-    self->row_mass = arena_array(memory, num_rows, sizeof(double));
-    self->watched_end = arena_array(memory, num_lines, sizeof *self->watched_end);
-    self->band_attempt = arena_array(memory, num_band, sizeof *self->band_attempt);
-    self->band_earlier = arena_array(memory, num_band, sizeof(double));
+    self->earlier.ascending = arena_array(memory, num_rows, sizeof *self->earlier.ascending);
+    self->earlier.mass = arena_array(memory, num_rows, BDF_EARLIER * sizeof(double));
+    self->earlier.sum = arena_array(memory, num_rows, sizeof(double));
+    self->estimate.pressure = arena_array(memory, num_rows, sizeof(double));
+    self->estimate.mass = arena_array(memory, num_rows, sizeof(double));
+    self->estimate.end = arena_array(memory, num_lines, sizeof *self->estimate.end);
+    self->earlier.band_attempt = arena_array(memory, num_band, sizeof *self->earlier.band_attempt);
+    self->earlier.band_sum = arena_array(memory, num_band, sizeof(double));
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
@@ -164,7 +176,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
         outcome->reason = "an exit boundary at the edge of the trained range";
     }
     for (size_t r = 0; r < model->rows.num_rows; r++)
-        if (self->row_pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0) {
+        if (self->estimate.pressure[r] < rupture && grid_x(&model->grid, model->rows.node[r]) < 0) {
             outcome->status = EHD_UNTRUSTED;
             outcome->reason = "a negative pressure before the contact";
         }
@@ -186,10 +198,10 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
  * which the stationary problem with a given load is solved. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
-    const size_t most_turns = 30;
+    const size_t max_turns = 30;
     ehd_status status = EHD_OK;
 
-    for (size_t turn = 0; turn < most_turns; turn++) {
+    for (size_t turn = 0; turn < max_turns; turn++) {
         ehd_contact contact;
         frame_contact(&contact, frame, &self->reference);
         status = solve(info, self, &contact, NULL, error);
@@ -234,7 +246,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     self->ring.num_earlier = 0;
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
-        reduced_row_values(self->row_pressure, NULL, self->solver, &contact);
+        reduced_row_values(self->estimate.pressure, NULL, self->solver, &contact);
         judge(outcome, self, &first->state, &first->frame);
     }
     self->formula.rate = 0;
@@ -287,11 +299,11 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
 
     list_earlier(films, self);
     for (size_t i = 0; i < model->rows.num_rows; i++) {
-        size_t r = self->ascending[i];
-        double *mass = self->mass + r * BDF_EARLIER;
+        size_t r = self->earlier.ascending[i];
+        double *mass = self->earlier.mass + r * BDF_EARLIER;
         earlier_film_masses(mass, films, num, model->rows.node[r], frame, model, self->splines,
                             &self->reference);
-        self->earlier[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
+        self->earlier.sum[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
     }
     self->effort.seconds_earlier += program_seconds() - start;
 }
@@ -314,30 +326,30 @@ static double earlier_at(void *solver, size_t node) {
     reduced_march *self = solver;
     size_t place = reduced_model_band_place(self->model, node);
 
-    if (self->band_attempt[place] != self->attempt) {
-        self->band_earlier[place] = sum_at(self, node);
-        self->band_attempt[place] = self->attempt;
+    if (self->earlier.band_attempt[place] != self->earlier.attempt) {
+        self->earlier.band_sum[place] = sum_at(self, node);
+        self->earlier.band_attempt[place] = self->earlier.attempt;
     }
-    return self->band_earlier[place];
+    return self->earlier.band_sum[place];
 }
 
 /* How far before the exit the local error is looked at: on a coarse grid some nodes, since truncated modes give a node
  * that the exit moves by a pressure at once. */
 static double exit_margin(const ehd_grid *grid) {
-    const double least_nodes = 4;
+    const double min_nodes = 4;
 
-    return fmax(march_exit_margin, least_nodes * grid->step);
+    return fmax(march_exit_margin, min_nodes * grid->step);
 }
 
 /* Columns of all lines before which the local error is looked at: march_exit_margin before the exit and, of a point
  * contact, as far from those of the lines beside and of the states that the step looks at. */
-static void find_watched(reduced_march *self) {
+static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
     size_t num_states = model->band.num_lines > 1 ? self->ring.num_earlier : 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
-        self->watched_end[l] = SIZE_MAX;
+        self->estimate.end[l] = SIZE_MAX;
     for (size_t i = 0; i <= num_states; i++) {
         const size_t *exit = reduced_state_exits(&state_before(self, i)->state);
         for (size_t l = 0; l < model->band.num_lines; l++) {
@@ -345,7 +357,7 @@ static void find_watched(reduced_march *self) {
                 l + margin < model->band.num_lines ? l + margin : model->band.num_lines - 1;
             if (!reduced_model_has_band(model, l)) continue;
             for (size_t near = l > margin ? l - margin : 0; near <= last; near++)
-                if (exit[l] < self->watched_end[near]) self->watched_end[near] = exit[l];
+                if (exit[l] < self->estimate.end[near]) self->estimate.end[near] = exit[l];
         }
     }
 }
@@ -357,14 +369,14 @@ static double local_error(reduced_march *self, double central_film) {
     const ehd_grid *grid = &model->grid;
     double largest = 0;
 
-    find_watched(self);
+    find_error_end(self);
     for (size_t r = 0; r < model->rows.num_rows; r++) {
         const size_t node = model->rows.node[r];
-        double mass = self->row_mass[r];
-        double end = grid_x(grid, self->watched_end[reduced_model_line(model, node)]);
+        double mass = self->estimate.mass[r];
+        double end = grid_x(grid, self->estimate.end[reduced_model_line(model, node)]);
         if (grid_x(grid, node) >= end - exit_margin(grid)) continue;
         for (size_t i = 0; i < self->ring.num_earlier; i++)
-            mass -= self->formula.predictor[i] * self->mass[r * BDF_EARLIER + i];
+            mass -= self->formula.predictor[i] * self->earlier.mass[r * BDF_EARLIER + i];
         largest = fmax(largest, fabs(mass));
     }
     return self->formula.error * largest / central_film;
@@ -389,26 +401,25 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     reduced_info info;
 
     self->formula = bdf_ring_formula(&self->ring, step);
-    self->attempt++;
+    self->earlier.attempt++;
     next->frame = *frame;
     frame_contact(&contact, frame, &self->reference);
     carry_over(self, frame);
     predict(self);
-    const reduced_squeeze squeeze = {self->formula.rate, self->earlier, earlier_at, self,
+    const reduced_squeeze squeeze = {self->formula.rate, self->earlier.sum, earlier_at, self,
                                      &next->values};
     ehd_status status = solve(&info, self, &contact, &squeeze, error);
     if (status) return status;
     if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
         info.status = EHD_NOT_CONVERGED;
-    self->last_iterations = info.iterations;
-    self->own_jacobian = info.own_jacobian;
+    self->info = info;
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .scalars = info.scalars,
                             .iterations = info.iterations,
                             .residual = info.residual};
     if (info.status != EHD_NOT_CONVERGED) {
-        reduced_row_values(self->row_pressure, self->row_mass, self->solver, &contact);
+        reduced_row_values(self->estimate.pressure, self->estimate.mass, self->solver, &contact);
         if (self->formula.error > 0)
             outcome->local_error = local_error(self, info.scalars.central_film_thickness);
         judge(outcome, self, &next->state, frame);
@@ -434,12 +445,13 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
 
 /* Whether the kept factors may be used for the next step, by how they did in this one. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
-    const size_t most_iterations = 3;
-    const double most_rate_change = 0.25;
+    const size_t max_iterations = 3;
+    const double max_rate_change = 0.25;
 
-    return self->factors.valid && !self->own_jacobian && self->last_iterations <= most_iterations &&
+    return self->factors.valid && !self->info.own_jacobian &&
+           self->info.iterations <= max_iterations &&
            same_exits(solved, &self->factors.state, self->model) &&
-           fabs(self->formula.rate / self->factors.rate - 1) < most_rate_change;
+           fabs(self->formula.rate / self->factors.rate - 1) < max_rate_change;
 }
 
 static void renew_factors(reduced_march *self, const earlier_film *solved) {
