@@ -44,9 +44,8 @@ static size_t window_begin(const reduced_model *model, size_t exit, size_t windo
 // ---- film and rows in the band
 
 /* H at a band node of the state, once: the rows of neighbouring lines share nodes. */
-static double film_at(const exit_query *query, size_t node) {
+static double film_at(const exit_query *query, size_t node, size_t place) {
     exit_search *self = query->search;
-    size_t place = reduced_model_band_place(self->model, node);
 
     if (self->band_search[place] != self->search) {
         self->band_film[place] = nodes_band_film(query->nodes, query->z, node);
@@ -85,11 +84,12 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
         const grid_place at = reduced_model_place(model, other);
         bool banded = reduced_model_has_band(model, at.line);
         bool alive = at.column < query->nodes->exit[at.line];
-        size_t place = banded ? reduced_model_band_place(model, other) : 0;
+        const band_line *line = &model->band.lines[at.line];
+        size_t place = banded ? line->offset + at.column - line->begin : 0;
         around->pressure[count] = alive ? query->nodes->band_pressure[place] : 0;
         // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to
         // it from the exit, where there is no pressure either.
-        around->film[count++] = banded ? film_at(query, other) : 0;
+        around->film[count++] = banded ? film_at(query, other, place) : 0;
     }
     around->fluid = (reynolds_fluid){around->memory[0], around->memory[1],
                                      compressible ? around->memory[2] : NULL,
@@ -123,7 +123,9 @@ static double flux_at(void *state, size_t node) {
 }
 
 static double line_film(void *state, size_t node) {
-    return film_at(state, node);
+    const exit_query *query = state;
+
+    return film_at(query, node, reduced_model_band_place(query->search->model, node));
 }
 
 // ---- where the exits should be
