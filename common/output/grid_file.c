@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/grid_file.h"
 
-#include "common/settings/scene.h"
+#include "common/settings/scene_contact.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -162,7 +162,7 @@ ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const p
     ehd_status status = scene_read(given, path, caller->overrides, caller->num_overrides, error);
     if (status) return status;
 
-    status = contact_init(contact, given, &cause);
+    status = scene_contact(contact, given, &cause);
     if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
     *text = scene_text(given);
     return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);

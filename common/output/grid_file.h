@@ -6,6 +6,7 @@
 #include "common/artefact/artefact.h"
 #include "common/physics/contact.h"
 #include "common/program/program.h"
+#include "common/settings/scene.h"
 #include <stdbool.h>
 
 /* Axis x, the inner nodes, and of a point contact y, their lines. */

@@ -259,18 +259,8 @@ bool grid_same(const ehd_grid *a, const ehd_grid *b) {
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
-static void grid_init(ehd_grid *grid, const scene *given) {
-    const double step = scene_step(given);
-    size_t inner_x = (size_t)lround((given->x_max - given->x_min) / step) + 1;
-    size_t half_lines = 0;
-
-    if (!isnan(given->y_max)) half_lines = (size_t)lround(given->y_max / step);
-    bool half = half_lines > 0 && given->half != 0;
-    *grid = grid_of(given->x_min, step, inner_x, half ? half_lines + 1 : 2 * half_lines + 1, half);
-}
-
 /* Moes numbers and scales from load, radius, speed, modulus and viscosity. */
-static ehd_status contact_from_physical(ehd_contact *contact, const scene *given,
+static ehd_status contact_from_physical(ehd_contact *contact, const contact_settings *given,
                                         ehd_error *error) {
     double eta0 = contact->lubricant.eta0; // NaN where the law has none
 
@@ -291,22 +281,19 @@ static ehd_status contact_from_physical(ehd_contact *contact, const scene *given
     return EHD_OK;
 }
 
-ehd_status contact_init(ehd_contact *contact, const scene *given, ehd_error *error) {
-    memset(contact, 0, sizeof *contact);
-    if (strcmp(given->regime, "stationary") == 0 && strcmp(given->closure, "approach") == 0)
-        return ehd_fail(error, EHD_DATA,
-                        "closure: found approach in a stationary scene, expected load; a transient "
-                        "scene finds the load of an approach");
-    contact->kind = *given->contact ? contact_kind_find(given->contact) : &contact_line;
-    contact->entrainment = 1;
-    contact->closure = contact_load_closure(contact->kind);
-    contact->half_width = contact->radius = contact->load = NAN;
-    grid_init(&contact->grid, given);
-    bool approach_given = strcmp(given->closure, "approach") == 0;
-    contact->approach_length = !isnan(given->approach_length) ? given->approach_length
-                               : approach_given               ? 10
-                                                              : 1;
-    ehd_status status = approach_given ? contact_check_approach(contact, error) : EHD_OK;
+ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd_error *error) {
+    const double default_length = given->approach_given ? 10 : 1;
+
+    *contact = (ehd_contact){
+        .kind = given->kind,
+        .grid = given->grid,
+        .entrainment = 1,
+        .closure = contact_load_closure(given->kind),
+        .approach_length = isnan(given->approach_length) ? default_length : given->approach_length,
+        .half_width = NAN,
+        .radius = NAN,
+        .load = NAN};
+    ehd_status status = given->approach_given ? contact_check_approach(contact, error) : EHD_OK;
     if (!status) status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The dimensionless contact: grid, geometry, elasticity and what a scene's parameters become. */
+/* The dimensionless contact: grid, geometry, elasticity, lubricant and operating point. */
 #ifndef EHD_CONTACT_H
 #define EHD_CONTACT_H
 
 #include "common/physics/lubricant.h"
 #include "common/program/status.h"
-#include "common/settings/scene.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -136,13 +135,29 @@ typedef struct contact_scalars {
     double load;           // int P relative to the kind's
 } contact_scalars;
 
+/* What a contact is made from. NaN: not given. */
+typedef struct contact_settings {
+    const contact_kind *kind;
+    ehd_grid grid;
+    lubricant_settings lubricant;
+    double moes_M, moes_L;  // 1; NaN: by the next five, which are otherwise not used
+    double load;            // N/m of a line contact, N of a point contact
+    double radius;          // m
+    double speed;           // m/s, mean of the two surfaces
+    double modulus;         // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity;       // Pa s at zero pressure
+    double hertz_pressure;  // Pa; NaN: the one that M, L and the lubricant imply
+    bool approach_given;    // instead of the load
+    double approach_length; // reference half widths; NaN: 10 where the approach is given, else 1
+} contact_settings;
+
 /* Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond the viscosity law's limit,
- * viscosity that contradicts the law. */
+ * viscosity that contradicts the law, an approach measured from too near. */
 ehd_status contact_init(
     // output:
     ehd_contact *contact,
     // input:
-    const scene *given, ehd_error *error);
+    const contact_settings *given, ehd_error *error);
 
 /* Changes M and L of a contact that keeps its lubricant and grid (continuation, eq. of section 1).
  * The Hertz pressure follows from L. */

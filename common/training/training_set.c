@@ -2,6 +2,7 @@
 #include "common/training/training_set.h"
 
 #include "common/output/inputs.h"
+#include "common/settings/scene_contact.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -25,7 +26,7 @@ static ehd_status make_contact(ehd_contact *contact, bool *inside, const plan *o
     const double *bounds = of->where_bounds[point->group];
     char name[POINT_NAME];
     ehd_error cause = {""};
-    ehd_status status = contact_init(contact, &point->scene, &cause);
+    ehd_status status = scene_contact(contact, &point->scene, &cause);
 
     // a point that is left out may lie where the lubricant's law does not hold
     bool known = contact->alpha_p_H > 0 || !status;

@@ -11,7 +11,7 @@
  *     if (ehdrom_open(&model, "model.h5", NULL, &error) ||      // once
  *         ehdrom_solver_create(&solver, model, &error) ||       // once a thread
  *         scene_read(&given, "scene.yml", NULL, 0, &error) ||   // or fill a scene by scene_set
- *         contact_init(&contact, &given, &error) ||
+ *         scene_contact(&contact, &given, &error) ||
  *         ehdrom_solve(&result, solver, &contact, &error))      // as often as wanted
  *         fprintf(stderr, "%s\n", error.text);
  *
@@ -22,7 +22,7 @@
 
 #include "common/physics/contact.h"
 #include "common/program/status.h"
-#include "common/settings/scene.h"
+#include "common/settings/scene_contact.h"
 #include "common/time/march.h"
 #include "romrun/model/sizes.h"
 #include <stdbool.h>

@@ -300,7 +300,7 @@ static ehd_status oscillate(const char *scene_path, const char *model_path,
     scene given;
     ehd_status status = scene_read(&given, scene_path, NULL, 0, error);
 
-    if (!status) status = contact_init(&reference, &given, error);
+    if (!status) status = scene_contact(&reference, &given, error);
     if (!status) status = run_reduced(&reduced, model_path, &reference, error);
     if (!status) status = write_trace(&reduced, reduced_path, error);
     if (status) return status;

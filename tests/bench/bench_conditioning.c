@@ -10,6 +10,7 @@
  * To count instructions of the solvers: callgrind with --toggle-collect=time_solvers, where each solves the
  * same system REPEATS times. */
 #include "common/program/program.h"
+#include "common/settings/scene_contact.h"
 #include "fullrun/full_solver.h"
 #include "romrun/model/model_file.h"
 #include "romrun/online/fields.h"
@@ -519,7 +520,7 @@ int main(int argc, char **argv) {
                                 .rows = strtoul(argv[4], NULL, 10)};
     must(scene_read(&given, argv[2], (const char *const *)argv + 6, (size_t)argc - 6, &error),
          &error);
-    must(contact_init(&contact, &given, &error), &error);
+    must(scene_contact(&contact, &given, &error), &error);
     must(model_read(&model, path, &sizes, &error), &error);
     if (model.deformation != DEFORMATION_COUPLED) {
         fprintf(stderr,

@@ -7,6 +7,7 @@
  * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
  * instructions by callgrind with --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
+#include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
 #include "romrun/online/indicator.h"
 #include "romrun/online/reduced_solver.h"
@@ -122,7 +123,7 @@ int main(int argc, char **argv) {
     const ehdrom_sizes sizes = {.pressure_modes = strtoul(argv[5], NULL, 10),
                                 .rows = strtoul(argv[6], NULL, 10)};
     must(scene_read(&given, argv[2], (const char *const *)argv + 7, num_overrides, &error), &error);
-    must(contact_init(&contact, &given, &error), &error);
+    must(scene_contact(&contact, &given, &error), &error);
     must(model_read(&model, argv[1], &sizes, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
     reduced_state state = {.coordinates = must_allocate(model.num_unknowns * sizeof(double))};

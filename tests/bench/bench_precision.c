@@ -6,6 +6,7 @@
  *
  * Rounded: values only, the arithmetic stays double. */
 #include "common/program/program.h"
+#include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"
 #include "romrun/online/reduced_march.h"
 #include "romrun/online/reduced_solver.h"
@@ -334,7 +335,7 @@ int main(int argc, char **argv) {
     openblas_set_num_threads(1);
     must(scene_read(&given, argv[3], (const char *const *)argv + 4, (size_t)argc - 4, &error),
          &error);
-    must(contact_init(&contact, &given, &error), &error);
+    must(scene_contact(&contact, &given, &error), &error);
     if (strcmp(argv[1], "results") == 0)
         compare_results(argv[2], &contact, &given);
     else

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/marched.h"
 
+#include "common/settings/scene_contact.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -60,7 +62,7 @@ void marched_begin(marched *self, const scene *of) {
     self->scene = *of;
     settings.tolerance = 1e-12;
     settings.linear_tolerance = 1e-10;
-    if (contact_init(&self->reference, of, &error) ||
+    if (scene_contact(&self->reference, of, &error) ||
         histories_init(&self->histories, of, &error) ||
         full_march_create(&self->full, &self->reference, &settings, of->start_film, &error))
         fail_msg("%s", error.text);

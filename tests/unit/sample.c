@@ -29,7 +29,7 @@ static ehd_contact contact_of(const scene *given) {
     ehd_contact contact;
     ehd_error error;
 
-    if (contact_init(&contact, given, &error)) {
+    if (scene_contact(&contact, given, &error)) {
         fprintf(stderr, "%s\n", error.text);
         abort();
     }

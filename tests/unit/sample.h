@@ -4,6 +4,7 @@
 #define EHD_SAMPLE_H
 
 #include "common/physics/contact.h"
+#include "common/settings/scene_contact.h"
 
 /* Defaults with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa), or wlf by the name of
  * its preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */

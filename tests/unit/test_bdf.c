@@ -176,7 +176,7 @@ static ehd_contact physical_contact(const contact_kind *kind, const double *fact
     ehd_contact contact;
     ehd_error error = {""};
 
-    if (contact_init(&contact, &given, &error)) fail_msg("%s", error.text);
+    if (scene_contact(&contact, &given, &error)) fail_msg("%s", error.text);
     return contact;
 }
 

@@ -125,7 +125,7 @@ static int set_up(void **state) {
     check_ok(scene_parse(&given, scene_of_training, strlen(scene_of_training), "scene", NULL, 0,
                          &error));
     given.approach_length = 10;
-    check_ok(contact_init(&reference, &given, &error));
+    check_ok(scene_contact(&reference, &given, &error));
     check_ok(histories_init(&histories, &given, &error));
     training_init(&self);
     training_run(&self);

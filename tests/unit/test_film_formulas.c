@@ -41,7 +41,7 @@ static ehd_contact steel(const char *kind, double load, double modulus) {
     given.modulus = modulus;
     given.viscosity = VISCOSITY;
     given.lubricant.alpha = ALPHA;
-    if (contact_init(&contact, &given, &error)) fail_msg("%s", error.text);
+    if (scene_contact(&contact, &given, &error)) fail_msg("%s", error.text);
     return contact;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The full model in time, on a coarse grid. */
+#include "common/settings/scene_contact.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/marched.h"
@@ -302,7 +303,7 @@ static void approach_from_within_is_refused(void **state) {
     ehd_contact contact;
     ehd_error error = {""};
     of.approach_length = 2.9;
-    assert_int_equal(contact_init(&contact, &of, &error), EHD_DATA);
+    assert_int_equal(scene_contact(&contact, &of, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "approach_length: found 2.9, expected at least 3"));
 }
 
@@ -472,7 +473,7 @@ static void create_without_memory(const scene *of, size_t most_allocations) {
     full_settings settings = full_default_settings();
     ehd_contact reference;
     ehd_status status = EHD_MEMORY;
-    assert_int_equal(contact_init(&reference, of, NULL), EHD_OK);
+    assert_int_equal(scene_contact(&reference, of, NULL), EHD_OK);
     for (size_t fail_at = 0; status == EHD_MEMORY; fail_at++) {
         full_march *self = (full_march *)&self;
         allocation_fail_at(fail_at);

@@ -191,7 +191,7 @@ static void physical_scene(void **state) {
     given.speed = 1;
     given.modulus = 2.2e11;
     given.viscosity = 0.01;
-    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     // by hand: U = 0.01 2 / (2.2e11 0.01), W = 2e5 / (2.2e11 0.01), a^2 = 8 2e5 0.01 / (pi 2.2e11)
     check_close(contact.moes_M, 30.15113445777636, 1e-13, 0);
     check_close(contact.moes_L, 7.6401960910866045, 1e-13, 0);
@@ -214,9 +214,9 @@ static void contradictory_viscosity_is_refused(void **state) {
     given.speed = 1;
     given.modulus = 2.2e11;
     given.viscosity = 0.0398; // the law says 0.04
-    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     given.viscosity = 0.039;
-    assert_int_equal(contact_init(&contact, &given, &error), EHD_DATA);
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
 }
 
@@ -238,7 +238,7 @@ static void given_hertz_pressure_wins(void **state) {
     scene given = sample_scene("barus", "incompressible", 12, 12);
     ehd_contact contact;
     given.hertz_pressure = 0.7e9;
-    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     check_close(contact.hertz_pressure, 0.7e9, 0, 0);
     check_close(contact.alpha_p_H, 14, 1e-15, 0);
     check_close(contact.moes_L, 12, 0, 0);
@@ -251,13 +251,13 @@ static void pressure_beyond_the_law_is_refused(void **state) {
     ehd_contact contact;
     ehd_error error;
     given.hertz_pressure = 4.7e9;
-    assert_int_equal(contact_init(&contact, &given, NULL), EHD_OK);
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     given.hertz_pressure = 4.8e9;
-    assert_int_equal(contact_init(&contact, &given, &error), EHD_DATA);
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "hertz_pressure: found 4.8 GPa"));
     given.hertz_pressure = NAN;
     given.moes_L = 50;
-    assert_int_equal(contact_init(&contact, &given, NULL), EHD_DATA);
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_DATA);
 }
 
 static void isoviscous_contact(void **state) {

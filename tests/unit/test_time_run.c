@@ -4,6 +4,7 @@
 #include "common/output/time_run.h"
 
 #include "common/output/time_result.h"
+#include "common/settings/scene_contact.h"
 #include "tests/unit/check.h"
 #include "tests/unit/marched.h"
 
@@ -130,7 +131,7 @@ static int set_up(void **state) {
     snprintf(err_path, sizeof err_path, "%s/err", folder);
     stub = (stub_solver){.fails_from = INFINITY};
     given = marched_scene(20, 5, "incompressible", 0.1, "end_time: 1, fixed_step: 0.1");
-    return contact_init(&contact, &given, &error) ? -1 : 0;
+    return scene_contact(&contact, &given, &error) ? -1 : 0;
 }
 
 static int tear_down(void **state) {

@@ -61,7 +61,7 @@ void trained_init_point(trained *self, bool half) {
         given.step = 0.125;
         given.y_max = 2;
         given.half = half;
-        assert_int_equal(contact_init(&self->contacts[s], &given, NULL), EHD_OK);
+        assert_int_equal(scene_contact(&self->contacts[s], &given, NULL), EHD_OK);
     }
     train(self);
 }
