@@ -1,0 +1,40 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# No file includes one of a layer above its own (tests/layers.awk).
+
+setup() {
+    cd "$BATS_TEST_DIRNAME/../.." || return
+    find_upward=(awk -f "$PWD/tests/layers.awk")
+}
+
+# All sources of the layers, whether git knows them yet or not.
+sources() {
+    find common fullrun romrun podbuild deimselect snapgen -name '*.[ch]'
+}
+
+@test "no include goes up" {
+    run "${find_upward[@]}" $(sources)
+    [ -z "$output" ]
+    [ "$status" -eq 0 ]
+}
+
+@test "an include that goes up is found, with its file and line" {
+    cp -r --parents $(sources) "$BATS_TEST_TMPDIR"
+    cd "$BATS_TEST_TMPDIR"
+    sed -i '2i #include "common/settings/scene.h"' common/physics/contact.h
+    run "${find_upward[@]}" $(sources)
+    [ "$status" -eq 1 ]
+    [ "${#lines[@]}" -eq 1 ]
+    [[ ${lines[0]} == 'common/physics/contact.h:2: found "common/settings/scene.h", expected an include of common/physics '* ]]
+}
+
+@test "a main is included by nobody, and a folder without a layer is named" {
+    mkdir -p "$BATS_TEST_TMPDIR"/{common/physics,common/magic,romrun}
+    cd "$BATS_TEST_TMPDIR"
+    echo '#include "common/magic/wand.h"' >common/physics/a.c
+    echo '#include "romrun/main.h"' >romrun/b.c
+    run "${find_upward[@]}" common/physics/a.c romrun/b.c
+    [ "$status" -eq 1 ]
+    [[ ${lines[0]} == 'common/physics/a.c:1: '*'a folder is missing in tests/layers.awk' ]]
+    [[ ${lines[1]} == 'romrun/b.c:1: '* ]]
+}
