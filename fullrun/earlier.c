@@ -201,9 +201,9 @@ void earlier_mass(double *mass, const earlier_state *self, const contact_frame *
                   earlier_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;
     const ehd_grid *grid = &reference->grid;
-    const density_law *law = reference->lubricant.density;
+    const lubricant_law *law = reference->lubricant.density;
     double stretch = frame_stretch(now, &self->frame), ratio = frame_film_ratio(now, &self->frame);
-    double hertz = reference->hertz_pressure * self->frame.hertz_pressure, ignored;
+    double hertz = reference->hertz_pressure * self->frame.hertz_pressure;
 
     resample(carrier->film, self->deflection, stretch, carrier);
     if (law) resample(carrier->pressure, self->pressure, stretch, carrier);
@@ -213,7 +213,7 @@ void earlier_mass(double *mass, const earlier_state *self, const contact_frame *
         bool inside = is_on_grid(carrier, x, y);
         double film = inside ? carrier->film[r] : deflection_beyond(self, reference, x, y);
         if (law && inside)
-            density = law->relative_density(fmax(carrier->pressure[r], 0) * hertz, &ignored);
+            density = lubricant_density(&reference->lubricant, carrier->pressure[r] * hertz);
         mass[r] = density * (film + contact_gap(x, y)) * ratio;
     }
 }

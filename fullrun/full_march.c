@@ -280,8 +280,7 @@ static void mark_noisy(full_march *self, const full_state *state) {
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double central_film) {
     const ehd_grid *grid = &contact->grid;
-    const density_law *law = contact->lubricant.density;
-    double largest = 0, ignored;
+    double largest = 0;
 
     if (!(formula->error > 0)) return 0;
     mark_noisy(self, state);
@@ -289,9 +288,8 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
         size_t k = grid_node_of_row(grid, r);
         double mass = state->film[k];
         if (self->noisy[k]) continue;
-        if (law)
-            mass *= law->relative_density(fmax(state->pressure[k], 0) * contact->hertz_pressure,
-                                          &ignored);
+        mass *=
+            lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
         for (size_t i = 0; i < self->ring.num_earlier; i++)
             mass -= formula->predictor[i] * self->mass[i][r];
         largest = fmax(largest, fabs(mass));

@@ -1,72 +1,112 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lubricant laws: viscosity and density as functions of pressure. Each law is one row of a table,
- * so that a research variant is one new function and one line. */
+/* Lubricant laws: viscosity and density as functions of pressure.
+ *
+ * A law is one lubricant_law, which also says what its parameters are called in a scene, and one line
+ * in a table of laws.c: settings, --help and the stored text of a scene follow from the tables. */
 #ifndef EHD_LUBRICANT_H
 #define EHD_LUBRICANT_H
 
 #include "common/program/status.h"
-#include <stdbool.h>
 #include <stddef.h>
 
-/* The constants of the modified WLF law (paper eq. 40), in the units of Table 1. */
 enum {
-    WLF_A1,   // degC
-    WLF_A2,   // 1/GPa
-    WLF_B1,   // 1
-    WLF_B2,   // 1/MPa
-    WLF_C1,   // 1
-    WLF_C2,   // degC
-    WLF_TG0,  // degC
-    WLF_MU_G, // Pa s
-    NUM_WLF
+    LAW_WORD = 24,           // bytes of a law's name or of a parameter that is a word
+    MAX_LAW_PARAMETERS = 16, // of one law
+    MAX_LAW_KEYS = 32,       // of all laws of a table
+    MAX_LAW_CONSTANTS = 16
 };
 
-/* What a scene says about its lubricant. NaN or "" stands for "not given". */
+/* Whether a scene must give a parameter. */
+typedef enum law_need {
+    LAW_OPTIONAL, // no; it may have a default
+    LAW_REQUIRED, // yes
+    LAW_PRESET,   // yes, or else all of the law's constants: a word that names a set of them
+    LAW_CONSTANT  // yes, or else the preset
+} law_need;
+
+/* A parameter of a law: a key below lubricant.viscosity or lubricant.density. Where several laws of a
+ * table have the same key, all of them describe it in the same way. */
+typedef struct law_parameter {
+    const char *key; // "alpha"
+    law_need need;
+    const char *choices;  // "no1|no2" of a word; NULL: a number
+    const char *fallback; // default, as it would stand in a scene; NULL: none
+    double min, max;      // of a number, both allowed
+    const char *unit;     // "1", "Pa", ...
+    const char *help;     // what it is
+} law_parameter;
+
+/* The value of a parameter: NaN or "" when not given. */
+typedef union law_value {
+    double number;
+    char word[LAW_WORD];
+} law_value;
+
+/* The choice of a law and its parameters' values, at the places that laws_slot tells. */
+typedef struct law_settings {
+    char law[LAW_WORD];
+    law_value values[MAX_LAW_KEYS];
+} law_settings;
+
 typedef struct lubricant_settings {
-    char viscosity_law[16];   // barus | roelands | wlf
-    char viscosity_preset[8]; // wlf: no1 | no2 | no3 (Table 1), or "" and all of Table 1 given
-    double alpha;             // 1/Pa, barus and roelands: pressure-viscosity coefficient at p = 0
-    double eta0;              // Pa s, roelands
-    double temperature;       // degC, wlf: T0 of eq. (40)
-    double wlf[NUM_WLF];      // wlf without preset
-    char density_law[24];     // incompressible | dowson-higginson
+    law_settings viscosity; // one of viscosity_laws
+    law_settings density;   // one of density_laws
 } lubricant_settings;
 
 typedef struct ehd_lubricant ehd_lubricant;
 
-/* One viscosity law. `log_viscosity` returns ln(eta(p)/eta(0)) and its derivative (1/Pa). */
-typedef struct viscosity_law {
+/* A law of viscosity or density. */
+typedef struct lubricant_law {
     const char *name;
-    const char *const *parameters; // keys below lubricant.viscosity that it needs, NULL at the end
-    ehd_status (*prepare)(ehd_lubricant *self, const lubricant_settings *settings,
-                          ehd_error *error);
-    double (*log_viscosity)(const ehd_lubricant *self, double pressure, double *derivative);
-} viscosity_law;
+    law_parameter parameters[MAX_LAW_PARAMETERS + 1]; // end with one whose key is NULL
+    /* Computes from the values of these parameters, in their order, what `evaluate` needs: constants
+     * and, of a viscosity, what ehd_lubricant has below them. NULL: there is nothing to do. */
+    ehd_status (*prepare)(ehd_lubricant *self, const law_value *values, ehd_error *error);
+    /* ln(eta(p)/eta(0)) or rho(p)/rho(0) at a pressure in Pa, and its derivative in 1/Pa. NULL: the
+     * density is constant. */
+    double (*evaluate)(const ehd_lubricant *self, double pressure, double *derivative);
+} lubricant_law;
 
-/* One density law. Returns rho(p)/rho(0) and its derivative (1/Pa). */
-typedef struct density_law {
-    const char *name;
-    double (*relative_density)(double pressure, double *derivative);
-} density_law;
-
-extern const viscosity_law viscosity_laws[]; // ends with a row whose name is NULL
-extern const density_law density_laws[];     // ends with a row whose name is NULL
+extern const lubricant_law *const viscosity_laws[]; // both end with NULL
+extern const lubricant_law *const density_laws[];
 
 struct ehd_lubricant {
-    const viscosity_law *viscosity;
-    const density_law *density; // NULL when incompressible: no density term is evaluated
-    double constants[NUM_WLF + 4];
-    double eta0;           // Pa s, viscosity at zero pressure; NaN where the law has none (barus)
-    double alpha;          // 1/Pa, the coefficient behind the Moes number L (model.md, section 1)
-    double pressure_limit; // Pa, the law is not to be used above
+    const lubricant_law *viscosity;
+    const lubricant_law *density; // NULL when incompressible: no density term is evaluated
+    double viscosity_constants[MAX_LAW_CONSTANTS];
+    double density_constants[MAX_LAW_CONSTANTS];
+    double eta0;  // Pa s, viscosity at zero pressure; NaN where the law has none
+    double alpha; // 1/Pa, the coefficient behind the Moes number L (README.md, lubricants); by
+                  // default the derivative of ln(eta) at zero pressure
+    double pressure_limit; // Pa, the law is not to be used above; by default infinite
 };
 
-/* Returns EHD_OK, or EHD_DATA (unknown law or preset, constants out of range). */
+/* The keys of a table of laws, each once, in the order of the laws: number `slot`, or NULL. */
+const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
+
+/* The number of a key; MAX_LAW_KEYS where no law has it. */
+size_t laws_slot(const lubricant_law *const *laws, const char *key);
+
+/* NULL where there is no such law. */
+const lubricant_law *laws_find(const lubricant_law *const *laws, const char *name);
+
+/* "barus|roelands": the laws that have a key, or all when it is NULL. */
+void laws_list(
+    // output:
+    char *list, // [size] bytes, cut there
+    size_t size,
+    // input:
+    const lubricant_law *const *laws, const char *key);
+
+/* Returns EHD_OK, EHD_MEMORY, or EHD_DATA (unknown law or preset, constants out of range). */
 ehd_status lubricant_init(
     // output:
     ehd_lubricant *lubricant,
     // input:
     const lubricant_settings *settings, ehd_error *error);
+
+/* rho(p)/rho(0) at a pressure in Pa; 1 when incompressible. A negative pressure counts as zero. */
+double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 
 /* ln(eta/eta(0)) and relative density at num_nodes dimensionless pressures p / p_H, with their
  * derivatives with respect to the dimensionless pressure. Negative pressures count as zero. */

@@ -209,7 +209,7 @@ static int compare_bounds(const double left[2], const double right[2]) {
 
 static int compare_points(const plan *of, const plan_point *left, const plan_point *right) {
     int order = compare_bounds(of->where_bounds[left->group], of->where_bounds[right->group]);
-    for (const setting *row = scene_settings; row->key && !order; row++)
+    for (const setting *row = scene_settings(); row->key && !order; row++)
         order = setting_compare(row, &left->scene, &right->scene);
     return order;
 }
@@ -245,7 +245,7 @@ static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error
 
 /* The settings in which a point differs from the one before (NULL: from nothing given). */
 static void print_changes(FILE *stream, const scene *now, const scene *before) {
-    for (const setting *row = scene_settings; row->key; row++) {
+    for (const setting *row = scene_settings(); row->key; row++) {
         const bool given = setting_is_given(row, now);
         if (before ? setting_compare(row, now, before) == 0 : !given) continue;
         if (given)

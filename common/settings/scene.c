@@ -19,14 +19,14 @@ static void fill_default(scene *of, const setting *row) {
 
 void scene_defaults(scene *of) {
     memset(of, 0, sizeof *of);
-    for (const setting *row = scene_settings; row->key; row++) {
+    for (const setting *row = scene_settings(); row->key; row++) {
         setting_clear(row, of);
         if (!row->when[0].key) fill_default(of, row);
     }
 }
 
 void scene_complete(scene *of) {
-    for (const setting *row = scene_settings; row->key; row++)
+    for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
     of->step = scene_step(of);
 }
@@ -117,7 +117,9 @@ static ehd_status apply_override(scene_source *source, const char *text, ehd_err
     const setting *row = setting_find(key);
     if (!row) return setting_unknown(error, where, key);
     source->places[setting_index(row)] = where;
-    return setting_assign(&source->values, row, equals + 1, where, error);
+    if (equals[1]) return setting_assign(&source->values, row, equals + 1, where, error);
+    setting_clear(row, &source->values);
+    return EHD_OK;
 }
 
 ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
@@ -175,7 +177,7 @@ char *scene_text(const scene *of) {
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
     if (!stream) return NULL;
-    for (const setting *row = scene_settings; row->key; row++)
+    for (const setting *row = scene_settings(); row->key; row++)
         if (setting_is_given(row, of)) setting_print(stream, row, of);
     if (fclose(stream)) {
         free(text);

@@ -11,7 +11,8 @@
 
 /* What may vary in time. */
 enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
-enum { MOST_FACTOR = 1000 }; // on a reference value, of either sign
+enum { MAX_FACTOR = 1000 };                    // on a reference value, of either sign
+extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
 /* How one of them varies: a factor on its reference value over the time T = u_ref t / a_ref. */
 typedef struct history_settings {
@@ -85,17 +86,19 @@ typedef struct setting {
     size_t size;          // of the string, for SETTING_CHOICE, SETTING_TEXT and SETTING_FILE
     const char *fallback; // default as it would stand in the file; NULL: none
     const char *choices;  // "line" or "barus|roelands|wlf", for SETTING_CHOICE
-    double least, most;   // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
-    const char *unit;     // "1", "Pa", ...
-    const char *help;     // one sentence
+    double min, max;      // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
+    const char *unit; // "1", "Pa", ...; "N/m|N": by the kind of contact, in the order of its key
+    const char *help; // one sentence
     setting_condition when[MAX_CONDITIONS]; // all must hold, or the key is refused; key NULL: none.
                                             // Rows that conditions name stand before.
     bool required;                          // where its conditions hold
 } setting;
 
-extern const setting scene_settings[]; // ends with a row whose key is NULL
+/* The table: an array that ends with a row whose key is NULL. The keys of the lubricant follow from
+ * the tables of laws. */
+const setting *scene_settings(void);
 
-/* Everything not given, then defaults filled in where the table has them and no other key has a say. */
+/* Everything not given, except for the defaults of keys that are used in every scene. */
 void scene_defaults(scene *scene);
 
 /* Fills in the defaults that belong to the scene's regime, closure and laws, where not given.
@@ -106,7 +109,7 @@ void scene_complete(scene *scene);
 double scene_step(const scene *of);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
- * and before validation. Relative names of files start from the folder of the file that has them, or in
+ * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names of files start from the folder of the file that has them, or in
  * `overrides` from the working folder. Returns EHD_OK, EHD_NOINPUT, or EHD_DATA with file, line, key,
  * found and expected in *error. */
 ehd_status scene_read(
@@ -156,7 +159,7 @@ typedef struct plan {
     size_t num_groups;
 } plan;
 
-/* Reads a plan (design.md, "Settings"). Paths in it are relative to the plan's folder. Overrides
+/* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides
  * act on every scene. A plain scene file is also accepted as a plan of one point.
  * `where` bounds need derived quantities, which the caller applies (snapgen). */
 ehd_status plan_read(

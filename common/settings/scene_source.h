@@ -29,7 +29,7 @@ ehd_status source_assign(
 /* Sets what a map (keys nested or dotted) gives. EHD_DATA: no map, unknown, double or bad keys. */
 ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error);
 
-/* Sets "key=value" strings; a later one wins. */
+/* Sets "key=value" strings and unsets those without a value; a later one wins. */
 ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
                                   size_t num_overrides, ehd_error *error);
 bool source_is_overridden(const scene_source *source, const setting *row);

@@ -28,7 +28,7 @@ static void count_key(key_count *count, const setting *row, const scene *of) {
 
 static key_count count_below(const char *prefix, const scene *of) {
     key_count count = {0};
-    for (const setting *row = scene_settings; row->key; row++)
+    for (const setting *row = scene_settings(); row->key; row++)
         if (strncmp(row->key, prefix, strlen(prefix)) == 0) count_key(&count, row, of);
     return count;
 }
@@ -77,7 +77,7 @@ static bool is_missing(const setting *row, const scene *of) {
 /* Everything that is required always, or by regime, closure and laws as they are. */
 static ehd_status check_needed(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    const setting *first = scene_settings;
+    const setting *first = scene_settings();
     char shown[SHOWN_TEXT];
     key_count count = {0};
     while (first->key && !is_missing(first, of))
@@ -97,11 +97,17 @@ static ehd_status check_needed(const scene_source *source, ehd_error *error) {
 static ehd_status check_used(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     char shown[SHOWN_TEXT];
-    for (const setting *row = scene_settings; row->key; row++) {
+    for (const setting *row = scene_settings(); row->key; row++) {
         if (!setting_is_given(row, of)) continue;
         const setting_condition *unmet = setting_unmet(row, of);
         if (!unmet || !setting_is_given(setting_find(unmet->key), of)) continue;
         setting_show_condition(shown, unmet, of);
+        // a file cannot know what --set changes
+        if (source_is_overridden(source, setting_find(unmet->key)) &&
+            !source_is_overridden(source, row))
+            return place_fail(error, place_of_key(source, row->key),
+                              "%s: found a value, expected none with the %s (--set %s= unsets it)",
+                              row->key, shown, row->key);
         return place_fail(error, place_of_key(source, row->key),
                           "%s: found a value, expected none with the %s", row->key, shown);
     }
@@ -110,27 +116,46 @@ static ehd_status check_used(const scene_source *source, ehd_error *error) {
 
 // ---- lubricant
 
-static bool is_wlf_constant(const setting *row) {
-    return row->offset >= offsetof(scene, lubricant.wlf) &&
-           row->offset < offsetof(scene, lubricant.wlf) + sizeof(((scene *)0)->lubricant.wlf);
+enum { SHOWN_LIST = 256 };
+
+/* Appends a name to a list such as "A1, A2". */
+static void add_name(char list[SHOWN_LIST], const char *name) {
+    const size_t used = strlen(list);
+    snprintf(list + used, SHOWN_LIST - used, "%s%s", used ? ", " : "", name);
 }
 
-/* The law wlf needs a preset or all constants. */
-static ehd_status check_wlf(const scene_source *source, ehd_error *error) {
-    const bool preset = *source->values.lubricant.viscosity_preset != '\0';
-    const place where = place_of_key(source, "lubricant.viscosity.law");
-    key_count count = {0};
-    if (strcmp(source->values.lubricant.viscosity_law, "wlf") != 0) return EHD_OK;
-    for (const setting *row = scene_settings; row->key; row++)
-        if (is_wlf_constant(row)) count_key(&count, row, &source->values);
-    if (preset && count.given > 0)
+/* A law that has presets needs one of them or all of its constants. `group`: "lubricant.viscosity". */
+static ehd_status check_preset(const scene_source *source, const char *group,
+                               const lubricant_law *law, ehd_error *error) {
+    char key[MAX_KEY], presets[SHOWN_LIST] = "", constants[SHOWN_LIST] = "";
+    key_count preset = {0}, constant = {0};
+    if (!law) return EHD_OK; // lubricant_init refuses it
+    snprintf(key, sizeof key, "%s.law", group);
+    const place where = place_of_key(source, key);
+    for (const law_parameter *parameter = law->parameters; parameter->key; parameter++) {
+        const bool is_preset = parameter->need == LAW_PRESET;
+        if (!is_preset && parameter->need != LAW_CONSTANT) continue;
+        snprintf(key, sizeof key, "%s.%s", group, parameter->key);
+        count_key(is_preset ? &preset : &constant, setting_find(key), &source->values);
+        add_name(is_preset ? presets : constants, parameter->key);
+    }
+    if (preset.given > 0 && constant.given > 0)
+        return place_fail(error, where, "%s: found %s and constants, expected only one", group,
+                          presets);
+    if (preset.all > 0 && preset.given == 0 && constant.given == 0)
         return place_fail(error, where,
-                          "lubricant.viscosity: found preset and constants, expected only one");
-    if (!preset && count.given == 0)
-        return place_fail(error, where,
-                          "lubricant.viscosity: found neither preset nor constants, expected "
-                          "preset or A1, A2, B1, B2, C1, C2, Tg0, mu_g with the law wlf");
-    return preset ? EHD_OK : check_whole(source, "lubricant.viscosity", &count, error);
+                          "%s: found neither %s nor constants, expected %s or %s with the law %s",
+                          group, presets, presets, constants, law->name);
+    return preset.given > 0 ? EHD_OK : check_whole(source, group, &constant, error);
+}
+
+static ehd_status check_lubricant(const scene_source *source, ehd_error *error) {
+    const lubricant_settings *of = &source->values.lubricant;
+    const ehd_status status = check_preset(source, "lubricant.viscosity",
+                                           laws_find(viscosity_laws, of->viscosity.law), error);
+    return status ? status
+                  : check_preset(source, "lubricant.density",
+                                 laws_find(density_laws, of->density.law), error);
 }
 
 // ---- grid
@@ -143,7 +168,7 @@ static bool is_point(const scene *of) {
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
     double count = round(extent / step);
-    if (extent / count > row->most) count++;
+    if (extent / count > row->max) count++;
     return extent / count;
 }
 
@@ -209,7 +234,7 @@ ehd_status source_validate(const scene_source *source, ehd_error *error) {
     ehd_status status = check_used(source, error);
     if (!status) status = check_needed(source, error);
     if (!status) status = check_operating_point(source, error);
-    if (!status) status = check_wlf(source, error);
+    if (!status) status = check_lubricant(source, error);
     if (!status) status = check_grid(source, error);
     return status;
 }

@@ -1,62 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/settings_table.h"
 
+#include <assert.h>
 #include <ctype.h>
 #include <math.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 // ---- the table
 
-#define AT(member)     offsetof(scene, member), sizeof(((scene *)0)->member)
-#define CHOICE(member) SETTING_CHOICE, AT(member)
-#define TEXT(member)   SETTING_TEXT, AT(member)
-#define NAMED(member)  SETTING_FILE, AT(member)
-#define REAL(member)   SETTING_REAL, AT(member)
-#define WHOLE(member)  SETTING_WHOLE, AT(member)
-#define FLAG(member)   SETTING_FLAG, AT(member)
+#define AT(type, member)       offsetof(type, member), sizeof(((type *)0)->member)
+#define CHOICE(member)         SETTING_CHOICE, AT(scene, member)
+#define REAL(member)           SETTING_REAL, AT(scene, member)
+#define WHOLE(member)          SETTING_WHOLE, AT(scene, member)
+#define FLAG(member)           SETTING_FLAG, AT(scene, member)
+#define HISTORY_CHOICE(member) SETTING_CHOICE, AT(history_settings, member)
+#define HISTORY_TEXT(member)   SETTING_TEXT, AT(history_settings, member)
+#define HISTORY_FILE(member)   SETTING_FILE, AT(history_settings, member)
+#define HISTORY_REAL(member)   SETTING_REAL, AT(history_settings, member)
 
 // clang-format off
-#define ALWAYS                {{NULL, NULL}}
-#define ON_A_POINT            {{"contact", "point"}}
-#define IN_TIME               {{"regime", "transient"}}
-#define IN_TIME_WITH(closure) {{"regime", "transient"}, {"closure", closure}}
-#define WITH_VISCOSITY(laws)  {{"lubricant.viscosity.law", laws}}
-#define WITH_LAW(name, laws)  {{"transient." name ".law", laws}}
+#define ALWAYS       {{NULL, NULL}}
+#define ON_A_POINT   {{"contact", "point"}}
+#define IN_TIME      {{"regime", "transient"}}
+#define LAW(laws)    {{NULL, laws}} // of the same history
+#define LAST_ROW     {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}
 
-/* The rows of one quantity that varies in time; the last argument is when it may. */
-#define HISTORY(name, number, ...)                                                                 \
-    {"transient." name ".law", CHOICE(vary[number].law), "constant",                               \
-     "constant|sine|ramp|step|table", 0, 0, "1", "How " name " varies: a factor over time",        \
-     __VA_ARGS__, false},                                                                          \
-    {"transient." name ".amplitude", REAL(vary[number].amplitude), NULL, NULL, -MOST_FACTOR,       \
-     MOST_FACTOR, "1", "Of the factor 1 + amplitude sin(2 pi T/period + phase)",                   \
-     WITH_LAW(name, "sine"), true},                                                                \
-    {"transient." name ".period", REAL(vary[number].period), NULL, NULL, 1e-6, 1e12, "1",          \
-     "Time T of one oscillation", WITH_LAW(name, "sine"), true},                                   \
-    {"transient." name ".phase", REAL(vary[number].phase), "0", NULL, -1e3, 1e3, "rad",            \
-     "Phase at T = 0", WITH_LAW(name, "sine"), false},                                             \
-    {"transient." name ".from", REAL(vary[number].from), "1", NULL, -MOST_FACTOR, MOST_FACTOR,     \
-     "1", "Factor before a ramp, or up to and at a step",                                          \
-     WITH_LAW(name, "ramp|step"), false},                                                          \
-    {"transient." name ".to", REAL(vary[number].to), NULL, NULL, -MOST_FACTOR, MOST_FACTOR,        \
-     "1", "Factor after a ramp or step", WITH_LAW(name, "ramp|step"), true},                       \
-    {"transient." name ".start", REAL(vary[number].start), "0", NULL, -1e12, 1e12, "1",            \
-     "Time T at which a ramp starts", WITH_LAW(name, "ramp"), false},                              \
-    {"transient." name ".duration", REAL(vary[number].duration), NULL, NULL, 1e-9, 1e12, "1",      \
-     "Time that a ramp takes, of T", WITH_LAW(name, "ramp"), true},                                \
-    {"transient." name ".at", REAL(vary[number].at), NULL, NULL, 0, 1e12, "1",                     \
-     "Time T of a step", WITH_LAW(name, "step"), true},                                            \
-    {"transient." name ".file", NAMED(vary[number].file), NULL, NULL, 0, 0, "1",                   \
-     "CSV or HDF5 file (.h5, .hdf5) with a table of factors over T", WITH_LAW(name, "table"),      \
-     true},                                                                                        \
-    {"transient." name ".column", TEXT(vary[number].column), NULL, NULL, 0, 0, "1",                \
-     "Column or dataset of the factors in the file", WITH_LAW(name, "table"), true},               \
-    {"transient." name ".interpolation", CHOICE(vary[number].interpolation), "spline",             \
-     "spline|linear", 0, 0, "1", "How the table is read between its times",                        \
-     WITH_LAW(name, "table"), false}
-
-// columns: key, type, offset, size, default, choices, least, most, unit, help, when, required
-const setting scene_settings[] = {
+// columns: key, type, offset, size, default, choices, min, max, unit, help, when, required
+static const setting contact_rows[] = {
     {"contact", CHOICE(contact), NULL, "line|point", 0, 0, "1",
      "Kind of contact", ALWAYS, true},
     {"regime", CHOICE(regime), NULL, "stationary|transient", 0, 0, "1",
@@ -74,8 +47,8 @@ const setting scene_settings[] = {
      "Moes load number, of the sum velocity", ALWAYS, false},
     {"moes.L", REAL(moes_L), NULL, NULL, 0, 100, "1",
      "Moes lubricant number, of the sum velocity", ALWAYS, false},
-    {"physical.load", REAL(load), NULL, NULL, 1e-6, 1e9, "N",
-     "Load; of a line contact per length, in N/m", ALWAYS, false},
+    {"physical.load", REAL(load), NULL, NULL, 1e-6, 1e9, "N/m|N",
+     "Load, of a line contact per length", ALWAYS, false},
     {"physical.radius", REAL(radius), NULL, NULL, 1e-6, 1e3, "m",
      "Reduced radius of curvature", ALWAYS, false},
     {"physical.speed", REAL(speed), NULL, NULL, 1e-9, 1e4, "m/s",
@@ -86,34 +59,9 @@ const setting scene_settings[] = {
      "Viscosity at zero pressure", ALWAYS, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
      "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
-    {"lubricant.viscosity.law", CHOICE(lubricant.viscosity_law), NULL, "barus|roelands|wlf", 0, 0,
-     "1", "How viscosity depends on pressure", ALWAYS, true},
-    {"lubricant.viscosity.preset", CHOICE(lubricant.viscosity_preset), NULL, "no1|no2|no3", 0, 0,
-     "1", "Lubricant of Table 1, in place of the eight constants", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.temperature", REAL(lubricant.temperature), "25", NULL, -100, 400, "degC",
-     "Temperature of the lubricant", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.alpha", REAL(lubricant.alpha), NULL, NULL, 1e-10, 1e-6, "1/Pa",
-     "Pressure-viscosity coefficient at zero pressure", WITH_VISCOSITY("barus|roelands"), true},
-    {"lubricant.viscosity.eta0", REAL(lubricant.eta0), NULL, NULL, 1e-4, 1e6, "Pa s",
-     "Viscosity at zero pressure", WITH_VISCOSITY("roelands"), true},
-    {"lubricant.viscosity.A1", REAL(lubricant.wlf[WLF_A1]), NULL, NULL, 0, 1e3, "degC",
-     "Constant A1 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.A2", REAL(lubricant.wlf[WLF_A2]), NULL, NULL, 0, 1e3, "1/GPa",
-     "Constant A2 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.B1", REAL(lubricant.wlf[WLF_B1]), NULL, NULL, 0, 10, "1",
-     "Constant B1 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.B2", REAL(lubricant.wlf[WLF_B2]), NULL, NULL, 0, 10, "1/MPa",
-     "Constant B2 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.C1", REAL(lubricant.wlf[WLF_C1]), NULL, NULL, 0.1, 1e3, "1",
-     "Constant C1 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.C2", REAL(lubricant.wlf[WLF_C2]), NULL, NULL, 0.1, 1e3, "degC",
-     "Constant C2 of the modified WLF law", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.Tg0", REAL(lubricant.wlf[WLF_TG0]), NULL, NULL, -273.15, 400, "degC",
-     "Glass transition temperature at zero pressure", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.viscosity.mu_g", REAL(lubricant.wlf[WLF_MU_G]), NULL, NULL, 1, 1e20, "Pa s",
-     "Viscosity at the glass transition", WITH_VISCOSITY("wlf"), false},
-    {"lubricant.density.law", CHOICE(lubricant.density_law), "incompressible",
-     "incompressible|dowson-higginson", 0, 0, "1", "How density depends on pressure", ALWAYS, false},
+    LAST_ROW};
+
+static const setting run_rows[] = {
     {"grid.x_min", REAL(x_min), "-4", NULL, -1e3, -1, "1",
      "First inner node, in contact half widths; below -1", ALWAYS, false},
     {"grid.x_max", REAL(x_max), "2", NULL, 1, 1e3, "1",
@@ -141,21 +89,140 @@ const setting scene_settings[] = {
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(start_film), NULL, NULL, 1e-9, 1, "1",
      "Film H of the start when the speed starts at zero", IN_TIME, false},
-    HISTORY("load", VARY_LOAD, IN_TIME_WITH("load")),
-    HISTORY("speed", VARY_SPEED, IN_TIME),
-    HISTORY("radius", VARY_RADIUS, IN_TIME),
-    HISTORY("modulus", VARY_MODULUS, IN_TIME),
-    HISTORY("approach", VARY_APPROACH, IN_TIME_WITH("approach")),
-    {NULL, SETTING_FLAG, 0, 0, NULL, NULL, 0, 0, NULL, NULL, ALWAYS, false}};
+    LAST_ROW};
+
+/* The rows of one quantity that varies in time, below "transient.<quantity>.". */
+static const setting history_rows[] = {
+    {"law", HISTORY_CHOICE(law), "constant", "constant|sine|ramp|step|table", 0, 0, "1",
+     "How it varies: a factor over time; a load only with closure load, an approach only with closure "
+     "approach", IN_TIME, false},
+    {"amplitude", HISTORY_REAL(amplitude), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
+     "Of the factor 1 + amplitude sin(2 pi T/period + phase)", LAW("sine"), true},
+    {"period", HISTORY_REAL(period), NULL, NULL, 1e-6, 1e12, "1",
+     "Time T of one oscillation", LAW("sine"), true},
+    {"phase", HISTORY_REAL(phase), "0", NULL, -1e3, 1e3, "rad", "Phase at T = 0", LAW("sine"), false},
+    {"from", HISTORY_REAL(from), "1", NULL, -MAX_FACTOR, MAX_FACTOR, "1",
+     "Factor before a ramp, or up to and at a step", LAW("ramp|step"), false},
+    {"to", HISTORY_REAL(to), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
+     "Factor after a ramp or step", LAW("ramp|step"), true},
+    {"start", HISTORY_REAL(start), "0", NULL, -1e12, 1e12, "1",
+     "Time T at which a ramp starts", LAW("ramp"), false},
+    {"duration", HISTORY_REAL(duration), NULL, NULL, 1e-9, 1e12, "1",
+     "Time that a ramp takes, of T", LAW("ramp"), true},
+    {"at", HISTORY_REAL(at), NULL, NULL, 0, 1e12, "1", "Time T of a step", LAW("step"), true},
+    {"file", HISTORY_FILE(file), NULL, NULL, 0, 0, "1",
+     "CSV or HDF5 file (.h5, .hdf5) with a table of factors over T", LAW("table"), true},
+    {"column", HISTORY_TEXT(column), NULL, NULL, 0, 0, "1",
+     "Column or dataset of the factors in the file", LAW("table"), true},
+    {"interpolation", HISTORY_CHOICE(interpolation), "spline", "spline|linear", 0, 0, "1",
+     "How the table is read between its times", LAW("table"), false},
+    LAST_ROW};
 // clang-format on
 
-_Static_assert(sizeof scene_settings / sizeof *scene_settings <= MAX_SETTINGS + 1,
-               "MAX_SETTINGS is too small");
+const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", "approach"};
+
+/* The rows of all settings, and the texts that they are put together from. */
+static struct {
+    setting rows[MAX_SETTINGS + 1];
+    size_t num_rows;
+    char texts[16384];
+    size_t texts_length;
+} table;
+
+/* A text that lives as long as the table. */
+static const char *make_text(const char *format, ...) {
+    char *text = table.texts + table.texts_length;
+    const size_t room = sizeof table.texts - table.texts_length;
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(text, room, format, arguments);
+    va_end(arguments);
+    assert(length >= 0 && (size_t)length < room);
+    table.texts_length += (size_t)length + 1;
+    return text;
+}
+
+static void add_row(const setting *row) {
+    assert(table.num_rows < MAX_SETTINGS);
+    table.rows[table.num_rows++] = *row;
+}
+
+static void add_rows(const setting *rows) {
+    for (; rows->key; rows++)
+        add_row(rows);
+}
+
+/* The choice of a law and its parameters, which scenes have at `offset`. */
+static void add_laws(const char *group, size_t offset, const lubricant_law *const *laws,
+                     const char *fallback, const char *help) {
+    char list[512];
+    const law_parameter *parameter;
+    laws_list(list, sizeof list, laws, NULL);
+    const setting law = {.key = make_text("%s.law", group),
+                         .type = SETTING_CHOICE,
+                         .offset = offset + offsetof(law_settings, law),
+                         .size = LAW_WORD,
+                         .fallback = fallback,
+                         .choices = make_text("%s", list),
+                         .unit = "1",
+                         .help = help,
+                         .required = !fallback};
+    add_row(&law);
+    for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++) {
+        laws_list(list, sizeof list, laws, parameter->key);
+        assert(slot < MAX_LAW_KEYS);
+        const setting row = {.key = make_text("%s.%s", group, parameter->key),
+                             .type = parameter->choices ? SETTING_CHOICE : SETTING_REAL,
+                             .offset =
+                                 offset + offsetof(law_settings, values) + slot * sizeof(law_value),
+                             .size = sizeof(law_value),
+                             .fallback = parameter->fallback,
+                             .choices = parameter->choices,
+                             .min = parameter->min,
+                             .max = parameter->max,
+                             .unit = parameter->unit,
+                             .help = parameter->help,
+                             .when = {{law.key, make_text("%s", list)}},
+                             .required = parameter->need == LAW_REQUIRED};
+        add_row(&row);
+    }
+}
+
+static void add_history(int quantity) {
+    const char *name = vary_names[quantity], *law = make_text("transient.%s.law", name);
+    for (const setting *template = history_rows; template->key; template ++) {
+        setting row = *template;
+        row.key = make_text("transient.%s.%s", name, template->key);
+        row.offset += offsetof(scene, vary) + (size_t)quantity * sizeof(history_settings);
+        if (!row.when[0].key)
+            row.when[0].key = law;
+        else if (quantity == VARY_LOAD || quantity == VARY_APPROACH)
+            row.when[1] = (setting_condition){"closure", name};
+        add_row(&row);
+    }
+}
+
+static void make_table(void) {
+    add_rows(contact_rows);
+    add_laws("lubricant.viscosity", offsetof(scene, lubricant.viscosity), viscosity_laws, NULL,
+             "How viscosity depends on pressure");
+    add_laws("lubricant.density", offsetof(scene, lubricant.density), density_laws,
+             "incompressible", "How density depends on pressure");
+    add_rows(run_rows);
+    for (int i = 0; i < NUM_VARY; i++)
+        add_history(i);
+}
+
+const setting *scene_settings(void) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, make_table);
+    return table.rows;
+}
 
 // ---- finding rows
 
 const setting *setting_find(const char *key) {
-    for (const setting *row = scene_settings; row->key; row++)
+    for (const setting *row = scene_settings(); row->key; row++)
         if (strcmp(row->key, key) == 0) return row;
     return NULL;
 }
@@ -169,7 +236,7 @@ const setting *setting_find_short(const char *name) {
     const setting *found = setting_find(name);
     size_t num_found = found ? 1 : 0;
     if (found) return found;
-    for (const setting *row = scene_settings; row->key; row++) {
+    for (const setting *row = scene_settings(); row->key; row++) {
         if (strcmp(last_part(row->key), name) != 0) continue;
         found = row;
         num_found++;
@@ -178,7 +245,7 @@ const setting *setting_find_short(const char *name) {
 }
 
 size_t setting_index(const setting *row) {
-    return (size_t)(row - scene_settings);
+    return (size_t)(row - scene_settings());
 }
 
 static bool stands_below(const char *key, const char *group) {
@@ -187,7 +254,7 @@ static bool stands_below(const char *key, const char *group) {
 }
 
 bool setting_is_group(const char *key) {
-    for (const setting *row = scene_settings; row->key; row++)
+    for (const setting *row = scene_settings(); row->key; row++)
         if (stands_below(row->key, key)) return true;
     return false;
 }
@@ -217,18 +284,34 @@ static size_t edit_distance(const char *left, const char *right) {
     return row[width];
 }
 
-/* The key that a slip of the pen would explain: a similar one, or else one with the same last part. */
+/* Other words for the last part of a key. */
+static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
+
+/* The key that is meant by a key with another word for its last part, "physical.velocity"; or NULL. */
+static const setting *same_meaning(const char *key) {
+    char meant[MAX_KEY];
+    const size_t length = (size_t)(last_part(key) - key);
+    for (size_t i = 0; i < sizeof synonyms / sizeof *synonyms; i++) {
+        if (strcmp(last_part(key), synonyms[i][0]) != 0) continue;
+        snprintf(meant, sizeof meant, "%.*s%s", (int)length, key, synonyms[i][1]);
+        return setting_find_short(meant);
+    }
+    return NULL;
+}
+
+/* The key that is meant by an unknown one: of the same meaning, else of a similar spelling, else with
+ * the same last part; or NULL. */
 static const setting *nearest(const char *key) {
-    const setting *found = NULL;
-    size_t least = (strlen(key) + 2) / 3 + 1;
-    if (strlen(key) >= MAX_KEY) return NULL;
-    for (const setting *row = scene_settings; row->key; row++) {
+    const setting *found = same_meaning(key);
+    size_t nearest_distance = (strlen(key) + 2) / 3 + 1;
+    if (found || strlen(key) >= MAX_KEY) return found;
+    for (const setting *row = scene_settings(); row->key; row++) {
         const size_t distance = edit_distance(key, row->key);
-        if (distance >= least) continue;
-        least = distance;
+        if (distance >= nearest_distance) continue;
+        nearest_distance = distance;
         found = row;
     }
-    for (const setting *row = scene_settings; row->key && !found; row++)
+    for (const setting *row = scene_settings(); row->key && !found; row++)
         if (edit_distance(last_part(key), last_part(row->key)) == 0) found = row;
     return found;
 }
@@ -238,7 +321,7 @@ static void list_group(char *list, size_t size, const char *group) {
     const size_t depth = strlen(group) + 1;
     const char *before = "";
     size_t used = 0, before_length = 0;
-    for (const setting *row = scene_settings; row->key; row++) {
+    for (const setting *row = scene_settings(); row->key; row++) {
         if (!stands_below(row->key, group) || used >= size) continue;
         const size_t length = depth + strcspn(row->key + depth, ".");
         if (length == before_length && strncmp(row->key, before, length) == 0) continue;
@@ -395,17 +478,34 @@ void setting_print(FILE *stream, const setting *row, const scene *of) {
     fputc('\n', stream);
 }
 
-enum { ALLOWED_TEXT = 128 };
+enum { ALLOWED_TEXT = 160 };
 
-/* "line", "barus|roelands|wlf", "true|false", "a number from 1 to 1000 Pa". */
-static void show_allowed(char shown[ALLOWED_TEXT], const setting *row) {
-    const bool plain = strcmp(row->unit, "1") == 0;
+/* " N/m" of a line contact, " N" of a point contact, and before it is known " N/m or N"; "" for the
+ * unit 1. `of` may be NULL. */
+static void show_unit(char shown[SHOWN_TEXT], const setting *row, const scene *of) {
+    const char *unit = row->unit, *other = strchr(unit, '|');
+    *shown = '\0';
+    if (strcmp(unit, "1") == 0) return;
+    if (!other)
+        snprintf(shown, SHOWN_TEXT, " %s", unit);
+    else if (of && strcmp(of->contact, "line") == 0)
+        snprintf(shown, SHOWN_TEXT, " %.*s", (int)(other - unit), unit);
+    else if (of && *of->contact)
+        snprintf(shown, SHOWN_TEXT, " %s", other + 1);
+    else
+        snprintf(shown, SHOWN_TEXT, " %.*s (of a point contact %s)", (int)(other - unit), unit,
+                 other + 1);
+}
+
+/* "line|point", "true|false", "a number from 1 to 1000 Pa". `of` may be NULL. */
+static void show_allowed(char shown[ALLOWED_TEXT], const setting *row, const scene *of) {
+    char unit[SHOWN_TEXT];
     switch (row->type) {
     case SETTING_REAL:
     case SETTING_WHOLE:
-        snprintf(shown, ALLOWED_TEXT, "a %snumber from %g to %g%s%s",
-                 row->type == SETTING_WHOLE ? "whole " : "", row->least, row->most,
-                 plain ? "" : " ", plain ? "" : row->unit);
+        show_unit(unit, row, of);
+        snprintf(shown, ALLOWED_TEXT, "a %snumber from %g to %g%s",
+                 row->type == SETTING_WHOLE ? "whole " : "", row->min, row->max, unit);
         break;
     case SETTING_TEXT:
     case SETTING_FILE:
@@ -419,9 +519,19 @@ static void show_allowed(char shown[ALLOWED_TEXT], const setting *row) {
     }
 }
 
+/* Whether a number with a unit stands where a bare number is expected: "200kN/m", "0.7 GPa". */
+static bool has_unit(const setting *row, const char *text) {
+    char *end;
+    if (row->type != SETTING_REAL || strcmp(row->unit, "1") == 0) return false;
+    strtod(text, &end);
+    if (end == text) return false;
+    end += strspn(end, " ");
+    return isalpha((unsigned char)*end) || *end == '%';
+}
+
 static bool assign_real(scene *of, const setting *row, const char *text) {
     double value;
-    if (parse_real(&value, text, row->least, row->most, row->key, EHD_DATA, NULL)) return false;
+    if (parse_real(&value, text, row->min, row->max, row->key, EHD_DATA, NULL)) return false;
     value += 0.0; // -0 becomes 0, so that equal scenes have equal text
     memcpy(text_at(row, of), &value, sizeof value);
     return true;
@@ -429,7 +539,7 @@ static bool assign_real(scene *of, const setting *row, const char *text) {
 
 static bool assign_whole(scene *of, const setting *row, const char *text) {
     size_t count;
-    if (parse_count(&count, text, (size_t)row->least, (size_t)row->most, row->key, EHD_DATA, NULL))
+    if (parse_count(&count, text, (size_t)row->min, (size_t)row->max, row->key, EHD_DATA, NULL))
         return false;
     const int value = (int)count;
     memcpy(text_at(row, of), &value, sizeof value);
@@ -478,8 +588,9 @@ ehd_status setting_assign(scene *of, const setting *row, const char *text, place
     }
     if (valid) return EHD_OK;
     text_show(found, text);
-    show_allowed(allowed, row);
-    return place_fail(error, where, "%s: found %s, expected %s", row->key, found, allowed);
+    show_allowed(allowed, row, of);
+    return place_fail(error, where, "%s: found %s, expected %s%s", row->key, found, allowed,
+                      has_unit(row, text) ? ", written without the unit" : "");
 }
 
 // ---- the table for people
@@ -490,20 +601,51 @@ static void print_words(FILE *stream, const char *choices, const char *between) 
         fputs(*choices == '|' ? between : (char[]){*choices, '\0'}, stream);
 }
 
-/* "regime transient, closure load" */
+/* The quantity whose history a key belongs to; -1: none. */
+static int quantity_of(const char *key) {
+    char group[MAX_KEY];
+    for (int i = 0; i < NUM_VARY; i++) {
+        snprintf(group, sizeof group, "transient.%s", vary_names[i]);
+        if (stands_below(key, group)) return i;
+    }
+    return -1;
+}
+
+/* "regime transient, closure load"; of histories what all have in common. */
 static void print_conditions(FILE *stream, const setting *row, const char *before) {
-    for (size_t i = 0; i < MAX_CONDITIONS && row->when[i].key; i++) {
+    const size_t max_shown = quantity_of(row->key) < 0 ? MAX_CONDITIONS : 1;
+    for (size_t i = 0; i < max_shown && row->when[i].key; i++) {
         fprintf(stream, "%s%s ", i ? ", " : before, last_part(row->when[i].key));
         print_words(stream, row->when[i].values, " or ");
     }
 }
 
+/* Whether a row is shown: all histories have the keys of the first one, which stands for them. */
+static bool is_shown(const setting *row) {
+    return quantity_of(row->key) <= 0;
+}
+
+/* "moes.M", or "transient.<load|speed>.law" for all histories. */
+static void print_key(FILE *stream, const setting *row, const char *between) {
+    if (quantity_of(row->key) < 0) {
+        fputs(row->key, stream);
+        return;
+    }
+    for (int i = 0; i < NUM_VARY; i++)
+        fprintf(stream, "%s%s", i ? between : "transient.<", vary_names[i]);
+    fprintf(stream, ">.%s", last_part(row->key));
+}
+
 void scene_print_help(FILE *stream) {
     char allowed[ALLOWED_TEXT];
-    fprintf(stream, "Settings of a scene, in its file or as --set KEY=VALUE:\n");
-    for (const setting *row = scene_settings; row->key; row++) {
-        show_allowed(allowed, row);
-        fprintf(stream, "\n  %s: %s", row->key, allowed);
+    fprintf(stream,
+            "Settings of a scene, in its file or as --set KEY=VALUE; --set KEY= unsets one:\n");
+    for (const setting *row = scene_settings(); row->key; row++) {
+        if (!is_shown(row)) continue;
+        show_allowed(allowed, row, NULL);
+        fputs("\n  ", stream);
+        print_key(stream, row, "|");
+        fprintf(stream, ": %s", allowed);
         if (row->required) fprintf(stream, "; required");
         if (row->fallback) fprintf(stream, "; default %s", row->fallback);
         print_conditions(stream, row, row->required ? " with " : "; only with ");
@@ -516,7 +658,7 @@ static void print_allowed(FILE *stream, const setting *row) {
     switch (row->type) {
     case SETTING_REAL:
     case SETTING_WHOLE:
-        fprintf(stream, "%g to %g%s", row->least, row->most,
+        fprintf(stream, "%g to %g%s", row->min, row->max,
                 row->type == SETTING_WHOLE ? ", whole" : "");
         break;
     case SETTING_TEXT:
@@ -533,10 +675,15 @@ static void print_allowed(FILE *stream, const setting *row) {
 void scene_print_markdown(FILE *stream) {
     fprintf(stream, "| Key | Allowed | Unit | Default | Only with | Meaning |\n"
                     "|---|---|---|---|---|---|\n");
-    for (const setting *row = scene_settings; row->key; row++) {
-        fprintf(stream, "| `%s` | ", row->key);
+    for (const setting *row = scene_settings(); row->key; row++) {
+        if (!is_shown(row)) continue;
+        fputs("| `", stream);
+        print_key(stream, row, ", ");
+        fputs("` | ", stream);
         print_allowed(stream, row);
-        fprintf(stream, " | %s | %s | ", row->type == SETTING_REAL ? row->unit : "",
+        fputs(" | ", stream);
+        if (row->type == SETTING_REAL) print_words(stream, row->unit, ", ");
+        fprintf(stream, " | %s | ",
                 row->required   ? "*required*"
                 : row->fallback ? row->fallback
                                 : "");

@@ -10,7 +10,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum { MAX_SETTINGS = 128, MAX_KEY = 128 };
+enum { MAX_SETTINGS = 192, MAX_KEY = 128 };
 
 /* The row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);

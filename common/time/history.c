@@ -16,9 +16,6 @@ static const double ROUNDING = 1e-12; // of a factor
 static const double MOST_TIME = 1e12,
                     LEAST_DISTANCE = 1e-9; // of a table's times, as of other times
 
-static const char *const quantity_names[NUM_VARY] = {"load", "speed", "radius", "modulus",
-                                                     "approach"};
-
 typedef struct history_law history_law;
 
 /* How one quantity varies. */
@@ -146,11 +143,11 @@ static ehd_status check_row(const history *self, size_t i, ehd_error *error) {
                         "%s: found the time %.10g in row %zu, expected at least %g after %.10g in "
                         "the row before",
                         path, time[i], i + 1, LEAST_DISTANCE, time[i - 1]);
-    if (!(fabs(values[i]) <= MOST_FACTOR))
+    if (!(fabs(values[i]) <= MAX_FACTOR))
         return ehd_fail(error, EHD_DATA,
                         "%s: %s: found %g in row %zu, expected a factor on the reference value "
                         "from %d to %d",
-                        path, self->given.column, values[i], i + 1, -MOST_FACTOR, MOST_FACTOR);
+                        path, self->given.column, values[i], i + 1, -MAX_FACTOR, MAX_FACTOR);
     return EHD_OK;
 }
 
@@ -275,7 +272,7 @@ static ehd_status check_history(const history *self, int quantity, double end_ti
     if (quantity == VARY_SPEED) return check_speed(least, error);
     if (least.value > 0) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected more than 0",
-                    quantity_names[quantity], least.value, least.time);
+                    vary_names[quantity], least.value, least.time);
 }
 
 ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error *error) {

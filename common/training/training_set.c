@@ -93,7 +93,10 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
 
 static bool same_lubricant(const ehd_lubricant *left, const ehd_lubricant *right) {
     return left->viscosity == right->viscosity && left->density == right->density &&
-           memcmp(left->constants, right->constants, sizeof left->constants) == 0;
+           memcmp(left->viscosity_constants, right->viscosity_constants,
+                  sizeof left->viscosity_constants) == 0 &&
+           memcmp(left->density_constants, right->density_constants,
+                  sizeof left->density_constants) == 0;
 }
 
 /* The number of the first point of the same group with the same lubricant. */

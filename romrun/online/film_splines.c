@@ -561,7 +561,6 @@ static double pressure_at(const earlier_film *self, const spline_place *along,
 void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
                          size_t node, const contact_frame *now, const reduced_model *model,
                          const film_splines *splines, const ehd_contact *reference) {
-    const density_law *law = reference->lubricant.density;
     const ehd_grid *grid = &splines->grid;
     size_t offset = is_coupled(model) ? 0 : model->num_pressure;
     double x[BDF_EARLIER], y[BDF_EARLIER];
@@ -595,10 +594,10 @@ void earlier_film_masses(double *mass, const earlier_film *const *films, size_t 
             mass[i] += line ? cut_deflection(self, &along[i], splines)
                             : cut_deflection_across(self, &along[i], &across[i], splines);
         mass[i] *= frame_film_ratio(now, &self->frame);
-        if (law) {
-            double hertz = reference->hertz_pressure * self->frame.hertz_pressure, ignored;
-            mass[i] *= law->relative_density(
-                fmax(pressure_at(self, &along[i], &across[i], splines), 0) * hertz, &ignored);
+        if (reference->lubricant.density) {
+            double hertz = reference->hertz_pressure * self->frame.hertz_pressure;
+            double pressure = pressure_at(self, &along[i], &across[i], splines);
+            mass[i] *= lubricant_density(&reference->lubricant, pressure * hertz);
         }
     }
 }

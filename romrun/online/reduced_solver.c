@@ -471,16 +471,12 @@ void reduced_row_values(double *pressure, double *mass, const reduced_solver *se
                         const ehd_contact *contact) {
     const row_set *set = &self->model->rows;
     const node_fields *now = &self->nodes.now;
-    const density_law *law = contact->lubricant.density;
-    double ignored;
 
     for (size_t r = 0; r < set->num_rows; r++) {
         size_t q = set->stencils[r].node[NODE_HERE];
         pressure[r] = now->pressure[q];
         if (!mass) continue;
-        mass[r] = now->film[q];
-        if (law)
-            mass[r] *= law->relative_density(fmax(now->pressure[q], 0) * contact->hertz_pressure,
-                                             &ignored);
+        mass[r] = now->film[q] * lubricant_density(&contact->lubricant,
+                                                   now->pressure[q] * contact->hertz_pressure);
     }
 }

@@ -405,7 +405,7 @@ static void earlier_init(earlier_mass *self, double rate, const problem *station
     const reduced_model *model = stationary->model;
     const ehd_contact *contact = stationary->contact;
     size_t num_nodes = model->grid.num_nodes;
-    double *modes, *pressure = must_allocate(num_nodes * sizeof(double)), ignored;
+    double *modes, *pressure = must_allocate(num_nodes * sizeof(double));
     reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};
     measurement result;
     ehd_error error;
@@ -416,9 +416,8 @@ static void earlier_init(earlier_mass *self, double rate, const problem *station
     must(model_read_modes(&modes, NULL, path, model, &error), &error);
     must(reduced_fields(pressure, self->at_nodes, &state, model, modes, &error), &error);
     for (size_t k = 0; k < num_nodes; k++) {
-        const density_law *law = contact->lubricant.density;
-        double p = fmax(pressure[k], 0) * contact->hertz_pressure;
-        self->at_nodes[k] *= -rate * (law ? law->relative_density(p, &ignored) : 1);
+        double p = pressure[k] * contact->hertz_pressure;
+        self->at_nodes[k] *= -rate * lubricant_density(&contact->lubricant, p);
     }
     for (size_t r = 0; r < model->rows.num_rows; r++)
         self->at_rows[r] = self->at_nodes[model->rows.node[r]];

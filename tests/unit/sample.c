@@ -5,22 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void set(scene *given, const char *key, const char *value) {
+    ehd_error error;
+
+    if (!scene_set(given, key, value, "sample", &error)) return;
+    fprintf(stderr, "%s\n", error.text);
+    abort();
+}
+
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L) {
     scene given;
-    lubricant_settings *settings = &given.lubricant;
     int wlf = strncmp(lubricant, "no", 2) == 0;
 
     scene_defaults(&given);
     given.moes_M = moes_M;
     given.moes_L = moes_L;
-    snprintf(settings->viscosity_law, sizeof settings->viscosity_law, "%s",
-             wlf ? "wlf" : lubricant);
+    set(&given, "lubricant.viscosity.law", wlf ? "wlf" : lubricant);
     if (wlf)
-        snprintf(settings->viscosity_preset, sizeof settings->viscosity_preset, "%s", lubricant);
+        set(&given, "lubricant.viscosity.preset", lubricant);
     else
-        settings->alpha = 2e-8;
-    if (strcmp(lubricant, "roelands") == 0) settings->eta0 = 0.04;
-    snprintf(settings->density_law, sizeof settings->density_law, "%s", density);
+        set(&given, "lubricant.viscosity.alpha", "2e-8");
+    if (strcmp(lubricant, "roelands") == 0) set(&given, "lubricant.viscosity.eta0", "0.04");
+    set(&given, "lubricant.density.law", density);
     scene_complete(&given);
     return given;
 }

@@ -366,10 +366,7 @@ static bool is_on_grid(const ehd_grid *grid, double x, double y) {
 }
 
 static double density_at(const ehd_contact *contact, double pressure, double hertz) {
-    double ignored;
-    return contact->lubricant.density
-               ? contact->lubricant.density->relative_density(pressure * hertz, &ignored)
-               : 1;
+    return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
 /* Largest deviation of the mass at the same physical places, where they are on the grid. */
@@ -632,7 +629,7 @@ static double wanted_flow(const ehd_contact *reference, double x, double time) {
     double value[5], film = wanted_film(x, time), ignored;
     for (int i = 0; i < 5; i++)
         value[i] = wanted_pressure(x + h * (i - 2), time);
-    double log_viscosity = reference->lubricant.viscosity->log_viscosity(
+    double log_viscosity = reference->lubricant.viscosity->evaluate(
         &reference->lubricant, value[2] * reference->hertz_pressure, &ignored);
     return wanted_mass(reference, x, time) * film * film * exp(-log_viscosity) / reference->lambda *
            slope_of(value, h);

@@ -26,7 +26,7 @@ static double film_of(const char *name, const ehd_contact *contact) {
 // ---- a roller and a ball of steel
 
 static const double LOAD = 300e3, BALL_LOAD = 50, RADIUS = 0.0125, SPEED = 0.8, VISCOSITY = 0.08,
-                    ALPHA = 2e-8;
+                    ALPHA = 2e-8; // as in sample_scene
 
 /* A contact of this kind and modulus, in Pa. */
 static ehd_contact steel(const char *kind, double load, double modulus) {
@@ -40,7 +40,6 @@ static ehd_contact steel(const char *kind, double load, double modulus) {
     given.speed = SPEED;
     given.modulus = modulus;
     given.viscosity = VISCOSITY;
-    given.lubricant.alpha = ALPHA;
     if (scene_contact(&contact, &given, &error)) fail_msg("%s", error.text);
     return contact;
 }

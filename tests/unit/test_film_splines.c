@@ -322,9 +322,8 @@ static bool is_before_exit(const point_film *self, double x, double y) {
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance) {
     const ehd_grid *grid = &self->basis->grid;
     double stretch = frame_stretch(now, &self->film.frame);
-    double ratio = frame_film_ratio(now, &self->film.frame), ignored;
+    double ratio = frame_film_ratio(now, &self->film.frame);
     double hertz = self->reference.hertz_pressure;
-    const density_law *law = self->reference.lubricant.density;
     plane pressure, uncut, film;
 
     plane_init(&pressure, grid);
@@ -338,12 +337,12 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
     plane_prepare(&film);
     for (size_t r = 0; r < grid->num_inner; r += 5) {
         size_t node = grid_node_of_row(grid, r);
-        double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node), density = 1;
+        double x = stretch * grid_x(grid, node), y = stretch * grid_y(grid, node);
         if (x > 0.9 || fabs(y) > film.y[film.lines - 1] || x < film.x[0]) continue;
         double expected = plane_at(&film, x, y) + contact_gap(x, y);
         double there =
             is_before_exit(self, x, y) && x > grid_x(grid, 0) ? plane_at(&uncut, x, y) : 0;
-        if (law) density = law->relative_density(fmax(there, 0) * hertz, &ignored);
+        double density = lubricant_density(&self->reference.lubricant, there * hertz);
         check_close(mass_at(self, node, now), expected * density * ratio, tolerance, 0);
     }
     plane_free(&pressure);
@@ -386,8 +385,8 @@ static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
                                 &error));
         for (size_t r = 0; r < grid->num_inner; r++) {
             size_t k = grid_node_of_row(grid, r);
-            double density = self.reference.lubricant.density->relative_density(
-                fmax(pressure[k], 0) * self.reference.hertz_pressure, &ignored);
+            double density = lubricant_density(&self.reference.lubricant,
+                                               pressure[k] * self.reference.hertz_pressure);
             check_close(mass_at(&self, k, &now), density * film[k], 1e-12, 0);
         }
         free(pressure);

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The lubricant laws by name. A new one is declared here and gets a line in laws.c. */
+#ifndef EHD_LAWS_H
+#define EHD_LAWS_H
+
+#include "common/physics/lubricant.h"
+
+extern const lubricant_law viscosity_barus, viscosity_roelands, viscosity_wlf; // viscosity.c
+extern const lubricant_law density_incompressible, density_dowson_higginson;   // density.c
+
+#endif

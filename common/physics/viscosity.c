@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Viscosity laws. */
+#include "common/physics/laws.h"
+
+#include <gsl/gsl_integration.h>
+#include <math.h>
+#include <string.h>
+
+// ---- shared by laws
+
+#define ALPHA                                                                                      \
+    {                                                                                              \
+        "alpha", LAW_REQUIRED, NULL, NULL, 1e-10, 1e-6, "1/Pa",                                    \
+            "Pressure-viscosity coefficient at zero pressure"                                      \
+    }
+
+static ehd_status check_alpha(double alpha, ehd_error *error) {
+    if (alpha > 0 && isfinite(alpha)) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "lubricant.viscosity.alpha: found %g, expected > 0 1/Pa",
+                    alpha);
+}
+
+// ---- Barus: ln eta = alpha p
+
+enum { BARUS_ALPHA };
+
+static double barus(const ehd_lubricant *self, double pressure, double *derivative) {
+    *derivative = self->viscosity_constants[BARUS_ALPHA];
+    return self->viscosity_constants[BARUS_ALPHA] * pressure;
+}
+
+static ehd_status barus_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
+    self->viscosity_constants[BARUS_ALPHA] = values[BARUS_ALPHA].number;
+    return check_alpha(values[BARUS_ALPHA].number, error);
+}
+
+const lubricant_law viscosity_barus = {
+    .name = "barus", .parameters = {ALPHA}, .prepare = barus_prepare, .evaluate = barus};
+
+// ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]
+
+static const double ROELANDS_PRESSURE = 1.96e8; // Pa
+
+enum { ROELANDS_ALPHA, ROELANDS_ETA0 };     // parameters
+enum { ROELANDS_RATIO, ROELANDS_EXPONENT }; // constants
+
+static double roelands(const ehd_lubricant *self, double pressure, double *derivative) {
+    double z = self->viscosity_constants[ROELANDS_EXPONENT];
+    double ratio = self->viscosity_constants[ROELANDS_RATIO];
+    double base = 1 + pressure / ROELANDS_PRESSURE;
+    double power = pow(base, z);
+
+    *derivative = ratio * z * power / base / ROELANDS_PRESSURE;
+    return ratio * (power - 1);
+}
+
+static ehd_status roelands_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
+    double alpha = values[ROELANDS_ALPHA].number, eta0 = values[ROELANDS_ETA0].number;
+    ehd_status status = check_alpha(alpha, error);
+
+    if (status) return status;
+    // eta0 above the Roelands pole viscosity 6.31e-5 Pa s, else ln eta0 + 9.67 is not positive
+    if (!(eta0 > 6.4e-5 && isfinite(eta0)))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.viscosity.eta0: found %g, expected > 6.4e-5 Pa s", eta0);
+    double ratio = log(eta0) + 9.67;
+    self->viscosity_constants[ROELANDS_RATIO] = ratio;
+    self->viscosity_constants[ROELANDS_EXPONENT] = ROELANDS_PRESSURE * alpha / ratio;
+    self->alpha = alpha;
+    self->eta0 = eta0;
+    return EHD_OK;
+}
+
+const lubricant_law viscosity_roelands = {
+    .name = "roelands",
+    .parameters = {ALPHA,
+                   {"eta0", LAW_REQUIRED, NULL, NULL, 1e-4, 1e6, "Pa s",
+                    "Viscosity at zero pressure"}},
+    .prepare = roelands_prepare,
+    .evaluate = roelands,
+};
+
+// ---- modified WLF, eq. 40 of Maier, Hager, Hetzler, Seemann, Tribology International 2015
+
+/* Its parameters, and the constants of the same numbers. */
+enum {
+    WLF_PRESET,
+    WLF_TEMPERATURE, // degC, T0 of eq. 40
+    WLF_A1,          // degC; from here on in the units of Table 1 there
+    WLF_A2,          // 1/GPa
+    WLF_B1,          // 1
+    WLF_B2,          // 1/MPa
+    WLF_C1,          // 1
+    WLF_C2,          // degC
+    WLF_TG0,         // degC
+    WLF_MU_G,        // Pa s
+    NUM_WLF,
+    WLF_LOG_AT_ZERO = NUM_WLF // ln(eta(0)/mu_g)
+};
+
+static const struct {
+    const char *name;
+    double constants[NUM_WLF - WLF_A1];
+} wlf_presets[] = {
+    // Table 1: A1, A2, B1, B2, C1, C2, Tg0, mu_g
+    {"no1", {19.17, 4.07, 0.23, 0.0249, 16.04, 18.18, -73.86, 1e12}},
+    {"no2", {22.47, 4.22, 0.222, 0.0349, 15.87, 10.22, -113.79, 1e12}},
+    {"no3", {69.81, 1.68, 0.213, 0.0118, 11.84, 60.59, -87.46, 1e7}},
+};
+static const char wlf_choices[] = "no1|no2|no3";
+enum { NUM_PRESETS = sizeof wlf_presets / sizeof *wlf_presets };
+
+/* y = (T0 - Tg) D, its derivative in 1/Pa. */
+static double wlf_shift(const double *constants, double pressure, double *derivative) {
+    double giga = pressure * 1e-9, mega = pressure * 1e-6;
+    double tg = constants[WLF_TG0] + constants[WLF_A1] * log1p(constants[WLF_A2] * giga);
+    double tg_slope = constants[WLF_A1] * constants[WLF_A2] / (1 + constants[WLF_A2] * giga) * 1e-9;
+    double d = 1 - constants[WLF_B1] * log1p(constants[WLF_B2] * mega);
+    double d_slope = -constants[WLF_B1] * constants[WLF_B2] / (1 + constants[WLF_B2] * mega) * 1e-6;
+
+    *derivative = -tg_slope * d + (constants[WLF_TEMPERATURE] - tg) * d_slope;
+    return (constants[WLF_TEMPERATURE] - tg) * d;
+}
+
+/* ln eta(p) - ln mu_g = -ln(10) C1 y / (C2 + y). */
+static double wlf_log_absolute(const double *constants, double pressure, double *derivative) {
+    double y_slope, y = wlf_shift(constants, pressure, &y_slope);
+    double c1 = constants[WLF_C1] * M_LN10, c2 = constants[WLF_C2];
+
+    *derivative = -c1 * c2 / ((c2 + y) * (c2 + y)) * y_slope;
+    return -c1 * y / (c2 + y);
+}
+
+static double wlf(const ehd_lubricant *self, double pressure, double *derivative) {
+    const double *constants = self->viscosity_constants;
+
+    return wlf_log_absolute(constants, pressure, derivative) - constants[WLF_LOG_AT_ZERO];
+}
+
+/* The law turns over where y stops falling, or has a pole where C2 + y reaches zero: the smaller of
+ * both pressures, to 1e-9, or 100 GPa when neither lies below that. */
+static double wlf_pressure_limit(const double *constants) {
+    const double step = 1e6, max = 1e11;
+    double slope, low = 0;
+
+    for (double p = 0; p <= max; p += step) {
+        double y = wlf_shift(constants, p, &slope);
+        if (slope >= 0 || constants[WLF_C2] + y <= 0) break;
+        low = p;
+    }
+    double high = low + step;
+    while (high - low > 1e-9 * high) {
+        double middle = (low + high) / 2;
+        double y = wlf_shift(constants, middle, &slope);
+        if (slope >= 0 || constants[WLF_C2] + y <= 0)
+            high = middle;
+        else
+            low = middle;
+    }
+    return low;
+}
+
+static double wlf_inverse_viscosity(double pressure, void *self) {
+    double derivative;
+    return exp(-wlf(self, pressure, &derivative));
+}
+
+/* Reciprocal asymptotic isoviscous pressure coefficient, alpha* = 1/int eta0/eta dp, to 3 GPa. */
+static ehd_status wlf_reciprocal_coefficient(ehd_lubricant *self, ehd_error *error) {
+    const size_t num_intervals = 200;
+    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(num_intervals);
+    gsl_function integrand = {wlf_inverse_viscosity, self};
+    double integral = 0, estimate;
+
+    if (!workspace)
+        return ehd_fail(error, EHD_MEMORY, "lubricant: found no memory for the integral of alpha*");
+    int failed =
+        gsl_integration_qag(&integrand, 0, fmin(3e9, self->pressure_limit), 0, 1e-10, num_intervals,
+                            GSL_INTEG_GAUSS31, workspace, &integral, &estimate);
+    gsl_integration_workspace_free(workspace);
+    if (failed || !(integral > 0))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.viscosity: found constants whose viscosity cannot be "
+                        "integrated, expected those of a liquid");
+    self->alpha = 1 / integral;
+    return EHD_OK;
+}
+
+/* Fills in the constants of Table 1, given one by one or by their preset. */
+static ehd_status wlf_set_constants(double *constants, const law_value *values, ehd_error *error) {
+    const char *name = values[WLF_PRESET].word;
+    size_t preset = 0;
+
+    for (size_t i = WLF_TEMPERATURE; i < NUM_WLF; i++)
+        constants[i] = values[i].number;
+    if (!*name) return EHD_OK;
+    while (preset < NUM_PRESETS && strcmp(name, wlf_presets[preset].name))
+        preset++;
+    if (preset == NUM_PRESETS)
+        return ehd_fail(error, EHD_DATA, "lubricant.viscosity.preset: found %s, expected %s", name,
+                        wlf_choices);
+    memcpy(constants + WLF_A1, wlf_presets[preset].constants, sizeof wlf_presets[preset].constants);
+    return EHD_OK;
+}
+
+static ehd_status wlf_prepare(ehd_lubricant *self, const law_value *values, ehd_error *error) {
+    double *constants = self->viscosity_constants, slope;
+    ehd_status status = wlf_set_constants(constants, values, error);
+
+    if (status) return status;
+    double y = wlf_shift(constants, 0, &slope);
+    if (!(constants[WLF_C2] + y > 0 && slope < 0))
+        return ehd_fail(error, EHD_DATA,
+                        "lubricant.viscosity: found constants whose viscosity does not rise at "
+                        "zero pressure at %g degC, expected a liquid above its glass transition",
+                        constants[WLF_TEMPERATURE]);
+    constants[WLF_LOG_AT_ZERO] = wlf_log_absolute(constants, 0, &slope);
+    self->eta0 = constants[WLF_MU_G] * exp(constants[WLF_LOG_AT_ZERO]);
+    self->pressure_limit = wlf_pressure_limit(constants);
+    return wlf_reciprocal_coefficient(self, error);
+}
+
+#define CONSTANT(key, min, max, unit, help)                                                        \
+    { key, LAW_CONSTANT, NULL, NULL, min, max, unit, help }
+
+const lubricant_law viscosity_wlf = {
+    .name = "wlf",
+    .parameters = {{"preset", LAW_PRESET, wlf_choices, NULL, 0, 0, "1",
+                    "Lubricant of Table 1, in place of the eight constants"},
+                   {"temperature", LAW_OPTIONAL, NULL, "25", -100, 400, "degC",
+                    "Temperature of the lubricant"},
+                   CONSTANT("A1", 0, 1e3, "degC", "Constant A1 of the modified WLF law"),
+                   CONSTANT("A2", 0, 1e3, "1/GPa", "Constant A2 of the modified WLF law"),
+                   CONSTANT("B1", 0, 10, "1", "Constant B1 of the modified WLF law"),
+                   CONSTANT("B2", 0, 10, "1/MPa", "Constant B2 of the modified WLF law"),
+                   CONSTANT("C1", 0.1, 1e3, "1", "Constant C1 of the modified WLF law"),
+                   CONSTANT("C2", 0.1, 1e3, "degC", "Constant C2 of the modified WLF law"),
+                   CONSTANT("Tg0", -273.15, 400, "degC",
+                            "Glass transition temperature at zero pressure"),
+                   CONSTANT("mu_g", 1, 1e20, "Pa s", "Viscosity at the glass transition")},
+    .prepare = wlf_prepare,
+    .evaluate = wlf,
+};
