@@ -157,7 +157,6 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
 }
 
 static void print_settings(void) {
-    puts("Settings of a scene (SCENE.yml, --set):");
     scene_print_help(stdout);
 }
 

@@ -187,8 +187,7 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
 }
 
 static void print_settings(void) {
-    puts("A plan is a list of groups, each a scene and what varies in it (schemas/plan.md).\n"
-         "Settings of a scene:");
+    puts("A plan is a list of groups, each a scene and what varies in it (schemas/plan.md).");
     scene_print_help(stdout);
 }
 

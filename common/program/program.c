@@ -147,7 +147,7 @@ static const struct argp_option common_options[] = {
     {.name = "set",
      .key = KEY_SET,
      .arg = "KEY=VALUE",
-     .doc = "Override a setting of the scene; repeatable",
+     .doc = "Override a setting of the scene, or unset it where no VALUE follows; repeatable",
      .group = 10},
     {.name = "force", .key = 'f', .doc = "Replace an output that exists", .group = 10},
     {.name = "check",

@@ -165,6 +165,25 @@ PYTHON
     [ "$status" -eq 0 ]
 }
 
+@test "--help shows each heading and each key of a history once" {
+    for name in fullrun romrun snapgen; do
+        run --separate-stderr $name --help
+        [ "$(grep -c 'Settings of a scene' <<<"$output")" -eq 1 ]
+        [ "$(grep -c 'transient.<load|speed|radius|modulus|approach>.amplitude:' <<<"$output")" -eq 1 ]
+        ! grep -q 'transient.speed.' <<<"$output"
+    done
+}
+
+@test "--set KEY= unsets a key, so that another law can be chosen" {
+    run --separate-stderr fullrun scene.yml --set lubricant.viscosity.law=wlf -o a.h5
+    [ "$status" -eq 65 ]
+    [[ $stderr == *"alpha: found a value, expected none with the law wlf (--set lubricant.viscosity.alpha= unsets it)" ]]
+    fullrun scene.yml --set lubricant.viscosity.law=wlf --set lubricant.viscosity.preset=no1 \
+        --set lubricant.viscosity.alpha= -o a.h5
+    h5dump -a settings a.h5 | grep -q 'lubricant.viscosity.preset: no1'
+    ! h5dump -a settings a.h5 | grep -q 'lubricant.viscosity.alpha'
+}
+
 # ---- resolution
 
 @test "a domain or step that moves the central film by more than 1 % is noted, not refused" {
@@ -285,9 +304,10 @@ bad_value() {
 }
 
 @test "bad numbers are refused with key, value and range" {
-    for text in 1e-1O nan NaN inf -inf 1e999 1e-999 '' ' ' 0x10 1,5 '1 2' -3 0 1e300; do
+    for text in 1e-1O nan NaN inf -inf 1e999 1e-999 ' ' 0x10 1,5 '1 2' -3 0 1e300; do
         bad_value moes.M "$text" "--set: moes.M: found "
     done
+    sed "s/M: 12/M: ''/" scene.yml | bad_scene "bad.yml:3: moes.M: found nothing, expected"
     sed 's/M: 12/M: 1e-1O/' scene.yml | bad_scene "bad.yml:3: moes.M: found 1e-1O, expected"
     bad_value grid.step 0.007 "grid.step: found 0.007, expected a whole number of steps"
     bad_value grid.step 10 "grid.step"
@@ -307,6 +327,8 @@ bad_value() {
     bad_value lubricant.density.law lead "incompressible.dowson-higginson"
     bad_value lubricant.viscosity.preset no1 "preset"
     bad_value moes.N 3 "moes.N"
+    bad_value physical.velocity 3 "physical.velocity: found an unknown key, expected physical.speed"
+    bad_value physical.load 200kN/m "physical.load: found 200kN/m, expected .* N/m, written without the unit"
 }
 
 @test "a Hertz pressure beyond the viscosity law's limit is refused" {
