@@ -214,8 +214,8 @@ int main(int argc, char **argv) {
         .arguments_doc = "RESIDUALS.h5 --basis BASIS.h5 -o MODEL.h5",
         .doc = "Selects the Reynolds rows of the online model and writes it.",
         .help_tail = print_methods,
-        .least_arguments = 1,
-        .most_arguments = 1,
+        .min_arguments = 1,
+        .max_arguments = 1,
         .needs_output = true};
     ehd_error error = {""};
     program self;

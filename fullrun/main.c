@@ -446,8 +446,8 @@ int main(int argc, char **argv) {
                                      .doc = "Solves one elastohydrodynamic contact with the full "
                                             "model.",
                                      .help_tail = print_settings,
-                                     .least_arguments = 1,
-                                     .most_arguments = 1,
+                                     .min_arguments = 1,
+                                     .max_arguments = 1,
                                      .needs_output = true};
     ehd_error error = {""};
     program self;

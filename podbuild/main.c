@@ -206,8 +206,8 @@ int main(int argc, char **argv) {
                                      .arguments_doc = "SNAPSHOTS.h5... -o BASIS.h5",
                                      .doc = "Builds trial and test bases of training solutions.",
                                      .help_tail = print_weights,
-                                     .least_arguments = 1,
-                                     .most_arguments = SIZE_MAX,
+                                     .min_arguments = 1,
+                                     .max_arguments = SIZE_MAX,
                                      .needs_output = true};
     ehd_error error = {""};
     program self;

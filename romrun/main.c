@@ -574,7 +574,7 @@ int main(int argc, char **argv) {
                          "--trade --model CALIBRATED.h5",
         .doc = "Solves one scene with the reduced model, or measures what the model can do.",
         .help_tail = print_settings,
-        .most_arguments = 1};
+        .max_arguments = 1};
     ehd_error error = {""};
     program self;
 

@@ -359,8 +359,8 @@ int main(int argc, char **argv) {
                                          "SNAPSHOTS.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
                                      .doc = "Solves all points of a training plan.",
                                      .help_tail = print_settings,
-                                     .least_arguments = 1,
-                                     .most_arguments = 1,
+                                     .min_arguments = 1,
+                                     .max_arguments = 1,
                                      .needs_output = true};
     ehd_error error = {""};
     program self;

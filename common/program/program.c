@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-// the Makefile gives the true ones
+// defaults; the Makefile defines them
 #ifndef EHD_VERSION
 #define EHD_VERSION "0.1.0"
 #endif
@@ -31,7 +31,7 @@
 
 const char *program_build(void) {
     static char build[1024];
-    // openblas_get_config starts with "OpenBLAS 0.3.21"
+    // openblas_get_config returns "OpenBLAS 0.3.21 …"
     if (!*build)
         snprintf(build, sizeof build,
                  "ehdrom " EHD_VERSION " (revision " EHD_REVISION "), compiler " __VERSION__
@@ -56,7 +56,7 @@ static void on_signal(int number) {
     interrupted = 1;
 }
 
-/* "MemAvailable: 123 kB" of the system, in bytes. */
+/* "MemAvailable: 123 kB" of /proc/meminfo, in bytes; infinite where there is none. */
 static double free_memory(void) {
     FILE *file = fopen("/proc/meminfo", "r");
     double bytes = INFINITY, kilobytes;
@@ -90,7 +90,7 @@ static void set_signals(void) {
     sigemptyset(&ignore.sa_mask);
     sigaction(SIGINT, &catch, NULL);
     sigaction(SIGTERM, &catch, NULL);
-    // a closed pipe and a full quota shall be errors of the write, not the end of the process
+    // a closed pipe or a file size limit shall fail the write, not kill the process
     sigaction(SIGPIPE, &ignore, NULL);
     sigaction(SIGXFSZ, &ignore, NULL);
 }
@@ -104,7 +104,7 @@ static void print_line(const program *self, const char *text) {
     for (; text[length] && length + 1 < sizeof line; length++)
         line[length] = (text[length] >= 0 && text[length] < ' ') ? '?' : text[length];
     line[length] = '\0';
-    // a progress line may stand there
+    // on a terminal it replaces a progress line
     fprintf(stderr, "%s%s: %s\n", isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "", self->name, line);
 }
 
@@ -161,7 +161,7 @@ static const struct argp_option common_options[] = {
     {.name = "version", .key = KEY_VERSION, .doc = "Print version and build", .group = 10},
     {0}};
 
-/* What the common parser fills while argp walks through the arguments. */
+/* Input of the common parser. */
 typedef struct parsing {
     program *program;
     void *own; // the program's own options, input of its parser
@@ -169,7 +169,7 @@ typedef struct parsing {
     bool version;
 } parsing;
 
-static error_t take_override(program *self, char *text, const struct argp_state *state) {
+static error_t add_override(program *self, char *text, const struct argp_state *state) {
     if (!strchr(text, '=') || *text == '=') {
         char found[SHOWN_TEXT];
         text_show(found, text);
@@ -180,8 +180,8 @@ static error_t take_override(program *self, char *text, const struct argp_state 
     return 0;
 }
 
-static error_t take_file(const char **file, const char *option, const char *text,
-                         const struct argp_state *state) {
+static error_t set_file(const char **file, const char *option, const char *text,
+                        const struct argp_state *state) {
     if (*text == '\0') {
         argp_error(state, "%s: found nothing, expected the name of a file", option);
         return EINVAL;
@@ -207,16 +207,16 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         input->version = true;
         return 0;
     case KEY_SET:
-        return take_override(self, argument, state);
+        return add_override(self, argument, state);
     case KEY_CHECK:
-        return take_file(&self->check, "--check", argument, state);
+        return set_file(&self->check, "--check", argument, state);
     case 'o':
-        return take_file(&self->output, "--output", argument, state);
+        return set_file(&self->output, "--output", argument, state);
     case 'f':
         self->force = true;
         return 0;
     case 'q':
-    case 'v': // the last one counts
+    case 'v': // the last one wins
         self->quiet = key == 'q';
         self->verbose = key == 'v';
         return 0;
@@ -230,7 +230,7 @@ static char *base_name(char *path) {
     return slash ? slash + 1 : path;
 }
 
-/* Runs argp, and keeps of its complaint only the first line, without the program's name. */
+/* Runs argp, and keeps only the first line of its complaint, without the program's name. */
 static ehd_status run_argp(program *self, const struct argp *argp, char **arguments, parsing *input,
                            ehd_error *error) {
     const unsigned flags = ARGP_NO_HELP | ARGP_NO_EXIT;
@@ -259,8 +259,8 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
 
 static ehd_status check_arguments(const program *self, const program_options *options,
                                   ehd_error *error) {
-    const bool enough = self->check || self->num_arguments >= options->least_arguments;
-    if (!enough || self->num_arguments > options->most_arguments)
+    const bool enough = self->check || self->num_arguments >= options->min_arguments;
+    if (!enough || self->num_arguments > options->max_arguments)
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
                         self->num_arguments, self->num_arguments == 1 ? "" : "s",
                         options->arguments_doc ? options->arguments_doc : "none");

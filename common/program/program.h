@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Manners that all programs share: options, messages, progress, interruption, provenance. */
+/* What all programs share: the command line, messages, progress, interruption, and the build's
+ * version. */
 #ifndef EHD_PROGRAM_H
 #define EHD_PROGRAM_H
 
@@ -28,19 +29,19 @@ typedef struct program {
 /* One group of options: a program adds its own to the common ones. Its `parse` gets the same
  * (key, argument, state) as an argp parser; `state->input` is the program's own options struct. */
 typedef struct program_options {
-    const struct argp_option *options; // ends with {0}; keys below 0x100 or from 0x200 on
-    argp_parser_t parse;               // NULL when the program has no own options
-    void *own;                         // handed to parse as state->input
-    const char *arguments_doc;         // "SCENE.yml -o result.h5"
-    const char *doc;                   // what it does; help_tail follows below the options
-    void (*help_tail)(void);           // prints more help to stdout (settings table), may be NULL
-    size_t least_arguments, most_arguments; // positional ones (not demanded with --check)
-    bool needs_output;                      // -o is demanded (not with --check)
+    const struct argp_option *options;   // ends with {0}; keys below 0x100 or from 0x200 on
+    argp_parser_t parse;                 // NULL when the program has no own options
+    void *own;                           // handed to parse as state->input
+    const char *arguments_doc;           // "SCENE.yml -o result.h5"
+    const char *doc;                     // what the program does
+    void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
+    size_t min_arguments, max_arguments; // positional ones (not demanded with --check)
+    bool needs_output;                   // -o is demanded (not with --check)
 } program_options;
 
-/* Parses the command line. --help and --version print to stdout and exit with 0; misuse is one line
- * on stderr and exit 64. Also sets the C locale, one OpenBLAS thread, and catches SIGINT and SIGTERM.
- * The result is freed with program_finish. */
+/* Parses the command line. --help and --version print to stdout and exit with 0; misuse prints
+ * one line to stderr and exits with 64. Also sets the C locale and one OpenBLAS thread, and
+ * catches SIGINT and SIGTERM. The result is freed with program_finish. */
 void program_start(program *program, int argc, char **argv, const program_options *options);
 
 /* Prints error->text after "name: " when status is not EHD_OK and text is not empty; frees; flushes
@@ -56,8 +57,8 @@ void program_detail(const program *program, const char *format, ...)
 void program_warn(const program *program, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Progress of long work: "name: 37/120 M=12 L=7, 4 s left". On a terminal one line that is rewritten;
- * else at most a line every two seconds, and the last one. Silent with --quiet. */
+/* Progress of long work: "name: 37/120 M=12 L=7, 4 s left". On a terminal one line that is
+ * rewritten; otherwise a line at most every two seconds, and the last one. Silent with --quiet. */
 typedef struct progress {
     const program *program;
     size_t total;
@@ -72,8 +73,8 @@ void progress_finish(progress *progress);
 /* True after SIGINT or SIGTERM; a second signal ends the process at once with 130. */
 bool program_interrupted(void);
 
-/* Bytes that this process can still take: what the system has free, within the limit on it; infinite where
- * the system does not say. */
+/* Bytes of memory available to this process: what the system has free, within the process's limit;
+ * infinite where neither is known. */
 double program_memory(void);
 
 /* Monotonic seconds. */

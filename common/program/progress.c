@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-// s between two lines: a person reads along on a terminal, a log file shall stay short
+// s between two lines; longer in a log file, to keep it short
 static const double terminal_pause = 0.1, file_pause = 2.0;
 
 void progress_start(progress *self, const program *owner, size_t total) {
@@ -16,7 +16,7 @@ void progress_start(progress *self, const program *owner, size_t total) {
                        .terminal = isatty(STDERR_FILENO) == 1};
 }
 
-/* ", 4 s left", in the unit a person would choose. */
+/* ", 4 s left", in seconds, minutes or hours. */
 static void show_time(char *shown, size_t size, double seconds, const char *what) {
     if (seconds < 100)
         snprintf(shown, size, ", %.0f s%s", seconds, what);

@@ -21,8 +21,8 @@ typedef struct ehd_error {
     char text[1024]; // one line "object: found X, expected Y", no newline, no program name
 } ehd_error;
 
-/* Writes the text (printf-style) into *error, which may be NULL, and returns `status`, so that a
- * check reads: if (bad) return ehd_fail(error, EHD_DATA, "grid.step: found %g, expected > 0", h); */
+/* Writes the text (printf-style) into *error, which may be NULL, and returns `status`, for checks:
+ * if (bad) return ehd_fail(error, EHD_DATA, "grid.step: found %g, expected > 0", step); */
 ehd_status ehd_fail(
     // output:
     ehd_error *error,

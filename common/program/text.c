@@ -39,27 +39,27 @@ void text_show(char shown[SHOWN_TEXT], const char *text) {
 }
 
 /* "a number from 0 to 1"; infinite bounds are left out. */
-static void show_range(char shown[SHOWN_TEXT], double least, double most) {
-    if (isfinite(least) && isfinite(most))
-        snprintf(shown, SHOWN_TEXT, "a number from %g to %g", least, most);
-    else if (isfinite(least))
-        snprintf(shown, SHOWN_TEXT, "a number of at least %g", least);
-    else if (isfinite(most))
-        snprintf(shown, SHOWN_TEXT, "a number of at most %g", most);
+static void show_range(char shown[SHOWN_TEXT], double min, double max) {
+    if (isfinite(min) && isfinite(max))
+        snprintf(shown, SHOWN_TEXT, "a number from %g to %g", min, max);
+    else if (isfinite(min))
+        snprintf(shown, SHOWN_TEXT, "a number of at least %g", min);
+    else if (isfinite(max))
+        snprintf(shown, SHOWN_TEXT, "a number of at most %g", max);
     else
         snprintf(shown, SHOWN_TEXT, "a finite number");
 }
 
-ehd_status parse_real(double *value, const char *text, double least, double most,
-                      const char *object, ehd_status refusal, ehd_error *error) {
+ehd_status parse_real(double *value, const char *text, double min, double max, const char *object,
+                      ehd_status refusal, ehd_error *error) {
     char found[SHOWN_TEXT], expected[SHOWN_TEXT];
     double number;
-    if (number_read(&number, text) && number >= least && number <= most) {
+    if (number_read(&number, text) && number >= min && number <= max) {
         *value = number;
         return EHD_OK;
     }
     text_show(found, text);
-    show_range(expected, least, most);
+    show_range(expected, min, max);
     return ehd_fail(error, refusal, "%s: found %s, expected %s", object, found, expected);
 }
 
@@ -74,18 +74,18 @@ static bool count_read(size_t *value, const char *text) {
     return true;
 }
 
-ehd_status parse_count(size_t *value, const char *text, size_t least, size_t most,
-                       const char *object, ehd_status refusal, ehd_error *error) {
+ehd_status parse_count(size_t *value, const char *text, size_t min, size_t max, const char *object,
+                       ehd_status refusal, ehd_error *error) {
     char found[SHOWN_TEXT];
     size_t number;
-    if (count_read(&number, text) && number >= least && number <= most) {
+    if (count_read(&number, text) && number >= min && number <= max) {
         *value = number;
         return EHD_OK;
     }
     text_show(found, text);
-    if (most == SIZE_MAX)
+    if (max == SIZE_MAX)
         return ehd_fail(error, refusal, "%s: found %s, expected a whole number of at least %zu",
-                        object, found, least);
+                        object, found, min);
     return ehd_fail(error, refusal, "%s: found %s, expected a whole number from %zu to %zu", object,
-                    found, least, most);
+                    found, min, max);
 }

@@ -20,13 +20,13 @@ void number_show(char shown[NUMBER_TEXT], double value);
  * end of a long text "...", and an empty one "nothing". */
 void text_show(char shown[SHOWN_TEXT], const char *text);
 
-/* A strict number within least..most (infinite: no bound), else `refusal` (EHD_USAGE or EHD_DATA);
+/* A strict number within min..max (infinite: no bound), else `refusal` (EHD_USAGE or EHD_DATA);
  * `object` leads the message. */
 ehd_status parse_real(
     // output:
     double *value,
     // input:
-    const char *text, double least, double most, const char *object, ehd_status refusal,
+    const char *text, double min, double max, const char *object, ehd_status refusal,
     ehd_error *error);
 
 /* The same for a whole number without sign: digits only. */
@@ -34,7 +34,7 @@ ehd_status parse_count(
     // output:
     size_t *value,
     // input:
-    const char *text, size_t least, size_t most, const char *object, ehd_status refusal,
+    const char *text, size_t min, size_t max, const char *object, ehd_status refusal,
     ehd_error *error);
 
 #endif

@@ -440,7 +440,7 @@ static void an_interrupted_linear_system_is_no_step(void **state) {
     ehd_contact contact = contact_of_case(0);
     full_settings settings = full_default_settings();
     char *arguments[] = {"fullrun", NULL};
-    const program_options options = {.most_arguments = 0};
+    const program_options options = {.max_arguments = 0};
     ehd_error error = {""};
     program self;
     problem stopped;

@@ -641,7 +641,7 @@ static void signal_interrupts(void **state) {
     ehd_error error = {""};
     ehd_status outcome;
     char *arguments[] = {"march", "scene", NULL};
-    const program_options options = {.least_arguments = 1, .most_arguments = 1};
+    const program_options options = {.min_arguments = 1, .max_arguments = 1};
     program self;
 
     program_start(&self, 2, arguments, &options);

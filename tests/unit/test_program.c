@@ -54,8 +54,8 @@ static const program_options options = {.options = own_rows,
                                         .arguments_doc = "SCENE.yml -o result.h5",
                                         .doc = "Does nothing, in good manners.",
                                         .help_tail = print_tail,
-                                        .least_arguments = 1,
-                                        .most_arguments = 2,
+                                        .min_arguments = 1,
+                                        .max_arguments = 2,
                                         .needs_output = true};
 
 // ---- children

@@ -150,7 +150,7 @@ static void print_trace(const time_trace *trace) {
 
 static int run_child(bool resume, bool written) {
     char *words[] = {"fullrun", "--quiet", "/dev/null", written ? "-o" : NULL, path, NULL};
-    const program_options options = {.least_arguments = 1, .most_arguments = 1};
+    const program_options options = {.min_arguments = 1, .max_arguments = 1};
     ehd_error why = {""};
     program self;
     time_trace trace;
