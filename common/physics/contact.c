@@ -13,7 +13,7 @@ static double line_primitive(double x) {
     return x == 0 ? 0 : x * (log(fabs(x)) - 1);
 }
 
-/* -(1/2pi) int ln(X'^2) over the cell (model.md, section 2). */
+/* -(1/2pi) int ln(X'^2) over the cell (README.md, deflection). */
 static double line_kernel(double distance, double y, double step) {
     (void)y;
     return -(line_primitive(distance + step / 2) - line_primitive(distance - step / 2)) / M_PI;
@@ -31,8 +31,8 @@ static double line_alpha_p_H(double moes_M, double moes_L) {
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
 
-/* The deflection is measured from a distance of the current half width, so that the constant of
- * eq. (4) moves with it (model.md, section 4). */
+/* The constant in eq. 4 of Maier et al. holds for a deflection measured from a distance of the
+ * current half width, and so changes with it (README.md, approach). */
 static double line_approach_shift(double half_width, double length) {
     return 0.5 * log(half_width / length);
 }
@@ -67,11 +67,12 @@ static double point_primitive(double a, double b) {
     return a * asinh(b / fabs(a)) + b * asinh(a / fabs(b));
 }
 
-/* Sides of a cell beyond which a series replaces the closed form, which takes thirty times as long: of it less than
- * 1e-12 is missing from there on. */
+/* Distance, in sides of the cell, from which on a series replaces the closed form, which takes
+ * thirty times as long. The truncation error is below 1e-12 of the integral there. */
 static const double FAR_CELL = 40;
 
-/* The integral of 1/r over a cell far away, by the cell's moments up to the fourth. */
+/* The integral of 1/r over a distant cell: multipole expansion up to the fourth moments of the
+ * cell. */
 static double far_cell(double x, double y, double step) {
     double square = x * x + y * y, cell = step * step, small = cell / square;
     double fourth = (105 * (x * x * x * x + y * y * y * y) / (square * square) - 72) / 1920 +
@@ -80,7 +81,7 @@ static double far_cell(double x, double y, double step) {
     return cell / sqrt(square) * (1 + small * (1. / 24 + small * fourth));
 }
 
-/* (2/pi^2) iint 1/r over the cell (model.md, section 2). */
+/* (2/pi^2) iint 1/r over the cell (README.md, deflection). */
 static double point_kernel(double x, double y, double step) {
     if (x * x + y * y > FAR_CELL * FAR_CELL * step * step)
         return 2 / (M_PI * M_PI) * far_cell(x, y, step);
@@ -103,7 +104,7 @@ static double point_alpha_p_H(double moes_M, double moes_L) {
     return moes_L / M_PI * cbrt(1.5 * moes_M);
 }
 
-/* The point kernel falls to zero at a distance: its approach is that of far away. */
+/* The kernel of a point contact decays to zero: its approach is measured from infinity. */
 static double point_approach_shift(double half_width, double length) {
     (void)half_width;
     (void)length;
@@ -305,7 +306,7 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         contact->moes_L = given->moes_L;
     }
     contact_set_moes(contact, contact->moes_M, contact->moes_L);
-    // where it is given it wins, and L is only reported
+    // a given Hertz pressure overrides the one that L implies; L is then only reported
     if (!isnan(given->hertz_pressure)) {
         contact->hertz_pressure = given->hertz_pressure;
         contact->alpha_p_H = contact->lubricant.alpha * given->hertz_pressure;
@@ -329,14 +330,14 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {
 }
 
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error) {
-    double least = 0.5 * contact->grid.step * (double)(contact->grid.num_inner - 1);
+    double min_length = 0.5 * contact->grid.step * (double)(contact->grid.num_inner - 1);
 
-    if (contact->kind->dimensions > 1 || contact->approach_length >= least) return EHD_OK;
+    if (contact->kind->dimensions > 1 || contact->approach_length >= min_length) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,
         "approach_length: found %g, expected at least %g, half the grid's length, where "
         "the approach is given",
-        contact->approach_length, least);
+        contact->approach_length, min_length);
 }
 
 contact_closure contact_load_closure(const contact_kind *kind) {

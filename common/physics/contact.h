@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The dimensionless contact: grid, geometry, elasticity, lubricant and operating point. */
+/* The dimensionless contact: grid, geometry, elasticity, lubricant and operating point. "Maier et
+ * al." in this folder are Maier, Hager, Hetzler, Seemann, Tribology International 2015. */
 #ifndef EHD_CONTACT_H
 #define EHD_CONTACT_H
 
@@ -8,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* What differs between kinds of contact (model.md, section 1). */
+/* What differs between a line and a point contact (README.md, kinds of contact). */
 typedef struct contact_kind {
     const char *name; // "line"
     int dimensions;   // of the pressurised zone: 1, 2
@@ -19,10 +20,11 @@ typedef struct contact_kind {
     double (*moes_M)(double lambda);                      // and back
     double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
     double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
-    // what the kernel's constant adds to the approach of a contact `half_width` times the reference's, a
-    // unit of load, where the approach is measured `length` reference half widths away
+    // change of the approach per unit of load when the half width is `half_width` times the
+    // reference and the approach is measured from a distance of `length` reference half widths
     double (*approach_shift)(double half_width, double length);
-    // Moes numbers and half width from load, radius, speed and modulus (speed number: eta0 2 u_m/(E' R))
+    // Moes number M and half width from load, radius, speed and modulus; the speed number is
+    // eta0 2 u_m/(E' R)
     double (*physical_M)(double load_number, double speed_number);
     double (*half_width)(double load, double radius, double modulus);
 } contact_kind;
@@ -32,11 +34,12 @@ extern const contact_kind contact_line, contact_point;
 /* The kind of this name, or NULL. */
 const contact_kind *contact_kind_find(const char *name);
 
-/* Uniform grid of square cells. `num_inner` nodes carry unknowns; the zero-pressure boundary nodes lie one
- * step outside and carry a film. Nodes are numbered with them, line after line across the entrainment: of a
- * line contact, which has one line, node k lies at x_min + (k-1) step, inner nodes are 1 … num_inner,
- * num_nodes = num_inner + 2. Of a point contact the lines run from y = -y_max to y_max or, where the half
- * does for all by symmetry, from y = 0, with a boundary line at either end that is not a mirror. */
+/* Uniform grid of square cells. The unknowns are at `num_inner` inner nodes; boundary nodes,
+ * where the pressure is zero, lie one step outside. All nodes are numbered together, along x
+ * first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
+ * are 1 … num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y =
+ * -y_max to y_max or, on a half grid, which uses the symmetry, from y = 0; beyond the first and
+ * last line is a line of boundary nodes, but none at the mirror line y = 0. */
 typedef struct ehd_grid {
     double x_min; // contact half widths
     double step;
@@ -57,7 +60,7 @@ double grid_gap(const ehd_grid *grid, size_t node);
 /* Undeformed gap (X^2 + Y^2)/2. */
 double contact_gap(double x, double y);
 
-/* Nodes of a line, all lines, and those before the first inner one. */
+/* Number of nodes on a line, of lines, and of boundary lines before the first inner line. */
 size_t grid_width(const ehd_grid *grid);
 size_t grid_lines(const ehd_grid *grid);
 size_t grid_first_line(const ehd_grid *grid);
@@ -68,16 +71,17 @@ bool grid_is_inner_line(const ehd_grid *grid, size_t line);
 /* First node of the line Y = 0. */
 size_t grid_central_line(const ehd_grid *grid);
 
-/* Inner nodes are numbered on their own too, by rows of the Reynolds equation: 0 … num_inner - 1. */
+/* Each inner node has a row of the discrete Reynolds equation, numbered 0 … num_inner - 1. */
 size_t grid_node_of_row(const ehd_grid *grid, size_t row);
 size_t grid_row_of_node(const ehd_grid *grid, size_t node);
 
-/* The grid without a mirror, and the row of `grid` that stands for a row of that one. */
+/* The full grid that a half grid represents, and the row of `grid` that equals a row of it by
+ * symmetry. */
 ehd_grid grid_whole(const ehd_grid *grid);
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row);
 
-/* The columns behind the last positive pressure, counted with the boundary nodes, on all lines; 1 where a line has
- * none. */
+/* The exit on each line: the column (boundary nodes included) after the last positive pressure; 1
+ * where there is none. */
 void grid_exit_columns(
     // output:
     size_t *columns, // [grid_lines]
@@ -85,17 +89,18 @@ void grid_exit_columns(
     const double *pressure, // [num_nodes]
     const ehd_grid *grid);
 
-/* X of the exits on the inner lines of the whole grid from such columns on all lines of `grid`,
- * [grid_lines]; NaN where column 1 has none. The lines of a half grid are the last ones. */
+/* X of the exits on the inner lines of the full grid, from these columns; NaN where a line has no
+ * pressure. The lines of a half grid are the last ones of the full grid. */
 void grid_exits(
     // output:
     double *positions, // [inner lines of grid_whole]
     // input:
-    const size_t *columns, const ehd_grid *grid);
+    const size_t *columns, // [grid_lines]
+    const ehd_grid *grid);
 
-/* Of the cells that a node stands for: 2 off the mirror line of a half grid. */
+/* Quadrature weight of a node in cells: on a half grid 2 off the mirror line, else 1. */
 double grid_weight(const ehd_grid *grid, size_t node);
-/* Length or area of a cell. */
+/* Length (line contact) or area (point contact) of a cell. */
 double grid_cell(const ehd_grid *grid);
 /* What a node's pressure adds to the load. */
 double grid_load_weight(const ehd_grid *grid, size_t node);
@@ -103,7 +108,7 @@ double grid_load_weight(const ehd_grid *grid, size_t node);
 /* Whether two grids have the same nodes, to 1e-9 of a step. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
-/* How the system of equations is closed: by_approach H0 + by_load int P = value. */
+/* The equation that closes the system: by_approach H0 + by_load int P = value. */
 typedef struct contact_closure {
     double by_approach, by_load, value;
 } contact_closure;
@@ -113,10 +118,10 @@ typedef struct ehd_contact {
     const contact_kind *kind;
     ehd_grid grid;
     ehd_lubricant lubricant;
-    double lambda;      // 1, of eq. (7)
-    double entrainment; // 1, U of eq. (7), not negative; 1 when stationary
+    double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
+    double entrainment; // 1, U there, not negative; 1 when stationary
     contact_closure closure;
-    double approach_length; // reference half widths; 1: the half width, as in eq. (4)
+    double approach_length; // reference half widths; 1: the half width, as in eq. 4 there
     double hertz_pressure;  // Pa
     double moes_M, moes_L;  // 1
     double alpha_p_H;       // 1
@@ -151,25 +156,25 @@ typedef struct contact_settings {
     double approach_length; // reference half widths; NaN: 10 where the approach is given, else 1
 } contact_settings;
 
-/* Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond the viscosity law's limit,
- * viscosity that contradicts the law, an approach measured from too near. */
+/* Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond the viscosity law's
+ * limit, viscosity that contradicts the law, an approach measured from too near. */
 ehd_status contact_init(
     // output:
     ehd_contact *contact,
     // input:
     const contact_settings *given, ehd_error *error);
 
-/* Changes M and L of a contact that keeps its lubricant and grid (continuation, eq. of section 1).
- * The Hertz pressure follows from L. */
+/* Changes M and L of a contact that keeps its lubricant and grid, for continuation. Lambda and
+ * the Hertz pressure follow from them (README.md, Moes numbers). */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 
-/* Whether the approach may be given. A line contact deflects without bound the farther away that is
- * measured from; measured from within a quarter of the pressurised length its compliance is not positive,
- * and a film that is squeezed by a given approach then grows without bound. EHD_DATA: within half the
- * grid's length. */
+/* Checks the distance that a given approach is measured from. The deflection of a line contact
+ * grows without bound with that distance. Below a quarter of the pressurised length the
+ * compliance of the contact is not positive, and a film squeezed by a given approach would grow
+ * without bound. EHD_DATA: below half the grid's length. */
 ehd_status contact_check_approach(const ehd_contact *contact, ehd_error *error);
 
-/* The closure by a given load: the load balance of eq. (9). */
+/* The closure by a given load: the load balance, eq. 9 of Maier et al. */
 contact_closure contact_load_closure(const contact_kind *kind);
 
 /* Film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is physical. */

@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The kernel is even along and across, so that the transform that maps real numbers to those of cosines and
- * sines turns the convolution into a product with one real number each. A half grid is the even part: only
- * cosines across. */
+/* The kernel is even in x and y, so that its Fourier transform is real: a real-to-real transform
+ * of the pressure turns the convolution into products with real numbers. On a half grid, which is
+ * even across, a cosine transform replaces the one across. */
 struct ehd_deflection {
     ehd_grid grid;
     size_t length, lines; // of the transform: along, and across
@@ -18,12 +18,12 @@ struct ehd_deflection {
     fftw_plan forward, backward;
 };
 
-static pthread_mutex_t planner_lock =
-    PTHREAD_MUTEX_INITIALIZER; // FFTW's planner is not thread-safe
+// FFTW's planner is not thread-safe
+static pthread_mutex_t planner_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* Smallest even 2^a 3^b 5^c that is at least `least`. */
-static size_t smooth_length(size_t least) {
-    for (size_t length = least + (least & 1);; length += 2) {
+/* Smallest even 2^a 3^b 5^c that is at least `min_length`, for a fast transform. */
+static size_t smooth_length(size_t min_length) {
+    for (size_t length = min_length + (min_length & 1);; length += 2) {
         size_t rest = length;
         while (rest % 2 == 0)
             rest /= 2;
@@ -35,7 +35,8 @@ static size_t smooth_length(size_t least) {
     }
 }
 
-/* Period of the circular convolution across: that of all lines, mirrored ones too. */
+/* Period of the circular convolution across: twice the lines of the full grid, so that it equals
+ * the linear one. */
 static size_t period_across(const ehd_grid *grid) {
     size_t lines = grid_lines(grid);
 
@@ -49,7 +50,7 @@ static void make_plans(ehd_deflection *self) {
     const fftw_r2r_kind backward[2] = {half ? FFTW_REDFT00 : FFTW_HC2R, FFTW_HC2R};
     double *signal = self->signal;
 
-    // an estimated plan, not a measured one: the same bits at every run
+    // estimated plans: measured ones would differ, and with them the rounding, from run to run
     pthread_mutex_lock(&planner_lock);
     self->forward =
         fftw_plan_r2r(line ? 1 : 2, sizes + line, signal, signal, forward + line, FFTW_ESTIMATE);
@@ -58,9 +59,9 @@ static void make_plans(ehd_deflection *self) {
     pthread_mutex_unlock(&planner_lock);
 }
 
-/* Distance in nodes from the origin of a periodic signal. */
-static size_t wrapped(size_t place, size_t period) {
-    return place <= period / 2 ? place : period - place;
+/* Distance in nodes of an index of a periodic signal from its origin. */
+static size_t wrapped(size_t index, size_t period) {
+    return index <= period / 2 ? index : period - index;
 }
 
 static void make_transfer(ehd_deflection *self, const contact_kind *kind) {
@@ -79,7 +80,7 @@ static void make_transfer(ehd_deflection *self, const contact_kind *kind) {
                 kind->kernel((double)wrapped(d, self->length) * step, y, step);
     }
     fftw_execute(self->forward);
-    // of an even signal there are cosines only; the sines share their numbers
+    // an even signal has cosine coefficients only, which also multiply the sines of the pressure
     for (size_t l = 0; l < self->lines; l++) {
         size_t from = grid->half ? l : wrapped(l, period);
         for (size_t k = 0; k < self->length; k++)

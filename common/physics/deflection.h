@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Elastic deflection of the half space: a Toeplitz convolution, by FFT. */
+/* Elastic deflection of the half space: the convolution of pressure and kernel, by FFT. */
 #ifndef EHD_DEFLECTION_H
 #define EHD_DEFLECTION_H
 
@@ -9,15 +9,16 @@
 
 typedef struct ehd_deflection ehd_deflection;
 
-/* Plans are made here and are not thread-safe; applying is, with one object a thread. Returns NULL
- * when out of memory. */
+/* May be called from several threads; each thread applies an object of its own. Returns NULL when
+ * out of memory. */
 ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid);
 ehd_deflection *deflection_free(ehd_deflection *deflection); // accepts and returns NULL
 
-/* Influence of a cell on a node some lines and nodes away; [grid lines, grid width] values. */
+/* Influence coefficients: deflection at a node by unit pressure in a cell that is l lines and d
+ * nodes away; [grid lines, grid width]. */
 const double *deflection_kernel(const ehd_deflection *deflection);
 
-/* Delta = K P, eq. (10) discretised with piecewise-constant pressure, O(n log n).
+/* Delta = K P: eq. 10 of Maier et al. 2015 with piecewise-constant pressure, O(n log n).
  * `delta` and `pressure` may be the same array. */
 void deflection_apply(
     // output:

@@ -48,7 +48,7 @@ static double moes(const film_formula *self, const film_numbers *numbers) {
 
 /* H = h R/a^2 = (h/R) (R/a)^2. */
 static double power_law(const film_formula *self, const film_numbers *numbers) {
-    if (!(numbers->material > 0)) return 0; // these know no film without piezoviscosity
+    if (!(numbers->material > 0)) return 0; // power laws are for piezoviscous lubricants
     return self->factor * pow(numbers->speed, self->speed_power) *
            pow(numbers->material, self->material_power) * pow(numbers->load, self->load_power) /
            (numbers->half_width * numbers->half_width);
@@ -69,7 +69,7 @@ const film_formula film_formulas[] = {
     {"pan-hamrock-minimum", "Pan and Hamrock, J. Tribology 111, 1989", 1, true,
      1.714, 0.694, 0.568, -0.128, power_law},
     {"nijenbanning", "Nijenbanning, Venner and Moes, Wear 176, 1994", 2, false, 0, 0, 0, 0, nijenbanning},
-    // of the ellipticity k = 1: 2.69 (1 - 0.61 exp(-0.73 k)) and 3.63 (1 - exp(-0.68 k))
+    // for the ellipticity k = 1: 2.69 (1 - 0.61 exp(-0.73 k)) and 3.63 (1 - exp(-0.68 k))
     {"hamrock-dowson-central", "Hamrock and Dowson, J. Lubrication Technology 99, 1977", 2, false,
      1.8992355, 0.67, 0.53, -0.067, power_law},
     {"hamrock-dowson-minimum", "Hamrock and Dowson, J. Lubrication Technology 99, 1977", 2, true,
@@ -80,7 +80,7 @@ const film_formula film_formulas[] = {
 film_numbers film_numbers_of(const ehd_contact *contact) {
     const contact_kind *kind = contact->kind;
     const double width = contact->half_width;
-    const int power = kind->dimensions + 1; // of the half width that the load goes with
+    const int power = kind->dimensions + 1; // of the half width, to which the load is proportional
     const double modulus =
         isnan(width) ? STEEL_MODULUS
                      : pow(kind->half_width(contact->load, contact->radius, 1) / width, power);

@@ -58,13 +58,14 @@ void laws_list(char *list, size_t size, const lubricant_law *const *laws, const 
 static void collect_values(law_value *values, const lubricant_law *law,
                            const lubricant_law *const *laws, const law_settings *settings) {
     for (const law_parameter *parameter = law->parameters; parameter->key; parameter++, values++) {
-        const char *fallback = parameter->fallback;
+        const char *default_value = parameter->default_value;
 
         *values = settings->values[laws_slot(laws, parameter->key)];
-        if (!fallback) continue;
+        if (!default_value) continue;
         if (parameter->choices && !*values->word)
-            snprintf(values->word, sizeof values->word, "%s", fallback);
-        if (!parameter->choices && isnan(values->number)) values->number = strtod(fallback, NULL);
+            snprintf(values->word, sizeof values->word, "%s", default_value);
+        if (!parameter->choices && isnan(values->number))
+            values->number = strtod(default_value, NULL);
     }
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lubricant laws: viscosity and density as functions of pressure.
  *
- * A law is one lubricant_law, which also says what its parameters are called in a scene, and one line
- * in a table of laws.c: settings, --help and the stored text of a scene follow from the tables. */
+ * A law is one lubricant_law, which also says what its parameters are called in a scene, and one
+ * line in a table of laws.c: settings, --help and the stored text of a scene follow from the
+ * tables. */
 #ifndef EHD_LUBRICANT_H
 #define EHD_LUBRICANT_H
 
@@ -24,16 +25,16 @@ typedef enum law_need {
     LAW_CONSTANT  // yes, or else the preset
 } law_need;
 
-/* A parameter of a law: a key below lubricant.viscosity or lubricant.density. Where several laws of a
- * table have the same key, all of them describe it in the same way. */
+/* A parameter of a law: a key below lubricant.viscosity or lubricant.density. Where several laws
+ * of a table have the same key, all of them describe it in the same way. */
 typedef struct law_parameter {
     const char *key; // "alpha"
     law_need need;
-    const char *choices;  // "no1|no2" of a word; NULL: a number
-    const char *fallback; // default, as it would stand in a scene; NULL: none
-    double min, max;      // of a number, both allowed
-    const char *unit;     // "1", "Pa", ...
-    const char *help;     // what it is
+    const char *choices;       // "no1|no2" of a word; NULL: a number
+    const char *default_value; // as it would stand in a scene; NULL: none
+    double min, max;           // of a number, both allowed
+    const char *unit;          // "1", "Pa", ...
+    const char *help;          // what it is
 } law_parameter;
 
 /* The value of a parameter: NaN or "" when not given. */
@@ -59,8 +60,9 @@ typedef struct ehd_lubricant ehd_lubricant;
 typedef struct lubricant_law {
     const char *name;
     law_parameter parameters[MAX_LAW_PARAMETERS + 1]; // end with one whose key is NULL
-    /* Computes from the values of these parameters, in their order, what `evaluate` needs: constants
-     * and, of a viscosity, what ehd_lubricant has below them. NULL: there is nothing to do. */
+    /* Computes from the values of these parameters, in their order, what `evaluate` needs:
+     * constants and, of a viscosity, what ehd_lubricant has below them. NULL: there is nothing to
+     * do. */
     ehd_status (*prepare)(ehd_lubricant *self, const law_value *values, ehd_error *error);
     /* ln(eta(p)/eta(0)) or rho(p)/rho(0) at a pressure in Pa, and its derivative in 1/Pa. NULL: the
      * density is constant. */

@@ -34,7 +34,7 @@ void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
     }
 }
 
-/* eps = mobility H^3 at a node and its derivatives. */
+/* Flow coefficient eps = mobility H^3 at a node and its derivatives. */
 typedef struct conductance {
     double value, by_pressure, by_film;
 } conductance;
@@ -45,7 +45,7 @@ static conductance conductance_at(const reynolds_fluid *fluid, const double *fil
     return eps;
 }
 
-/* Adds d/dx(eps dP/dx) across the half node between stencil places `a` and HERE. */
+/* Adds the part of d/dx(eps dP/dx) that comes from the flow between stencil nodes `a` and HERE. */
 static void add_flow(reynolds_row *row, int a, double scale, const reynolds_stencil *stencil,
                      const conductance *eps, const double *pressure) {
     double drop = pressure[stencil->node[a]] - pressure[stencil->node[NODE_HERE]];
@@ -58,7 +58,7 @@ static void add_flow(reynolds_row *row, int a, double scale, const reynolds_sten
     row->by_film[NODE_HERE] += scale * eps[NODE_HERE].by_film / 2 * drop;
 }
 
-/* Adds weight * rho H at stencil place `a`. */
+/* Adds weight * rho H at stencil node `a`. */
 static void add_mass(reynolds_row *row, int a, double weight, const reynolds_stencil *stencil,
                      const reynolds_fluid *fluid, const double *film) {
     size_t node = stencil->node[a];

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Reynolds operator, written once, for any list of rows.
+/* The discrete Reynolds operator, for any list of rows.
  *
- * A row is the residual f of d/dx(eps dP/dx) + d/dy(eps dP/dy) = U d(rho H)/dx + d(rho H)/dT at a node (eq. 7 without
- * multiplier) and its derivatives with respect to pressure and film at the stencil's nodes. Who asks for which rows,
- * and how P and H depend on the unknowns, is the solvers' business. */
+ * A row is the residual of d/dx(eps dP/dx) + d/dy(eps dP/dy) = U d(rho H)/dx + d(rho H)/dT at a
+ * node (eq. 7 of Maier et al. 2015 without the multiplier of cavitation) and its derivatives with
+ * respect to pressure and film at the nodes of its stencil. The solvers choose the rows and know
+ * how P and H depend on their unknowns. */
 #ifndef EHD_REYNOLDS_H
 #define EHD_REYNOLDS_H
 
 #include "common/physics/contact.h"
 #include <stddef.h>
 
-/* Nodes of a row's stencil, named by the entrainment's direction. A line contact has no sides. */
+/* Nodes of a row's stencil, named along the direction of entrainment. The last two, across it,
+ * are those of a point contact. */
 enum {
     NODE_BACK2,
     NODE_BACK,
@@ -21,7 +23,7 @@ enum {
     NODE_RIGHT,
     NUM_STENCIL
 };
-#define NO_NODE ((size_t)-1) // as BACK2 of the first inner node: first-order entrainment there
+#define NO_NODE ((size_t)-1) // BACK2 of the first inner node: first-order upwind there
 
 typedef struct reynolds_stencil {
     size_t node[NUM_STENCIL]; // into the arrays of nodes given to reynolds_rows
@@ -41,15 +43,15 @@ typedef struct reynolds_fluid {
     double *density_slope;
 } reynolds_fluid;
 
-/* The time derivative at the rows' nodes: rate * rho H + earlier. */
+/* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + earlier. */
 typedef struct reynolds_squeeze {
     double rate; // 1 / dimensionless time
-    const double
-        *earlier; // [num_rows] weighted sum of rho H of earlier states, in the current frame
+    // [num_rows] weighted sum of rho H at previous time levels, in the current frame
+    const double *earlier;
 } reynolds_squeeze;
 
-/* Stencil of inner node `node` of a grid, entrainment towards larger x. On the mirror line of a half grid both
- * sides are the same node. */
+/* Stencil of an inner node of a grid, entrainment towards larger x. On the mirror line of a half
+ * grid the nodes to the left and right are the same. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
 /* Fluid properties at the given pressures. */
@@ -60,13 +62,14 @@ void reynolds_fluid_evaluate(
     const ehd_contact *contact, const double *pressure, // [num_nodes]
     size_t num_nodes);
 
-/* Residual and derivatives of the rows whose stencils are given (model.md, section 2: central
- * pressure flow with the mean of the nodal eps at half nodes, second-order backward entrainment). */
+/* Residual and derivatives of the rows whose stencils are given: central differences of the
+ * pressure flow with the mean of the nodal eps at half nodes, second-order upwind entrainment
+ * (README.md, Reynolds equation). */
 void reynolds_rows(
     // output:
     reynolds_row *rows, // [num_rows]
     // input:
-    double step, double entrainment,  // grid step; U of eq. (7), 1 when steady
+    double step, double entrainment,  // grid step; U of the Reynolds equation, 1 when steady
     const reynolds_squeeze *squeeze,  // NULL when steady
     const reynolds_stencil *stencils, // [num_rows]
     size_t num_rows,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of comma-separated values: fields without quotes, spaces around them dropped; blank lines and
- * those that start with # are skipped. */
+/* Files of comma-separated values, without quotes. Spaces around fields are dropped; blank lines
+ * and lines that start with # are skipped. */
 #ifndef EHD_CSV_H
 #define EHD_CSV_H
 
@@ -10,12 +10,13 @@
 
 typedef struct csv_file {
     char *path;
-    char *text;  // cut into fields as it is read
-    char *rest;  // of the text
-    place where; // the line read last
+    char *text;  // of the whole file; separators become zeros as it is read
+    char *rest;  // the part of text not yet read
+    place where; // of the line read last
 } csv_file;
 
-/* Takes the text into memory. EHD_NOINPUT, EHD_IO, EHD_DATA (too large, a zero byte), EHD_MEMORY. */
+/* Reads the file into memory. EHD_NOINPUT, EHD_IO, EHD_DATA (too large, a zero byte),
+ * EHD_MEMORY. */
 ehd_status csv_open(
     // output:
     csv_file *self, // free with csv_close, also after a failure
@@ -24,20 +25,20 @@ ehd_status csv_open(
 
 void csv_close(csv_file *self);
 
-/* At least as many as there are lines left. */
+/* An upper bound on the number of lines left. */
 size_t csv_count_lines(const csv_file *self);
 
-/* Cuts off the next line that is not skipped; NULL at the end. It lives as long as the file. */
+/* The next line that is not skipped, NULL at the end. It is valid until csv_close. */
 char *csv_next_line(csv_file *self);
 
-/* Cuts the next field off a line, which *rest then goes on with; NULL after the last one. */
+/* The next field of a line, NULL after the last one; *rest moves on to the rest of the line. */
 char *csv_next_field(char **rest);
 
 /* EHD_DATA unless a line had as many fields as the header. */
 ehd_status csv_check_width(const csv_file *self, size_t found, size_t expected, ehd_error *error);
 
-/* Reads the first column and the one with the name `column` of a file of numbers below a header.
- * EHD_DATA: no header or no such column, rows of other lengths, anything that is no number; and as
+/* Reads the first column and the column called `column` of a table of numbers with a header.
+ * EHD_DATA: no header, no such column, rows of unequal length, a field that is no number; and as
  * csv_open. */
 ehd_status csv_read_columns(
     // input:

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where a setting stands, so that an error can point there. */
+/* The source location of a setting, for error messages. */
 #ifndef EHD_PLACE_H
 #define EHD_PLACE_H
 
@@ -8,10 +8,10 @@
 
 typedef struct place {
     const char *file; // or "--set"; NULL when unknown
-    size_t line;      // from 1; 0: none
+    size_t line;      // from 1; 0: unknown
 } place;
 
-/* ehd_fail with EHD_DATA and "file:line: " before the text, as far as they are known. */
+/* ehd_fail with EHD_DATA, and "file:line: " before the text as far as known. */
 ehd_status place_fail(
     // output:
     ehd_error *error,
@@ -21,7 +21,8 @@ ehd_status place_fail(
 /* EHD_MEMORY while reading `file`. */
 ehd_status place_no_memory(ehd_error *error, const char *file);
 
-/* `name` seen from the folder of `path`; free with free(). NULL: no memory. */
+/* The file called `name` in the folder of `path`, `name` itself if it is absolute; free with
+ * free(). NULL: no memory. */
 char *path_beside(const char *path, const char *name);
 
 #endif

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What all groups of a plan share while it is read. */
+/* The arguments of plan_read. */
 typedef struct plan_reader {
     plan *plan;
     const char *path;
@@ -19,7 +19,7 @@ static place place_in(const plan_reader *self, const tree_node *node) {
     return (place){self->path, node->line};
 }
 
-/* A plan is a map with the given keys only, a NULL at the end. */
+/* EHD_DATA unless a node is a map with no other keys than the given ones, which end with NULL. */
 static ehd_status check_keys(const plan_reader *self, const tree_node *map, const char *what,
                              const char *const *keys, const char *expected) {
     char shown[SHOWN_TEXT];
@@ -52,7 +52,8 @@ static ehd_status read_scene_file(const plan_reader *self, scene_source *base, c
     return status;
 }
 
-/* `scene_path` receives the file's name when the scene is one; the base keeps pointing there. */
+/* `scene_path` receives the name of the scene's file, if it is one; the base keeps a pointer to
+ * it. */
 static ehd_status read_base(const plan_reader *self, scene_source *base, char **scene_path,
                             const tree_node *node) {
     char shown[SHOWN_TEXT];
@@ -105,7 +106,7 @@ static ehd_status read_where(const plan_reader *self, const tree_node *where, do
 
 // ---- the points of a group
 
-/* The error of a point, with the values that make it. */
+/* Adds the values of a point to its error. */
 static ehd_status fail_at_point(const plan_reader *self, const variation *varied, size_t point,
                                 ehd_status status) {
     char values[256];
@@ -169,7 +170,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
     return status;
 }
 
-/* A plain scene: one group of one point. */
+/* A scene file: one group of one point. */
 static ehd_status read_single(const plan_reader *self, const tree_node *root) {
     const variation unvaried = {.num_points = 1};
     scene_source base;
@@ -214,7 +215,7 @@ static int compare_points(const plan *of, const plan_point *left, const plan_poi
     return order;
 }
 
-/* For qsort_r over point numbers: equal points stand together, the first one first. */
+/* For qsort_r over point numbers: equal points become neighbours, in their original order. */
 static int compare_numbers(const void *left, const void *right, void *context) {
     const plan *of = context;
     const size_t i = *(const size_t *)left, j = *(const size_t *)right;
@@ -243,7 +244,7 @@ static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error
 
 // ---- identity
 
-/* The settings in which a point differs from the one before (NULL: from nothing given). */
+/* Prints the settings in which a point differs from the one before; NULL: all that are given. */
 static void print_changes(FILE *stream, const scene *now, const scene *before) {
     for (const setting *row = scene_settings(); row->key; row++) {
         const bool given = setting_is_given(row, now);

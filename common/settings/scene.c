@@ -12,9 +12,9 @@ static const char override_name[] = "--set";
 // ---- defaults
 
 static void fill_default(scene *of, const setting *row) {
-    // the table's own values are valid (its test checks that)
-    if (row->fallback && !setting_is_given(row, of) && !setting_unmet(row, of))
-        setting_assign(of, row, row->fallback, (place){0}, NULL);
+    // cannot fail: a unit test checks the defaults of the table
+    if (row->default_value && !setting_is_given(row, of) && !setting_unmet(row, of))
+        setting_assign(of, row, row->default_value, (place){0}, NULL);
 }
 
 void scene_defaults(scene *of) {
@@ -72,7 +72,7 @@ static ehd_status apply_value(scene_source *source, const setting *row, const tr
     if (node->kind != TREE_SCALAR)
         return place_fail(error, where, "%s: found %s, expected a single value", row->key,
                           tree_show(shown, node));
-    // once nested and once dotted
+    // the YAML parser refuses equal keys, but one may be nested and the other dotted
     if (known->file)
         return place_fail(error, where, "%s: found again, expected only once (first in line %zu)",
                           row->key, known->line);

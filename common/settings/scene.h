@@ -9,12 +9,13 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* What may vary in time. */
+/* The quantities that may vary in time. */
 enum { VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH, NUM_VARY };
 enum { MAX_FACTOR = 1000 };                    // on a reference value, of either sign
 extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their histories
 
-/* How one of them varies: a factor on its reference value over the time T = u_ref t / a_ref. */
+/* The history of one of them: a factor on its reference value as a function of T = u_ref t /
+ * a_ref. */
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
     double amplitude;      // 1
@@ -25,18 +26,18 @@ typedef struct history_settings {
     double start;          // T
     double duration;       // of T
     double at;             // T
-    char file[256];        // seen from the working folder
+    char file[256];        // relative to the working folder
     char column[64];       // of the file
     char interpolation[8]; // spline, linear
 } history_settings;
 
-/* Every double is NaN, every string "" and every int -1 until it is given or a default fills it. */
+/* Values that are not given and have no default are NaN, "" or -1. */
 typedef struct scene {
     char contact[16];       // line, point
     char regime[16];        // stationary, transient
     char closure[16];       // load, approach
     double approach;        // H0 in the reference frame; NaN: that of the stationary solution
-    double approach_length; // a_ref; NaN: by the closure
+    double approach_length; // a_ref; NaN: 10 with closure approach, else 1
     double moes_M;          // 1, given with moes_L, or not at all
     double moes_L;          // 1
     double load;    // N/m of a line contact, N of a point contact; the five of `physical`, or none
@@ -53,24 +54,24 @@ typedef struct scene {
     int half;              // 1, 0: whether the symmetric half is solved; -1: a line contact
     int output_fields;     // 1, 0, or -1: the program's own default
     int output_resolution; // the same
-    int fields_every;      // fields at every N-th step; this and all below only when transient
+    int fields_every;      // fields at every N-th step; this and what follows only when transient
     double end_time;       // T
     double tolerance;      // 1, on the local error
-    double fixed_step;     // of T; NaN: steps by the local error
-    double start_film;     // H of the start from rest; NaN: not given
+    double fixed_step;     // of T; NaN: step size control by the local error
+    double start_film;     // H at the start from rest
     history_settings vary[NUM_VARY];
 } scene;
 
 typedef enum setting_type {
     SETTING_CHOICE,
     SETTING_TEXT,
-    SETTING_FILE, // text; a relative name is resolved when it is read
+    SETTING_FILE, // text; a relative name is made relative to the working folder
     SETTING_REAL,
-    SETTING_WHOLE, // number
+    SETTING_WHOLE, // whole number
     SETTING_FLAG
 } setting_type;
 
-/* Another key, and the values of it that a key belongs to. */
+/* Values that another key must have for a key to be used. */
 typedef struct setting_condition {
     const char *key;    // "lubricant.viscosity.law"
     const char *values; // "barus|roelands"
@@ -78,40 +79,43 @@ typedef struct setting_condition {
 
 enum { MAX_CONDITIONS = 2 };
 
-/* One row a key; it feeds parsing, validation, --help, the schema page and provenance. */
+/* One key of a scene: what parsing, validation, --help, the schema page and stored settings
+ * follow from. */
 typedef struct setting {
     const char *key; // "lubricant.viscosity.alpha"
     setting_type type;
-    size_t offset;        // in scene
-    size_t size;          // of the string, for SETTING_CHOICE, SETTING_TEXT and SETTING_FILE
-    const char *fallback; // default as it would stand in the file; NULL: none
-    const char *choices;  // "line" or "barus|roelands|wlf", for SETTING_CHOICE
-    double min, max;      // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
+    size_t offset;             // in scene
+    size_t size;               // of the string, for SETTING_CHOICE, SETTING_TEXT and SETTING_FILE
+    const char *default_value; // as it would stand in a scene; NULL: none
+    const char *choices;       // "line" or "barus|roelands|wlf", for SETTING_CHOICE
+    double min, max;           // allowed range, both included, for SETTING_REAL and SETTING_WHOLE
     const char *unit; // "1", "Pa", ...; "N/m|N": by the kind of contact, in the order of its key
     const char *help; // one sentence
-    setting_condition when[MAX_CONDITIONS]; // all must hold, or the key is refused; key NULL: none.
-                                            // Rows that conditions name stand before.
-    bool required;                          // where its conditions hold
+    // the key is used only where all of these hold, and refused elsewhere; they end with a NULL
+    // key, and refer to keys of rows before this one
+    setting_condition when[MAX_CONDITIONS];
+    bool required; // where they hold
 } setting;
 
 /* The table: an array that ends with a row whose key is NULL. The keys of the lubricant follow from
  * the tables of laws. */
 const setting *scene_settings(void);
 
-/* Everything not given, except for the defaults of keys that are used in every scene. */
+/* A scene with nothing given, but the defaults of keys without conditions filled in. */
 void scene_defaults(scene *scene);
 
-/* Fills in the defaults that belong to the scene's regime, closure and laws, where not given.
- * scene_read, scene_parse and plan_read have done so. */
+/* Fills in the defaults of all keys that are used with the scene's contact, regime, closure and
+ * laws. scene_read, scene_parse and plan_read do this themselves. */
 void scene_complete(scene *scene);
 
-/* The grid's step: as given, or the default of the kind of contact. */
+/* The grid's step: as given, or the default for the kind of contact. */
 double scene_step(const scene *of);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
- * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names of files start from the folder of the file that has them, or in
- * `overrides` from the working folder. Returns EHD_OK, EHD_NOINPUT, or EHD_DATA with file, line, key,
- * found and expected in *error. */
+ * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names
+ * of files start from the folder of the file that has them, or in `overrides` from the working
+ * folder. Returns EHD_OK, EHD_NOINPUT, or EHD_DATA with file, line, key, found and expected in
+ * *error. */
 ehd_status scene_read(
     // output:
     scene *scene,
@@ -131,15 +135,16 @@ ehd_status scene_parse(
 ehd_status scene_set(scene *scene, const char *key, const char *value, const char *where,
                      ehd_error *error);
 
-/* The checks that involve several keys: moes or physical; what regime, closure and laws need and
- * nothing else; the grid's extent a whole number of steps; the contact inside the grid. */
+/* The checks that involve several keys: either moes or physical is given; required keys are
+ * given, and none that regime, closure or laws do not use; the grid's extent is a whole number of
+ * steps; the contact lies inside the grid. */
 ehd_status scene_validate(const scene *scene, const char *where, ehd_error *error);
 
-/* All settings that have a value, "key: value" a line, in table order. Numbers round-trip.
- * Equal scenes give equal text, so it also identifies a scene. Free with free(). */
+/* All settings that have a value, one line "key: value" each, in table order. Numbers round-trip.
+ * Equal scenes give equal texts, so the text also identifies a scene. Free with free(). */
 char *scene_text(const scene *scene);
 
-/* The table as help text (--help of the programs) and as Markdown rows (schemas/scene.md). */
+/* The table as text for --help, and as a Markdown table for schemas/scene.md. */
 void scene_print_help(FILE *stream);
 void scene_print_markdown(FILE *stream);
 
@@ -151,17 +156,17 @@ typedef struct plan_point {
 
 typedef struct plan {
     plan_point *points; // [num_points], in the order of the file, grids with the last key fastest;
-                        // of equal points (with equal bounds) only the first
+                        // without points that equal an earlier one, bounds included
     size_t num_points;
-    char *text; // groups with bounds, the first point's scene_text, and for each further point the
-        // settings in which it differs from the one before; identifies the plan for --resume
+    char *text; // identifies the plan for --resume: the groups with their bounds, the first point's
+                // scene_text, and of each further point what differs from the one before
     double (*where_bounds)[2]; // [num_groups] bounds on alpha_p_H, -inf..inf where not given
     size_t num_groups;
 } plan;
 
-/* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides
- * act on every scene. A plain scene file is also accepted as a plan of one point.
- * `where` bounds need derived quantities, which the caller applies (snapgen). */
+/* Reads a plan (schemas/plan.md). Paths in it are relative to the plan's folder. Overrides act on
+ * every scene. A scene file is a plan of one point. The caller applies the bounds of `where`,
+ * which are on derived quantities. */
 ehd_status plan_read(
     // output:
     plan *plan, // free with plan_free

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A scene while it is read: its values and where each came from, so that also the checks across keys
- * can point at a line. Shared by scene and plan. */
+/* A scene while it is read: its values and the source location of each, so that checks across
+ * keys can name a line. Shared by scene and plan. */
 #ifndef EHD_SCENE_SOURCE_H
 #define EHD_SCENE_SOURCE_H
 
@@ -11,32 +11,36 @@
 
 typedef struct scene_source {
     scene values;
-    const char *file;   // leads errors that are about no single key
-    const char *beside; // relative names in the map start from its folder; NULL: working folder
-    place places[MAX_SETTINGS]; // by row of scene_settings; file NULL: not given
+    const char *file;   // named in errors that are about no single key
+    const char *beside; // file names in the map are relative to its folder; NULL: working folder
+    place places[MAX_SETTINGS]; // by row of scene_settings(); file NULL: not given
 } scene_source;
 
-/* Defaults, nothing given. `file` and `beside` are kept, not copied. */
+/* scene_defaults with no source locations. `file` and `beside` are kept, not copied. */
 void source_init(scene_source *source, const char *file, const char *beside);
 
-/* setting_assign, with relative names of files seen from the folder of `beside`. */
+/* setting_assign; file names are relative to the folder of `beside`. */
 ehd_status source_assign(
     // output:
     scene_source *source,
     // input:
     const setting *row, const char *text, const char *beside, place where, ehd_error *error);
 
-/* Sets what a map (keys nested or dotted) gives. EHD_DATA: no map, unknown, double or bad keys. */
+/* Assigns the values in a YAML map, whose keys are nested or dotted. EHD_DATA: no map; unknown,
+ * repeated or bad keys. */
 ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error);
 
 /* Sets "key=value" strings and unsets those without a value; a later one wins. */
 ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
                                   size_t num_overrides, ehd_error *error);
+
+/* Whether an override set or unset the key of a row. */
 bool source_is_overridden(const scene_source *source, const setting *row);
 
-/* Completes the scene and makes the checks that involve several keys (scene_validate.c). */
+/* scene_complete and source_validate. */
 ehd_status source_finish(scene_source *source, ehd_error *error);
 
+/* The checks of scene_validate. */
 ehd_status source_validate(const scene_source *source, ehd_error *error);
 
 #endif

@@ -7,9 +7,9 @@
 static const double max_nodes = 2e6;
 static const double whole_number_tolerance = 1e-9; // relative, of the number of steps
 
-// ---- keys that belong together
+// ---- groups of keys
 
-/* Counts which of the keys with a prefix are given, and lists the others: "moes.M, moes.L". */
+/* How many of some keys are given, and the others as a list "moes.M, moes.L". */
 typedef struct key_count {
     size_t given;
     size_t all;
@@ -64,7 +64,7 @@ static ehd_status check_operating_point(const scene_source *source, ehd_error *e
 
 // ---- conditions
 
-/* Whether two keys are needed for the same reason. */
+/* Whether two keys are required because of the same condition. */
 static bool same_reason(const setting *left, const setting *right) {
     const char *a = left->when[0].key, *b = right->when[0].key;
     return a && b ? strcmp(a, b) == 0 : a == b;
@@ -74,7 +74,7 @@ static bool is_missing(const setting *row, const scene *of) {
     return row->required && !setting_is_given(row, of) && !setting_unmet(row, of);
 }
 
-/* Everything that is required always, or by regime, closure and laws as they are. */
+/* All required keys are given. */
 static ehd_status check_needed(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     const setting *first = scene_settings();
@@ -93,7 +93,7 @@ static ehd_status check_needed(const scene_source *source, ehd_error *error) {
                       "%s: found nothing, expected a value with the %s", count.missing, shown);
 }
 
-/* No setting that would be ignored. Where nothing decides whether it is, check_needed says so. */
+/* No given key is unused. A condition on a key that is not given is left to check_needed. */
 static ehd_status check_used(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
     char shown[SHOWN_TEXT];
@@ -102,7 +102,7 @@ static ehd_status check_used(const scene_source *source, ehd_error *error) {
         const setting_condition *unmet = setting_unmet(row, of);
         if (!unmet || !setting_is_given(setting_find(unmet->key), of)) continue;
         setting_show_condition(shown, unmet, of);
-        // a file cannot know what --set changes
+        // the file was consistent before --set changed it
         if (source_is_overridden(source, setting_find(unmet->key)) &&
             !source_is_overridden(source, row))
             return place_fail(error, place_of_key(source, row->key),
@@ -124,7 +124,8 @@ static void add_name(char list[SHOWN_LIST], const char *name) {
     snprintf(list + used, SHOWN_LIST - used, "%s%s", used ? ", " : "", name);
 }
 
-/* A law that has presets needs one of them or all of its constants. `group`: "lubricant.viscosity". */
+/* A law with presets needs either one of them or all of its constants. `group`:
+ * "lubricant.viscosity". */
 static ehd_status check_preset(const scene_source *source, const char *group,
                                const lubricant_law *law, ehd_error *error) {
     char key[MAX_KEY], presets[SHOWN_LIST] = "", constants[SHOWN_LIST] = "";
@@ -164,7 +165,7 @@ static bool is_point(const scene *of) {
     return strcmp(of->contact, "point") == 0;
 }
 
-/* The allowed step nearest to the given one, with which a whole number of steps fits. */
+/* The allowed step nearest to the given one that divides the extent. */
 static double nearest_step(double extent, double step) {
     const setting *row = setting_find("grid.step");
     double count = round(extent / step);
@@ -196,7 +197,7 @@ static bool is_whole(double steps) {
     return fabs(steps - round(steps)) <= whole_number_tolerance * steps;
 }
 
-/* Lines of nodes that are solved for. */
+/* Number of inner lines of nodes. */
 static double count_lines(const scene *of) {
     const double beside = of->y_max / scene_step(of);
     return !is_point(of) ? 1 : of->half ? beside + 1 : 2 * beside + 1;

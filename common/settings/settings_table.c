@@ -67,8 +67,8 @@ static const setting run_rows[] = {
     {"grid.x_max", REAL(x_max), "2", NULL, 1, 1e3, "1",
      "Last inner node, in contact half widths; above 1", ALWAYS, false},
     {"grid.step", REAL(step), NULL, NULL, 1e-6, 0.25, "1",
-     "Distance of the nodes, in contact half widths; a whole number of steps fits; default 0.005, of "
-     "a point contact 0.0625", ALWAYS, false},
+     "Distance of the nodes, in contact half widths; a whole number of steps fits; default 0.005, "
+     "of a point contact 0.0625", ALWAYS, false},
     {"grid.y_max", REAL(y_max), "3", NULL, 1, 1e3, "1",
      "Last inner line across the entrainment, in contact half widths, and the first one at -y_max; "
      "above 1", ON_A_POINT, false},
@@ -79,28 +79,30 @@ static const setting run_rows[] = {
     {"output.fields_every", WHOLE(fields_every), "1", NULL, 1, 1e9, "1",
      "Write fields at every N-th time step", IN_TIME, false},
     {"output.resolution", FLAG(output_resolution), NULL, NULL, 0, 0, "1",
-     "Estimate what inlet and step do to the central film, which takes a fifth of a cold start more; "
-     "default true in fullrun", {{"regime", "stationary"}}, false},
+     "Estimate what inlet and step do to the central film, which takes a fifth of a cold start "
+     "more; default true in fullrun", {{"regime", "stationary"}}, false},
     {"transient.end_time", REAL(end_time), NULL, NULL, 1e-9, 1e12, "1",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
     {"transient.tolerance", REAL(tolerance), "1e-4", NULL, 1e-12, 0.1, "1",
-     "Accuracy of the time steps: thirty times the local error of one, relative to the central film", IN_TIME, false},
+     "Accuracy of the time steps: thirty times the local error of one, relative to the central "
+     "film", IN_TIME, false},
     {"transient.fixed_step", REAL(fixed_step), NULL, NULL, 1e-9, 1e12, "1",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(start_film), NULL, NULL, 1e-9, 1, "1",
      "Film H of the start when the speed starts at zero", IN_TIME, false},
     LAST_ROW};
 
-/* The rows of one quantity that varies in time, below "transient.<quantity>.". */
+/* The keys of one history, below "transient.<quantity>.". */
 static const setting history_rows[] = {
     {"law", HISTORY_CHOICE(law), "constant", "constant|sine|ramp|step|table", 0, 0, "1",
-     "How it varies: a factor over time; a load only with closure load, an approach only with closure "
-     "approach", IN_TIME, false},
+     "How it varies: a factor over time; a load only with closure load, an approach only with "
+     "closure approach", IN_TIME, false},
     {"amplitude", HISTORY_REAL(amplitude), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
      "Of the factor 1 + amplitude sin(2 pi T/period + phase)", LAW("sine"), true},
     {"period", HISTORY_REAL(period), NULL, NULL, 1e-6, 1e12, "1",
      "Time T of one oscillation", LAW("sine"), true},
-    {"phase", HISTORY_REAL(phase), "0", NULL, -1e3, 1e3, "rad", "Phase at T = 0", LAW("sine"), false},
+    {"phase", HISTORY_REAL(phase), "0", NULL, -1e3, 1e3, "rad",
+     "Phase at T = 0", LAW("sine"), false},
     {"from", HISTORY_REAL(from), "1", NULL, -MAX_FACTOR, MAX_FACTOR, "1",
      "Factor before a ramp, or up to and at a step", LAW("ramp|step"), false},
     {"to", HISTORY_REAL(to), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
@@ -121,7 +123,7 @@ static const setting history_rows[] = {
 
 const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", "approach"};
 
-/* The rows of all settings, and the texts that they are put together from. */
+/* The rows of all settings, and the storage of their texts that are made at run time. */
 static struct {
     setting rows[MAX_SETTINGS + 1];
     size_t num_rows;
@@ -129,7 +131,7 @@ static struct {
     size_t texts_length;
 } table;
 
-/* A text that lives as long as the table. */
+/* A text stored with the table. */
 static const char *make_text(const char *format, ...) {
     char *text = table.texts + table.texts_length;
     const size_t room = sizeof table.texts - table.texts_length;
@@ -152,9 +154,10 @@ static void add_rows(const setting *rows) {
         add_row(rows);
 }
 
-/* The choice of a law and its parameters, which scenes have at `offset`. */
+/* Adds rows for the choice of a law and the parameters of all laws, stored in a law_settings at
+ * `offset` in a scene. */
 static void add_laws(const char *group, size_t offset, const lubricant_law *const *laws,
-                     const char *fallback, const char *help) {
+                     const char *default_value, const char *help) {
     char list[512];
     const law_parameter *parameter;
     laws_list(list, sizeof list, laws, NULL);
@@ -162,11 +165,11 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                          .type = SETTING_CHOICE,
                          .offset = offset + offsetof(law_settings, law),
                          .size = LAW_WORD,
-                         .fallback = fallback,
+                         .default_value = default_value,
                          .choices = make_text("%s", list),
                          .unit = "1",
                          .help = help,
-                         .required = !fallback};
+                         .required = !default_value};
     add_row(&law);
     for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++) {
         laws_list(list, sizeof list, laws, parameter->key);
@@ -176,7 +179,7 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
                              .offset =
                                  offset + offsetof(law_settings, values) + slot * sizeof(law_value),
                              .size = sizeof(law_value),
-                             .fallback = parameter->fallback,
+                             .default_value = parameter->default_value,
                              .choices = parameter->choices,
                              .min = parameter->min,
                              .max = parameter->max,
@@ -264,7 +267,7 @@ static size_t smallest(size_t a, size_t b, size_t c) {
     return ab < c ? ab : c;
 }
 
-/* Levenshtein's distance, capitals and small letters being equal; both texts below MAX_KEY. */
+/* Levenshtein distance, ignoring case; both texts are shorter than MAX_KEY. */
 static size_t edit_distance(const char *left, const char *right) {
     size_t row[MAX_KEY];
     const size_t width = strlen(right);
@@ -287,7 +290,8 @@ static size_t edit_distance(const char *left, const char *right) {
 /* Other words for the last part of a key. */
 static const char *const synonyms[][2] = {{"velocity", "speed"}, {"force", "load"}};
 
-/* The key that is meant by a key with another word for its last part, "physical.velocity"; or NULL. */
+/* The key that is meant by a key with another word for its last part, "physical.velocity"; or
+ * NULL. */
 static const setting *same_meaning(const char *key) {
     char meant[MAX_KEY];
     const size_t length = (size_t)(last_part(key) - key);
@@ -299,8 +303,8 @@ static const setting *same_meaning(const char *key) {
     return NULL;
 }
 
-/* The key that is meant by an unknown one: of the same meaning, else of a similar spelling, else with
- * the same last part; or NULL. */
+/* The key that is meant by an unknown one: of the same meaning, else of a similar spelling, else
+ * with the same last part; or NULL. */
 static const setting *nearest(const char *key) {
     const setting *found = same_meaning(key);
     size_t nearest_distance = (strlen(key) + 2) / 3 + 1;
@@ -447,7 +451,7 @@ int setting_compare(const setting *row, const scene *left, const scene *right) {
     }
 }
 
-/* Text as YAML: in quotes where it could be something else. */
+/* Prints a YAML scalar, quoted where it could be read as something else. */
 static void print_text(FILE *stream, const char *text) {
     static const char plain[] =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_/.-";
@@ -519,7 +523,7 @@ static void show_allowed(char shown[ALLOWED_TEXT], const setting *row, const sce
     }
 }
 
-/* Whether a number with a unit stands where a bare number is expected: "200kN/m", "0.7 GPa". */
+/* Whether a text is a number with a unit: "200kN/m", "0.7 GPa". */
 static bool has_unit(const setting *row, const char *text) {
     char *end;
     if (row->type != SETTING_REAL || strcmp(row->unit, "1") == 0) return false;
@@ -553,7 +557,7 @@ static bool assign_flag(scene *of, const setting *row, const char *text) {
     return true;
 }
 
-/* Bytes that no line of a file or message could show are refused; UTF-8 is not. */
+/* Whether a text has no control characters; UTF-8 is allowed. */
 static bool is_printable(const char *text) {
     for (; *text; text++)
         if ((unsigned char)*text < ' ' || *text == 0x7f) return false;
@@ -593,9 +597,9 @@ ehd_status setting_assign(scene *of, const setting *row, const char *text, place
                       has_unit(row, text) ? ", written without the unit" : "");
 }
 
-// ---- the table for people
+// ---- the table as help and as Markdown
 
-/* "barus, wlf" from "barus|wlf", because a bar would end the cell of a Markdown table. */
+/* "barus, wlf" from "barus|wlf": a bar would end the cell of a Markdown table. */
 static void print_words(FILE *stream, const char *choices, const char *between) {
     for (; *choices; choices++)
         fputs(*choices == '|' ? between : (char[]){*choices, '\0'}, stream);
@@ -611,7 +615,7 @@ static int quantity_of(const char *key) {
     return -1;
 }
 
-/* "regime transient, closure load"; of histories what all have in common. */
+/* "regime transient, closure load"; of histories only what all have in common. */
 static void print_conditions(FILE *stream, const setting *row, const char *before) {
     const size_t max_shown = quantity_of(row->key) < 0 ? MAX_CONDITIONS : 1;
     for (size_t i = 0; i < max_shown && row->when[i].key; i++) {
@@ -620,7 +624,7 @@ static void print_conditions(FILE *stream, const setting *row, const char *befor
     }
 }
 
-/* Whether a row is shown: all histories have the keys of the first one, which stands for them. */
+/* Whether a row is shown. All histories have the same keys, so that only the first one is. */
 static bool is_shown(const setting *row) {
     return quantity_of(row->key) <= 0;
 }
@@ -647,7 +651,7 @@ void scene_print_help(FILE *stream) {
         print_key(stream, row, "|");
         fprintf(stream, ": %s", allowed);
         if (row->required) fprintf(stream, "; required");
-        if (row->fallback) fprintf(stream, "; default %s", row->fallback);
+        if (row->default_value) fprintf(stream, "; default %s", row->default_value);
         print_conditions(stream, row, row->required ? " with " : "; only with ");
         fprintf(stream, "\n      %s\n", row->help);
     }
@@ -684,9 +688,9 @@ void scene_print_markdown(FILE *stream) {
         fputs(" | ", stream);
         if (row->type == SETTING_REAL) print_words(stream, row->unit, ", ");
         fprintf(stream, " | %s | ",
-                row->required   ? "*required*"
-                : row->fallback ? row->fallback
-                                : "");
+                row->required        ? "*required*"
+                : row->default_value ? row->default_value
+                                     : "");
         print_conditions(stream, row, "");
         fprintf(stream, " | %s |\n", row->help);
     }

@@ -15,7 +15,7 @@ static ehd_status add_column(variation *self, const char *name, place where, siz
     for (size_t i = 0; i < self->num_columns; i++)
         if (self->columns[i].row == row)
             return place_fail(error, where, "%s: found again, expected only once", row->key);
-    // no setting comes twice, so there is room for all
+    // no setting is added twice, so that the array is large enough
     variation_column *column = &self->columns[self->num_columns++];
     *column = (variation_column){.row = row, .num_values = num_values};
     column->texts = calloc(num_values, sizeof *column->texts);
@@ -132,7 +132,7 @@ static ehd_status read_combine(variation *self, const tree_node *group, const ch
 static ehd_status count_grid(variation *self, place where, ehd_error *error) {
     self->num_points = 1;
     for (size_t i = 0; i < self->num_columns; i++) {
-        // both factors are below 2^32
+        // no overflow: both factors are below 2^32
         self->num_points *= self->columns[i].num_values;
         if (self->num_points > MAX_POINTS)
             return place_fail(error, where, "groups: found more than %d points, expected less",
@@ -178,7 +178,7 @@ ehd_status variation_read(variation *self, const tree_node *group, const char *p
 
 // ---- points
 
-/* Which value of a column a point takes. */
+/* The index of a point's value in a column. */
 static size_t value_index(const variation *self, size_t column, size_t point) {
     if (!self->grid) return point;
     for (size_t i = self->num_columns - 1; i > column; i--)

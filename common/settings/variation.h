@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a group of a plan varies: columns of values, from its YAML or from a CSV file. */
+/* The settings that a group of a plan varies: columns of values, from its YAML or from a CSV
+ * file. */
 #ifndef EHD_VARIATION_H
 #define EHD_VARIATION_H
 
@@ -22,19 +23,19 @@ typedef struct variation {
     size_t num_columns;
     bool grid;         // all combinations, the last column fastest; else one point a row
     size_t num_points; // at most MAX_POINTS
-    csv_file points;   // that the texts stand in, where they come from one
+    csv_file points;   // owns the texts that come from a CSV file
 } variation;
 
 /* Reads `vary` and `combine`, or `points`, of a group; a group without them has one point.
- * `plan_path`: the file that holds the group, which leads errors and to whose folder `points` is
- * relative. EHD_DATA, EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ * `plan_path` is the plan's file, named in errors; `points` is relative to its folder. EHD_DATA,
+ * EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(
     // output:
     variation *self, // free with variation_free
     // input:
     const tree_node *group, const char *plan_path, ehd_error *error);
 
-/* Sets the values of one point. EHD_DATA where a value does not suit its key. */
+/* Assigns the values of one point. EHD_DATA: a bad value. */
 ehd_status variation_apply(const variation *self, size_t point, scene_source *source,
                            ehd_error *error);
 

@@ -13,7 +13,7 @@
 enum {
     MAX_BYTES = 1 << 24,
     MAX_NODES = 1 << 20,
-    MAX_KEYS = 256, // in one map: each new key is compared with all before it
+    MAX_KEYS = 256, // in a map; bounds the time of the search for duplicates
     MAX_DEPTH = 16
 };
 
@@ -82,7 +82,7 @@ static size_t line_at(const reader *self, size_t offset) {
     return line;
 }
 
-/* Whether a line is indented with a tab, which YAML forbids and many editors write. */
+/* Whether a line is indented with a tab, which YAML forbids. */
 static bool indented_with_tab(const reader *self, size_t line) {
     size_t i = 0;
     for (; i < self->length && line > 1; i++)
@@ -125,7 +125,7 @@ static ehd_status add_node(reader *self, tree_node **added, tree_node *parent, y
     return EHD_OK;
 }
 
-/* Refuses what would have a node mean more than it shows. */
+/* Refuses aliases, anchors and tags. */
 static ehd_status check_plain(const reader *self, const yaml_event_t *event) {
     const yaml_char_t *anchor = NULL, *tag = NULL;
     const place where = place_of(self, event->start_mark);
@@ -164,7 +164,7 @@ static ehd_status copy_scalar(const reader *self, const yaml_event_t *event, cha
     return EHD_OK;
 }
 
-/* Gives the newest node of a map its key. */
+/* Sets the key of the node that was added to a map last. */
 static ehd_status set_key(const reader *self, const yaml_event_t *event, const tree_node *map,
                           tree_node *node) {
     const place where = place_of(self, event->start_mark);
@@ -186,7 +186,7 @@ static ehd_status set_key(const reader *self, const yaml_event_t *event, const t
 
 static ehd_status read_children(reader *self, tree_node *parent, size_t depth);
 
-/* Fills a node from the event that starts it. */
+/* Reads a node that starts with an event. */
 static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *event,
                             size_t depth) {
     ehd_status status = check_plain(self, event);
@@ -200,7 +200,7 @@ static ehd_status fill_node(reader *self, tree_node *node, const yaml_event_t *e
     return read_children(self, node, depth + 1);
 }
 
-/* Reads one child; `event` is its key in a map, and itself in a list. */
+/* Reads one child, which starts with `event`: its key in a map, itself in a list. */
 static ehd_status read_child(reader *self, tree_node *parent, yaml_event_t *event, size_t depth) {
     tree_node *child = NULL;
     ehd_status status = add_node(self, &child, parent, event->start_mark);
@@ -227,7 +227,7 @@ static ehd_status read_children(reader *self, tree_node *parent, size_t depth) {
     return status;
 }
 
-/* The next event is to be of this type. */
+/* Skips the next event, which must be of this type. */
 static ehd_status skip_event(reader *self, yaml_event_type_t type, const char *otherwise) {
     yaml_event_t event;
     ehd_status status = next_event(self, &event);
@@ -266,7 +266,7 @@ ehd_status tree_parse(tree_node **root, const char *text, size_t length, const c
     *root = NULL;
     if (!yaml_parser_initialize(&self.parser)) return place_no_memory(error, name);
     yaml_parser_set_input_string(&self.parser, (const unsigned char *)text, length);
-    // else a byte order mark could choose UTF-16
+    // a byte order mark could otherwise select UTF-16
     yaml_parser_set_encoding(&self.parser, YAML_UTF8_ENCODING);
     const ehd_status status = read_document(&self, root);
     yaml_parser_delete(&self.parser);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A YAML document as a tree of maps, lists and scalars. The only place that speaks libyaml.
+/* A YAML document as a tree of maps, lists and scalars; the only user of libyaml.
  *
- * Only what settings need: one document, text keys without duplicates, no anchors, aliases or tags. */
+ * Supports what settings need: one document, unique text keys, no anchors, aliases or tags. */
 #ifndef EHD_YAML_TREE_H
 #define EHD_YAML_TREE_H
 
@@ -41,8 +41,8 @@ ehd_status tree_parse(
 /* NULL when the map has no such key or `map` is no map. */
 const tree_node *tree_find(const tree_node *map, const char *key);
 
-/* What a message calls the node: "a map", "a list", "nothing", or the scalar's text. The text lives
- * in `shown` (SHOWN_TEXT bytes). */
+/* The node as shown in a message: "a map", "a list", "nothing", or the scalar's text, which is
+ * stored in `shown` (SHOWN_TEXT bytes). */
 const char *tree_show(char *shown, const tree_node *node);
 
 /* Accepts NULL. */

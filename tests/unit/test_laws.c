@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A lubricant law is one entry of a table: the tables of this program have two laws more than those of
- * the library, and with them come their keys in scenes and plans, their help and their errors. */
+/* A lubricant law is one entry of a table: the tables of this program have two laws more than
+ * those of the library, and with them come their keys in scenes and plans, their help and their
+ * errors. */
 #include "common/physics/laws.h"
 #include "common/settings/settings_table.h"
 #include "tests/unit/check.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pages in schemas/ show the tables that the code works with, and the tables make sense.
- * UPDATE_SCHEMAS=1 in the environment writes the tables into the pages first; that of scene.md is written by
- * test_settings. */
+ * UPDATE_SCHEMAS=1 in the environment writes the tables into the pages first; that of scene.md is
+ * written by test_settings. */
 #include "common/artefact/artefact.h"
 #include "tests/unit/check.h"
 

@@ -839,8 +839,8 @@ static void defaults_of_the_table_are_valid(void **state) {
     for (const setting *row = scene_settings(); row->key; row++) {
         assert_true(setting_find(row->key) == row && !setting_is_group(row->key));
         assert_true(strlen(row->key) < MAX_KEY);
-        if (row->fallback)
-            assert_int_equal(scene_set(&of, row->key, row->fallback, "", &error), EHD_OK);
+        if (row->default_value)
+            assert_int_equal(scene_set(&of, row->key, row->default_value, "", &error), EHD_OK);
         // texts are as short as the scene's strings, with their zero
         const char *choice = row->choices;
         for (size_t length; choice && (length = strcspn(choice, "|")) > 0;) {
