@@ -193,9 +193,9 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
 
 static void add_history(int quantity) {
     const char *name = vary_names[quantity], *law = make_text("transient.%s.law", name);
-    for (const setting *template = history_rows; template->key; template ++) {
-        setting row = *template;
-        row.key = make_text("transient.%s.%s", name, template->key);
+    for (const setting *part = history_rows; part->key; part++) {
+        setting row = *part;
+        row.key = make_text("transient.%s.%s", name, part->key);
         row.offset += offsetof(scene, vary) + (size_t)quantity * sizeof(history_settings);
         if (!row.when[0].key)
             row.when[0].key = law;

@@ -372,7 +372,6 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
 static void a_frame_that_stands_still_gives_the_nodes(void **unused) {
     (void)unused;
     point_film self;
-    double ignored;
 
     for (int i = 0; i < 2; i++) {
         point_film_init(&self, &half_basis, i == 0);
