@@ -354,11 +354,11 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     if (!status) status = make_exits(&exits, &state, contact, error);
     if (status) goto done;
 
-    run_result result = make_result(&info, &state, contact, given->output_fields != 0);
+    run_result result = make_result(&info, &state, contact, given->output.fields != 0);
     result.exits = exits;
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
-    if (!result.status && given->output_resolution != 0)
+    if (!result.status && given->output.resolution != 0)
         status = tell_resolution(file, self, &state, contact, error);
     if (!status) status = result_write(&file, &result, contact, error);
     if (!status && result.status)
@@ -392,7 +392,9 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
     ehd_status status =
         grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
 
-    if (!status) status = full_march_create(&in_time, contact, &settings, given->start_film, error);
+    if (!status)
+        status =
+            full_march_create(&in_time, contact, &settings, given->transient.start_film, error);
 
     if (!status) {
         const time_run_task task = {.caller = self,
@@ -400,7 +402,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                     .reference = contact,
                                     .settings_text = text,
                                     .solver = full_march_solver(in_time),
-                                    .with_fields = given->output_fields != 0,
+                                    .with_fields = given->output.fields != 0,
                                     .resume = options->resume,
                                     .effort = march_effort};
         status = time_run(NULL, &task, error);

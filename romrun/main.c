@@ -399,7 +399,7 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
                                  const ehd_contact *contact, const scene *given,
                                  const char *scene_lines, ehd_error *error) {
     stationary_run self = {.caller = caller, .options = options, .contact = contact};
-    ehd_status status = solve_and_show(&self, scene_lines, given->output_fields == 1, error);
+    ehd_status status = solve_and_show(&self, scene_lines, given->output.fields == 1, error);
 
     stationary_run_free(&self);
     return status;
@@ -434,7 +434,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .model = options->model,
                                     .against = options->against,
                                     .solver = ehdrom_march(in_time),
-                                    .with_fields = given->output_fields == 1,
+                                    .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
                                     .effort = ehdrom_march_effort};

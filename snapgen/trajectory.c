@@ -60,7 +60,7 @@ static void show_progress(task *owner, size_t number, double time) {
     char shown[64];
 
     pthread_mutex_lock(&owner->showing);
-    owner->travelled[number] = time / owner->set->trajectories[number].scene.end_time;
+    owner->travelled[number] = time / owner->set->trajectories[number].scene.transient.end_time;
     for (size_t t = 0; t < num; t++)
         sum += owner->travelled[t];
     snprintf(shown, sizeof shown, "trajectory %zu of %zu at T = %.4g", number + 1, num, time);
@@ -105,13 +105,13 @@ static ehd_status begin_full(traveller *self, const scene *given, ehd_error *err
 
     settings.tolerance = 1e-12; // as for stationary points
     ehd_status status =
-        full_march_create(&self->full, reference, &settings, given->start_film, error);
+        full_march_create(&self->full, reference, &settings, given->transient.start_film, error);
     if (!status)
         status = compressor_create(&self->first, reference->grid.num_nodes, &trajectory_compression,
                                    error);
     if (!status)
         status = kept_states_init(&self->owner->result->kept[self->number],
-                                  reference->grid.num_nodes, 0, given->end_time, error);
+                                  reference->grid.num_nodes, 0, given->transient.end_time, error);
     return status;
 }
 
@@ -127,7 +127,7 @@ static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *
         status = compressor_create(&self->second, num_rows, &trajectory_compression, error);
     if (!status)
         status = kept_states_init(&owner->result->kept[self->number], 0,
-                                  owner->model->band.num_lines, given->end_time, error);
+                                  owner->model->band.num_lines, given->transient.end_time, error);
     if (!status) reduced_solver_observe(reduced_march_inner(self->reduced), observe, self);
     return status;
 }
@@ -211,7 +211,7 @@ static ehd_status finish_trajectory(void *shared, void *worker, size_t number, s
 
     owner->done[number] = true;
     if (result->failed[number]) // which did not get there
-        show_progress(owner, number, owner->set->trajectories[number].scene.end_time);
+        show_progress(owner, number, owner->set->trajectories[number].scene.transient.end_time);
     result->num_failed += result->failed[number];
     result->num_steps += owner->first[number].num_snapshots;
     for (;

@@ -13,7 +13,8 @@ size_t inputs_add(const char **paths, size_t count, const char *path) {
 
 size_t inputs_add_tables(const char **paths, size_t count, const scene *given) {
     for (size_t i = 0; i < NUM_VARY; i++)
-        if (given->vary[i].file[0]) count = inputs_add(paths, count, given->vary[i].file);
+        if (given->transient.vary[i].file[0])
+            count = inputs_add(paths, count, given->transient.vary[i].file);
     return count;
 }
 

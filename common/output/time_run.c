@@ -183,7 +183,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     const march_solver *solver = &self->march.solver;
     contact_scalars scalars =
         frame_to_reference(&step->scalars, &step->frame, self->task->reference);
-    bool fields = self->pressure && index % (size_t)self->task->given->fields_every == 0;
+    bool fields = self->pressure && index % (size_t)self->task->given->output.fields_every == 0;
     ehd_status status = EHD_OK;
     char shown[64];
 
@@ -210,8 +210,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     if (!status && self->file && before - self->last_checkpoint > CHECKPOINT_PAUSE)
         status = checkpoint(self, before, error);
     snprintf(shown, sizeof shown, "T = %.4g, step %.2g", entry.time, entry.step);
-    progress_show(&self->progress, (size_t)(1000 * entry.time / self->task->given->end_time),
-                  shown);
+    progress_show(&self->progress,
+                  (size_t)(1000 * entry.time / self->task->given->transient.end_time), shown);
     self->writing += program_seconds() - before;
     return status;
 }

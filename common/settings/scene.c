@@ -28,11 +28,11 @@ void scene_defaults(scene *of) {
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
-    of->step = scene_step(of);
+    of->grid.step = scene_step(of);
 }
 
 double scene_step(const scene *of) {
-    if (!isnan(of->step)) return of->step;
+    if (!isnan(of->grid.step)) return of->grid.step;
     return strcmp(of->contact, "point") == 0 ? 0.0625 : 0.005;
 }
 

@@ -31,6 +31,37 @@ typedef struct history_settings {
     char interpolation[8]; // spline, linear
 } history_settings;
 
+/* The five of `physical`, or none. */
+typedef struct physical_settings {
+    double load;      // N/m of a line contact, N of a point contact
+    double radius;    // m
+    double speed;     // m/s, mean of the two surfaces
+    double modulus;   // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity; // Pa s at zero pressure
+} physical_settings;
+
+typedef struct grid_settings {
+    double x_min; // contact half widths
+    double x_max;
+    double step;
+    double y_max; // NaN: a line contact
+    int half;     // 1, 0: whether the symmetric half is solved; -1: a line contact
+} grid_settings;
+
+typedef struct output_settings {
+    int fields;       // 1, 0, or -1: the program's own default
+    int resolution;   // the same
+    int fields_every; // fields at every N-th step, only when transient
+} output_settings;
+
+typedef struct transient_settings {
+    double end_time;   // T
+    double tolerance;  // 1, on the local error
+    double fixed_step; // of T; NaN: step size control by the local error
+    double start_film; // H at the start from rest
+    history_settings vary[NUM_VARY];
+} transient_settings;
+
 /* Values that are not given and have no default are NaN, "" or -1. */
 typedef struct scene {
     char contact[16];       // line, point
@@ -38,28 +69,15 @@ typedef struct scene {
     char closure[16];       // load, approach
     double approach;        // H0 in the reference frame; NaN: that of the stationary solution
     double approach_length; // a_ref; NaN: 10 with closure approach, else 1
-    double moes_M;          // 1, given with moes_L, or not at all
-    double moes_L;          // 1
-    double load;    // N/m of a line contact, N of a point contact; the five of `physical`, or none
-    double radius;  // m
-    double speed;   // m/s, mean of the two surfaces
-    double modulus; // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;      // Pa s at zero pressure
+    struct {
+        double M, L; // 1, given both or neither
+    } moes;
+    physical_settings physical;
     double hertz_pressure; // Pa, optional
     lubricant_settings lubricant;
-    double x_min; // contact half widths
-    double x_max;
-    double step;
-    double y_max;          // NaN: a line contact
-    int half;              // 1, 0: whether the symmetric half is solved; -1: a line contact
-    int output_fields;     // 1, 0, or -1: the program's own default
-    int output_resolution; // the same
-    int fields_every;      // fields at every N-th step; this and what follows only when transient
-    double end_time;       // T
-    double tolerance;      // 1, on the local error
-    double fixed_step;     // of T; NaN: step size control by the local error
-    double start_film;     // H at the start from rest
-    history_settings vary[NUM_VARY];
+    grid_settings grid;
+    output_settings output;
+    transient_settings transient; // only when transient
 } scene;
 
 typedef enum setting_type {

@@ -6,11 +6,11 @@
 
 static ehd_grid scene_grid(const scene *given) {
     const double step = scene_step(given);
-    const size_t inner_x = (size_t)lround((given->x_max - given->x_min) / step) + 1;
-    const size_t beside = isnan(given->y_max) ? 0 : (size_t)lround(given->y_max / step);
-    const bool half = beside > 0 && given->half != 0;
+    const size_t inner_x = (size_t)lround((given->grid.x_max - given->grid.x_min) / step) + 1;
+    const size_t beside = isnan(given->grid.y_max) ? 0 : (size_t)lround(given->grid.y_max / step);
+    const bool half = beside > 0 && given->grid.half != 0;
 
-    return grid_of(given->x_min, step, inner_x, half ? beside + 1 : 2 * beside + 1, half);
+    return grid_of(given->grid.x_min, step, inner_x, half ? beside + 1 : 2 * beside + 1, half);
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {
@@ -26,13 +26,13 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
         .kind = *given->contact ? contact_kind_find(given->contact) : &contact_line,
         .grid = scene_grid(given),
         .lubricant = given->lubricant,
-        .moes_M = given->moes_M,
-        .moes_L = given->moes_L,
-        .load = given->load,
-        .radius = given->radius,
-        .speed = given->speed,
-        .modulus = given->modulus,
-        .viscosity = given->viscosity,
+        .moes_M = given->moes.M,
+        .moes_L = given->moes.L,
+        .load = given->physical.load,
+        .radius = given->physical.radius,
+        .speed = given->physical.speed,
+        .modulus = given->physical.modulus,
+        .viscosity = given->physical.viscosity,
         .hertz_pressure = given->hertz_pressure,
         .approach_given = approach_given,
         .approach_length = given->approach_length,

@@ -175,21 +175,21 @@ static double nearest_step(double extent, double step) {
 
 static ehd_status check_extent(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    if (!(of->x_min < -1))
+    if (!(of->grid.x_min < -1))
         return place_fail(error, place_of_key(source, "grid.x_min"),
                           "grid.x_min: found %g, expected less than -1, so that the dry contact "
                           "lies inside",
-                          of->x_min);
-    if (!(of->x_max > 1))
+                          of->grid.x_min);
+    if (!(of->grid.x_max > 1))
         return place_fail(error, place_of_key(source, "grid.x_max"),
                           "grid.x_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",
-                          of->x_max);
-    if (is_point(of) && !(of->y_max > 1))
+                          of->grid.x_max);
+    if (is_point(of) && !(of->grid.y_max > 1))
         return place_fail(error, place_of_key(source, "grid.y_max"),
                           "grid.y_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",
-                          of->y_max);
+                          of->grid.y_max);
     return EHD_OK;
 }
 
@@ -199,13 +199,14 @@ static bool is_whole(double steps) {
 
 /* Number of inner lines of nodes. */
 static double count_lines(const scene *of) {
-    const double beside = of->y_max / scene_step(of);
-    return !is_point(of) ? 1 : of->half ? beside + 1 : 2 * beside + 1;
+    const double beside = of->grid.y_max / scene_step(of);
+    return !is_point(of) ? 1 : of->grid.half ? beside + 1 : 2 * beside + 1;
 }
 
 static ehd_status check_grid(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    const double step = scene_step(of), extent = of->x_max - of->x_min, steps = extent / step;
+    const double step = scene_step(of), extent = of->grid.x_max - of->grid.x_min,
+                 steps = extent / step;
     const double nodes = (steps + 1) * count_lines(of);
     char found[NUMBER_TEXT], valid[NUMBER_TEXT];
     const ehd_status status = check_extent(source, error);
@@ -220,13 +221,13 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
         return place_fail(error, place_of_key(source, "grid.step"),
                           "grid.step: found %s, expected a whole number of steps from %g to %g, "
                           "such as with %s",
-                          found, of->x_min, of->x_max, valid);
+                          found, of->grid.x_min, of->grid.x_max, valid);
     }
-    if (!is_point(of) || is_whole(of->y_max / step)) return EHD_OK;
-    number_show(valid, step * ceil(of->y_max / step));
+    if (!is_point(of) || is_whole(of->grid.y_max / step)) return EHD_OK;
+    number_show(valid, step * ceil(of->grid.y_max / step));
     return place_fail(error, place_of_key(source, "grid.y_max"),
                       "grid.y_max: found %g, expected a whole number of steps of %s, such as %s",
-                      of->y_max, found, valid);
+                      of->grid.y_max, found, valid);
 }
 
 // ---- all

@@ -43,52 +43,52 @@ static const setting contact_rows[] = {
     {"approach_length", REAL(approach_length), NULL, NULL, 1e-3, 1e6, "1",
      "How far from a line contact its approach is measured, in reference half widths; default 10 "
      "with closure approach, else 1 as in stationary scenes", IN_TIME, false},
-    {"moes.M", REAL(moes_M), NULL, NULL, 0.1, 1e5, "1",
+    {"moes.M", REAL(moes.M), NULL, NULL, 0.1, 1e5, "1",
      "Moes load number, of the sum velocity", ALWAYS, false},
-    {"moes.L", REAL(moes_L), NULL, NULL, 0, 100, "1",
+    {"moes.L", REAL(moes.L), NULL, NULL, 0, 100, "1",
      "Moes lubricant number, of the sum velocity", ALWAYS, false},
-    {"physical.load", REAL(load), NULL, NULL, 1e-6, 1e9, "N/m|N",
+    {"physical.load", REAL(physical.load), NULL, NULL, 1e-6, 1e9, "N/m|N",
      "Load, of a line contact per length", ALWAYS, false},
-    {"physical.radius", REAL(radius), NULL, NULL, 1e-6, 1e3, "m",
+    {"physical.radius", REAL(physical.radius), NULL, NULL, 1e-6, 1e3, "m",
      "Reduced radius of curvature", ALWAYS, false},
-    {"physical.speed", REAL(speed), NULL, NULL, 1e-9, 1e4, "m/s",
+    {"physical.speed", REAL(physical.speed), NULL, NULL, 1e-9, 1e4, "m/s",
      "Mean velocity (u1 + u2)/2 of the surfaces", ALWAYS, false},
-    {"physical.modulus", REAL(modulus), NULL, NULL, 1e3, 1e13, "Pa",
+    {"physical.modulus", REAL(physical.modulus), NULL, NULL, 1e3, 1e13, "Pa",
      "Reduced modulus 2/[(1 - nu1^2)/E1 + (1 - nu2^2)/E2]", ALWAYS, false},
-    {"physical.viscosity", REAL(viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
+    {"physical.viscosity", REAL(physical.viscosity), NULL, NULL, 1e-6, 1e6, "Pa s",
      "Viscosity at zero pressure", ALWAYS, false},
     {"hertz_pressure", REAL(hertz_pressure), NULL, NULL, 1e5, 2e10, "Pa",
      "Hertz pressure, where it shall not follow from the other settings", ALWAYS, false},
     LAST_ROW};
 
 static const setting run_rows[] = {
-    {"grid.x_min", REAL(x_min), "-4", NULL, -1e3, -1, "1",
+    {"grid.x_min", REAL(grid.x_min), "-4", NULL, -1e3, -1, "1",
      "First inner node, in contact half widths; below -1", ALWAYS, false},
-    {"grid.x_max", REAL(x_max), "2", NULL, 1, 1e3, "1",
+    {"grid.x_max", REAL(grid.x_max), "2", NULL, 1, 1e3, "1",
      "Last inner node, in contact half widths; above 1", ALWAYS, false},
-    {"grid.step", REAL(step), NULL, NULL, 1e-6, 0.25, "1",
+    {"grid.step", REAL(grid.step), NULL, NULL, 1e-6, 0.25, "1",
      "Distance of the nodes, in contact half widths; a whole number of steps fits; default 0.005, "
      "of a point contact 0.0625", ALWAYS, false},
-    {"grid.y_max", REAL(y_max), "3", NULL, 1, 1e3, "1",
+    {"grid.y_max", REAL(grid.y_max), "3", NULL, 1, 1e3, "1",
      "Last inner line across the entrainment, in contact half widths, and the first one at -y_max; "
      "above 1", ON_A_POINT, false},
-    {"grid.half", FLAG(half), "true", NULL, 0, 0, "1",
+    {"grid.half", FLAG(grid.half), "true", NULL, 0, 0, "1",
      "Solve the symmetric half from y = 0 on; results are of the whole", ON_A_POINT, false},
-    {"output.fields", FLAG(output_fields), NULL, NULL, 0, 0, "1",
+    {"output.fields", FLAG(output.fields), NULL, NULL, 0, 0, "1",
      "Write pressure and film fields; default true in fullrun, false in romrun", ALWAYS, false},
-    {"output.fields_every", WHOLE(fields_every), "1", NULL, 1, 1e9, "1",
+    {"output.fields_every", WHOLE(output.fields_every), "1", NULL, 1, 1e9, "1",
      "Write fields at every N-th time step", IN_TIME, false},
-    {"output.resolution", FLAG(output_resolution), NULL, NULL, 0, 0, "1",
+    {"output.resolution", FLAG(output.resolution), NULL, NULL, 0, 0, "1",
      "Estimate what inlet and step do to the central film, which takes a fifth of a cold start "
      "more; default true in fullrun", {{"regime", "stationary"}}, false},
-    {"transient.end_time", REAL(end_time), NULL, NULL, 1e-9, 1e12, "1",
+    {"transient.end_time", REAL(transient.end_time), NULL, NULL, 1e-9, 1e12, "1",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
-    {"transient.tolerance", REAL(tolerance), "1e-4", NULL, 1e-12, 0.1, "1",
+    {"transient.tolerance", REAL(transient.tolerance), "1e-4", NULL, 1e-12, 0.1, "1",
      "Accuracy of the time steps: thirty times the local error of one, relative to the central "
      "film", IN_TIME, false},
-    {"transient.fixed_step", REAL(fixed_step), NULL, NULL, 1e-9, 1e12, "1",
+    {"transient.fixed_step", REAL(transient.fixed_step), NULL, NULL, 1e-9, 1e12, "1",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
-    {"transient.start_film", REAL(start_film), NULL, NULL, 1e-9, 1, "1",
+    {"transient.start_film", REAL(transient.start_film), NULL, NULL, 1e-9, 1, "1",
      "Film H of the start when the speed starts at zero", IN_TIME, false},
     LAST_ROW};
 
@@ -196,7 +196,7 @@ static void add_history(int quantity) {
     for (const setting *part = history_rows; part->key; part++) {
         setting row = *part;
         row.key = make_text("transient.%s.%s", name, part->key);
-        row.offset += offsetof(scene, vary) + (size_t)quantity * sizeof(history_settings);
+        row.offset += offsetof(scene, transient.vary) + (size_t)quantity * sizeof(history_settings);
         if (!row.when[0].key)
             row.when[0].key = law;
         else if (quantity == VARY_LOAD || quantity == VARY_APPROACH)

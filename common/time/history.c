@@ -282,10 +282,10 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
     if (!self) return ehd_fail(error, EHD_MEMORY, "transient: found no memory for histories");
     for (int i = 0; i < NUM_VARY && !status; i++) {
         history *of = &self->of[i];
-        of->given = given->vary[i];
+        of->given = given->transient.vary[i];
         of->law = find_law(of->given.law);
-        if (of->law->prepare) status = of->law->prepare(of, given->end_time, error);
-        if (!status) status = check_history(of, i, given->end_time, error);
+        if (of->law->prepare) status = of->law->prepare(of, given->transient.end_time, error);
+        if (!status) status = check_history(of, i, given->transient.end_time, error);
     }
     if (status) self = histories_free(self);
     *result = self;

@@ -27,16 +27,17 @@ static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums 
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
-    march_settings settings = {.end_time = given->end_time,
-                               .tolerance = given->tolerance / PASSAGE,
-                               .fixed_step = given->fixed_step,
+    march_settings settings = {.end_time = given->transient.end_time,
+                               .tolerance = given->transient.tolerance / PASSAGE,
+                               .fixed_step = given->transient.fixed_step,
                                .approach_given = strcmp(given->closure, "approach") == 0,
                                .reference_approach = reference_approach};
-    double shortest = fmin(histories_shortest_time(histories), given->end_time);
+    double shortest = fmin(histories_shortest_time(histories), given->transient.end_time);
 
-    settings.first_step = isnan(given->fixed_step)
-                              ? fmin(sqrt(given->tolerance / PASSAGE), 0.1) * fmin(shortest, 1)
-                              : given->fixed_step;
+    settings.first_step =
+        isnan(given->transient.fixed_step)
+            ? fmin(sqrt(given->transient.tolerance / PASSAGE), 0.1) * fmin(shortest, 1)
+            : given->transient.fixed_step;
     return settings;
 }
 

@@ -81,8 +81,8 @@ static ehd_status record_trajectory(void *shared, void *worker, size_t number, s
 
     settings.tolerance = 1e-12; // as for training
     self.target->reference = &given->contact;
-    ehd_status status =
-        full_march_create(&full, &given->contact, &settings, given->scene.start_film, error);
+    ehd_status status = full_march_create(&full, &given->contact, &settings,
+                                          given->scene.transient.start_film, error);
     if (status) return status;
     self.run =
         (march){.reference = &given->contact,

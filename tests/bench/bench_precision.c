@@ -117,12 +117,13 @@ static void compare_results(const char *path, const ehd_contact *contact, const 
     outcome results[NUM_VARIANTS];
     double largest = 0;
 
-    if (transient && isnan(given->fixed_step)) {
+    if (transient && isnan(given->transient.fixed_step)) {
         fprintf(stderr, "bench: transient.fixed_step: found none, expected one\n");
         exit(65);
     }
     for (int v = 0; v < NUM_VARIANTS; v++) {
-        size_t most = transient ? (size_t)(given->end_time / given->fixed_step) + 10 : 1;
+        size_t most =
+            transient ? (size_t)(given->transient.end_time / given->transient.fixed_step) + 10 : 1;
         reduced_model model;
         results[v] = (outcome){.film = must_allocate(most * sizeof(double)), .most_steps = most};
         read_variant(&model, path, variants[v]);

@@ -21,7 +21,7 @@ static void default_tolerance_is_enough(void **state) {
         snprintf(text, sizeof text, "end_time: 3, load: {law: sine, amplitude: 0.1, period: %g}",
                  periods[i]);
         run_paper(&first, 0.005, text);
-        const double tolerance = first.scene.tolerance;
+        const double tolerance = first.scene.transient.tolerance;
         snprintf(text, sizeof text,
                  "end_time: 3, tolerance: %g, load: {law: sine, amplitude: 0.1, period: %g}",
                  tolerance / 10, periods[i]);

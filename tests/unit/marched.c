@@ -64,7 +64,8 @@ void marched_begin(marched *self, const scene *of) {
     settings.linear_tolerance = 1e-10;
     if (scene_contact(&self->reference, of, &error) ||
         histories_init(&self->histories, of, &error) ||
-        full_march_create(&self->full, &self->reference, &settings, of->start_film, &error))
+        full_march_create(&self->full, &self->reference, &settings, of->transient.start_film,
+                          &error))
         fail_msg("%s", error.text);
     self->march = (march){.settings = march_settings_of(of, self->histories, of->approach),
                           .histories = self->histories,
@@ -93,7 +94,7 @@ void marched_all(marched *self, const scene *of) {
     marched_begin(self, of);
     marched_on(self);
     if (self->outcome) fail_msg("%s", self->march.reason);
-    check_close(self->time[self->count - 1], of->end_time, 0, 0);
+    check_close(self->time[self->count - 1], of->transient.end_time, 0, 0);
 }
 
 /* Film of a run at any of its times, linear in between. */

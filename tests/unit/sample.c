@@ -18,8 +18,8 @@ scene sample_scene(const char *lubricant, const char *density, double moes_M, do
     int wlf = strncmp(lubricant, "no", 2) == 0;
 
     scene_defaults(&given);
-    given.moes_M = moes_M;
-    given.moes_L = moes_L;
+    given.moes.M = moes_M;
+    given.moes.L = moes_L;
     set(&given, "lubricant.viscosity.law", wlf ? "wlf" : lubricant);
     if (wlf)
         set(&given, "lubricant.viscosity.preset", lubricant);
@@ -46,7 +46,7 @@ ehd_contact sample_contact(const char *lubricant, const char *density, double mo
                            double step) {
     scene given = sample_scene(lubricant, density, moes_M, moes_L);
 
-    given.step = step;
+    given.grid.step = step;
     return contact_of(&given);
 }
 
@@ -55,10 +55,10 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
     scene given = sample_scene(lubricant, density, moes_M, moes_L);
 
     snprintf(given.contact, sizeof given.contact, "point");
-    given.step = 6 / (double)cells;
-    given.x_min = -4.5 + given.step;
-    given.x_max = 1.5 - given.step;
-    given.y_max = 3 - given.step;
-    given.half = half;
+    given.grid.step = 6 / (double)cells;
+    given.grid.x_min = -4.5 + given.grid.step;
+    given.grid.x_max = 1.5 - given.grid.step;
+    given.grid.y_max = 3 - given.grid.step;
+    given.grid.half = half;
     return contact_of(&given);
 }

@@ -158,16 +158,16 @@ static scene physical_scene(const contact_kind *kind, double load, double speed,
 
     snprintf(given.contact, sizeof given.contact, "%s", kind->name);
     if (kind->dimensions > 1) {
-        given.y_max = 2;
-        given.half = 1;
-        given.step = 0.1;
+        given.grid.y_max = 2;
+        given.grid.half = 1;
+        given.grid.step = 0.1;
     }
-    given.moes_M = given.moes_L = NAN;
-    given.load = (kind->dimensions > 1 ? 20 : 1e5) * load;
-    given.speed = 1.2 * speed;
-    given.radius = 0.012 * radius;
-    given.modulus = 2.2e11 * modulus;
-    given.viscosity = 0.04;
+    given.moes.M = given.moes.L = NAN;
+    given.physical.load = (kind->dimensions > 1 ? 20 : 1e5) * load;
+    given.physical.speed = 1.2 * speed;
+    given.physical.radius = 0.012 * radius;
+    given.physical.modulus = 2.2e11 * modulus;
+    given.physical.viscosity = 0.04;
     return given;
 }
 

@@ -35,11 +35,11 @@ static ehd_contact steel(const char *kind, double load, double modulus) {
     ehd_error error;
 
     strcpy(given.contact, kind);
-    given.load = load;
-    given.radius = RADIUS;
-    given.speed = SPEED;
-    given.modulus = modulus;
-    given.viscosity = VISCOSITY;
+    given.physical.load = load;
+    given.physical.radius = RADIUS;
+    given.physical.speed = SPEED;
+    given.physical.modulus = modulus;
+    given.physical.viscosity = VISCOSITY;
     if (scene_contact(&contact, &given, &error)) fail_msg("%s", error.text);
     return contact;
 }

@@ -61,8 +61,10 @@ static void compare_start(const scene *of, double moes_M, double moes_L, double 
     ehd_contact contact;
     contact_frame frame;
 
-    physical.vary[VARY_LOAD] = (history_settings){.law = "step", .from = 1.3, .to = 1, .at = 0.5};
-    physical.vary[VARY_SPEED] = (history_settings){.law = "step", .from = 0.6, .to = 1, .at = 0.5};
+    physical.transient.vary[VARY_LOAD] =
+        (history_settings){.law = "step", .from = 1.3, .to = 1, .at = 0.5};
+    physical.transient.vary[VARY_SPEED] =
+        (history_settings){.law = "step", .from = 0.6, .to = 1, .at = 0.5};
     marched_begin(&first, &physical);
     frame = first.first.frame;
     contact = first.reference;
@@ -348,7 +350,7 @@ static void squeeze_is_symmetric(void **state) {
     scene of = marched_scene(20, 6, "dowson-higginson", 0.05,
                              "end_time: 2, tolerance: 1e-3, start_film: 0.1, "
                              "speed: {law: ramp, from: 0, to: 0, duration: 1}");
-    of.x_max = 4;
+    of.grid.x_max = 4;
     marched_all(&first, &of);
     const full_state *last = full_march_state(first.full, NULL);
     const ehd_grid *grid = &first.reference.grid;

@@ -182,11 +182,11 @@ static void physical_scene(void **state) {
     (void)state;
     scene given = sample_scene("barus", "incompressible", NAN, NAN);
     ehd_contact contact;
-    given.load = 2e5;
-    given.radius = 0.01;
-    given.speed = 1;
-    given.modulus = 2.2e11;
-    given.viscosity = 0.01;
+    given.physical.load = 2e5;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.modulus = 2.2e11;
+    given.physical.viscosity = 0.01;
     assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
     // by hand: U = 0.01 2 / (2.2e11 0.01), W = 2e5 / (2.2e11 0.01), a^2 = 8 2e5 0.01 / (pi 2.2e11)
     check_close(contact.moes_M, 30.15113445777636, 1e-13, 0);
@@ -205,13 +205,13 @@ static void contradictory_viscosity_is_refused(void **state) {
     scene given = sample_scene("roelands", "incompressible", NAN, NAN);
     ehd_contact contact;
     ehd_error error;
-    given.load = 2e5;
-    given.radius = 0.01;
-    given.speed = 1;
-    given.modulus = 2.2e11;
-    given.viscosity = 0.0398; // the law says 0.04
+    given.physical.load = 2e5;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.modulus = 2.2e11;
+    given.physical.viscosity = 0.0398; // the law says 0.04
     assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
-    given.viscosity = 0.039;
+    given.physical.viscosity = 0.039;
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
 }
@@ -252,7 +252,7 @@ static void pressure_beyond_the_law_is_refused(void **state) {
     assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "hertz_pressure: found 4.8 GPa"));
     given.hertz_pressure = NAN;
-    given.moes_L = 50;
+    given.moes.L = 50;
     assert_int_equal(scene_contact(&contact, &given, NULL), EHD_DATA);
 }
 

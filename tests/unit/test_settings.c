@@ -136,15 +136,15 @@ static void reads_a_scene_and_fills_defaults(void **state) {
     assert_string_equal(of.lubricant.viscosity.law, "wlf");
     assert_string_equal(viscosity(&of, "preset")->word, "no1");
     assert_string_equal(of.lubricant.density.law, "dowson-higginson");
-    check_close(of.moes_M, 12, 0, 0);
-    check_close(of.moes_L, 12, 0, 0);
-    check_close(of.x_min, -4, 0, 0);
-    check_close(of.x_max, 2, 0, 0);
-    check_close(of.step, 0.005, 0, 0);
+    check_close(of.moes.M, 12, 0, 0);
+    check_close(of.moes.L, 12, 0, 0);
+    check_close(of.grid.x_min, -4, 0, 0);
+    check_close(of.grid.x_max, 2, 0, 0);
+    check_close(of.grid.step, 0.005, 0, 0);
     check_close(viscosity(&of, "temperature")->number, 25, 0, 0);
-    assert_true(isnan(of.hertz_pressure) && isnan(of.load) &&
+    assert_true(isnan(of.hertz_pressure) && isnan(of.physical.load) &&
                 isnan(viscosity(&of, "alpha")->number));
-    assert_int_equal(of.output_fields, -1);
+    assert_int_equal(of.output.fields, -1);
 }
 
 static void reads_physical_numbers_and_every_law(void **state) {
@@ -154,12 +154,12 @@ static void reads_physical_numbers_and_every_law(void **state) {
                  "physical: {load: 2e5, radius: 0.01, speed: 1.5, modulus: 2.3e11, "
                  "viscosity: 0.04}\n"
                  "lubricant: {viscosity: {law: barus, alpha: 2e-8}}\noutput: {fields: false}\n");
-    check_close(of.load, 2e5, 0, 0);
-    check_close(of.viscosity, 0.04, 0, 0);
+    check_close(of.physical.load, 2e5, 0, 0);
+    check_close(of.physical.viscosity, 0.04, 0, 0);
     check_close(viscosity(&of, "alpha")->number, 2e-8, 0, 0);
-    assert_true(isnan(of.moes_M) && isnan(viscosity(&of, "temperature")->number));
+    assert_true(isnan(of.moes.M) && isnan(viscosity(&of, "temperature")->number));
     assert_string_equal(of.lubricant.density.law, "incompressible");
-    assert_int_equal(of.output_fields, 0);
+    assert_int_equal(of.output.fields, 0);
     accepts(&of, "contact: line\nregime: stationary\nmoes.M: 5\nmoes.L: 0\n"
                  "lubricant.viscosity: {law: roelands, eta0: 0.04, alpha: 2e-8}\n");
     check_close(viscosity(&of, "eta0")->number, 0.04, 0, 0);
@@ -386,11 +386,11 @@ static void a_point_contact_has_lines(void **state) {
     ehd_error error;
     (void)state;
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 1, &error), EHD_OK);
-    check_close(of.step, 0.0625, 0, 0);
-    check_close(of.y_max, 3, 0, 0);
-    assert_int_equal(of.half, 1);
+    check_close(of.grid.step, 0.0625, 0, 0);
+    check_close(of.grid.y_max, 3, 0, 0);
+    assert_int_equal(of.grid.half, 1);
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 3, &error), EHD_OK);
-    assert_int_equal(of.half, 0);
+    assert_int_equal(of.grid.half, 0);
 
     refuses_grid("y_max: 3", "grid.y_max: found a value, expected none with the contact line");
     refuses_grid("half: true", "grid.half: found a value, expected none with the contact line");
@@ -409,8 +409,8 @@ static void overrides_come_after_the_file(void **state) {
     ehd_error error;
     (void)state;
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 3, &error), EHD_OK);
-    check_close(of.moes_M, 25, 0, 0);
-    check_close(of.step, 0.01, 0, 0);
+    check_close(of.moes.M, 25, 0, 0);
+    check_close(of.grid.step, 0.01, 0, 0);
     refuses_set("moes.M=1e6", "--set: moes.M: found 1e6, expected a number from 0.1 to 100000");
     refuses_set("moes.M=", "s.yml: moes: found 1 of its 2 keys, expected also moes.M");
     refuses_set("=1", "--set: nothing: found an unknown key");
@@ -433,7 +433,7 @@ static void overrides_without_a_value_unset(void **state) {
     snprintf(text, sizeof text, "%sgrid.step: 0.01\n", good);
     assert_int_equal(scene_parse(&of, text, strlen(text), "s.yml", barus, 5, &error), EHD_OK);
     assert_string_equal(of.lubricant.viscosity.law, "barus");
-    check_close(of.step, 0.005, 0, 0); // its default again
+    check_close(of.grid.step, 0.005, 0, 0); // its default again
     accepts(&plain, "contact: line\nregime: stationary\nmoes: {M: 12, L: 12}\nlubricant:\n"
                     "  viscosity: {law: barus, alpha: 2e-8}\n  density: {law: dowson-higginson}\n");
     char *expected = scene_text(&plain), *found = scene_text(&of);
@@ -458,20 +458,20 @@ static void scene_set_sets_one_key(void **state) {
     ehd_error error;
     (void)state;
     scene_defaults(&of);
-    assert_true(isnan(of.moes_M) && isnan(viscosity(&of, "temperature")->number));
+    assert_true(isnan(of.moes.M) && isnan(viscosity(&of, "temperature")->number));
     check_close(scene_step(&of), 0.005, 0, 0);
     assert_int_equal(scene_set(&of, "contact", "line", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "regime", "stationary", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "moes.M", "12", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "moes.L", "-0", "here", &error), EHD_OK);
-    assert_false(signbit(of.moes_L));
+    assert_false(signbit(of.moes.L));
     assert_int_equal(scene_set(&of, "lubricant.viscosity.law", "wlf", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "lubricant.viscosity.preset", "no2", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "moes.M", "x", "here", &error), EHD_DATA);
     assert_non_null(strstr(error.text, "here: moes.M: found x"));
-    check_close(of.moes_M, 12, 0, 0);
+    check_close(of.moes.M, 12, 0, 0);
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
-    of.x_max = NAN;
+    of.grid.x_max = NAN;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
     scene_complete(&of);
     check_close(viscosity(&of, "temperature")->number, 25, 0, 0);
@@ -489,9 +489,9 @@ static void text_round_trips(void **state) {
     accepts(&again, text);
     char *second = scene_text(&again);
     assert_string_equal(text, second);
-    check_close(again.load, 123456.78901234567, 0, 0);
-    check_close(again.speed, 0.3333333333333333, 0, 0);
-    check_close(again.viscosity, 4.000000000000001e-2, 0, 0);
+    check_close(again.physical.load, 123456.78901234567, 0, 0);
+    check_close(again.physical.speed, 0.3333333333333333, 0, 0);
+    check_close(again.physical.viscosity, 4.000000000000001e-2, 0, 0);
     assert_non_null(strstr(text, "hertz_pressure: 700000000\n"));
     assert_non_null(strstr(text, "grid.step: 0.005\n"));
     assert_non_null(strstr(text, "output.fields: true\n"));
@@ -516,7 +516,7 @@ static void refuses_files_that_cannot_be_read(void **state) {
     assert_non_null(strstr(error.text, "empty.yml:1: found no settings"));
     write_file("good.yml", good);
     assert_int_equal(scene_read(&of, path_of("good.yml"), NULL, 0, &error), EHD_OK);
-    check_close(of.moes_M, 12, 0, 0);
+    check_close(of.moes.M, 12, 0, 0);
     // a file longer than one read
     char *text = calloc(1, 40000);
     assert_non_null(text);
@@ -552,23 +552,25 @@ static void reads_a_transient_scene_and_fills_its_defaults(void **state) {
     (void)state;
     accepts_moving(&of, "transient: {end_time: 2.5}\n");
     assert_string_equal(of.regime, "transient");
-    check_close(of.end_time, 2.5, 0, 0);
-    check_close(of.tolerance, 1e-4, 0, 0);
-    assert_true(isnan(of.fixed_step) && isnan(of.start_film) && isnan(of.approach));
-    assert_int_equal(of.fields_every, 1);
+    check_close(of.transient.end_time, 2.5, 0, 0);
+    check_close(of.transient.tolerance, 1e-4, 0, 0);
+    assert_true(isnan(of.transient.fixed_step) && isnan(of.transient.start_film) &&
+                isnan(of.approach));
+    assert_int_equal(of.output.fields_every, 1);
     for (int i = 0; i < NUM_VARY; i++)
-        assert_string_equal(of.vary[i].law, i == VARY_APPROACH ? "" : "constant");
-    assert_true(isnan(of.vary[VARY_LOAD].phase) && isnan(of.vary[VARY_LOAD].from));
+        assert_string_equal(of.transient.vary[i].law, i == VARY_APPROACH ? "" : "constant");
+    assert_true(isnan(of.transient.vary[VARY_LOAD].phase) &&
+                isnan(of.transient.vary[VARY_LOAD].from));
     accepts_moving(&of, "closure: approach\napproach: -0.25\noutput: {fields_every: 10}\n"
                         "transient: {end_time: 1, tolerance: 1e-6, fixed_step: 0.01,\n"
                         "            start_film: 0.02}\n");
     check_close(of.approach, -0.25, 0, 0);
-    check_close(of.fixed_step, 0.01, 0, 0);
-    check_close(of.tolerance, 1e-6, 0, 0);
-    check_close(of.start_film, 0.02, 0, 0);
-    assert_int_equal(of.fields_every, 10);
-    assert_string_equal(of.vary[VARY_LOAD].law, "");
-    assert_string_equal(of.vary[VARY_APPROACH].law, "constant");
+    check_close(of.transient.fixed_step, 0.01, 0, 0);
+    check_close(of.transient.tolerance, 1e-6, 0, 0);
+    check_close(of.transient.start_film, 0.02, 0, 0);
+    assert_int_equal(of.output.fields_every, 10);
+    assert_string_equal(of.transient.vary[VARY_LOAD].law, "");
+    assert_string_equal(of.transient.vary[VARY_APPROACH].law, "constant");
 }
 
 static void reads_every_law_of_every_quantity(void **state) {
@@ -578,7 +580,7 @@ static void reads_every_law_of_every_quantity(void **state) {
     (void)state;
     for (size_t i = 0; i < NUM_VARY; i++) {
         const char *head = numbers[i] == VARY_APPROACH ? "closure: approach\n" : "";
-        const history_settings *vary = &of.vary[numbers[i]];
+        const history_settings *vary = &of.transient.vary[numbers[i]];
         char text[512];
         snprintf(text, sizeof text,
                  "%stransient: {end_time: 1, %s: {law: sine, amplitude: 0.1, period: 0.5}}\n", head,
@@ -633,7 +635,7 @@ static void refuses_keys_that_regime_and_closure_lack_or_ignore(void **state) {
     char text[512];
     snprintf(text, sizeof text, "%sclosure: approach\napproach: 0.1\n", good);
     accepts(&of, text);
-    assert_string_equal(of.vary[VARY_APPROACH].law, "");
+    assert_string_equal(of.transient.vary[VARY_APPROACH].law, "");
 }
 
 static void refuses_keys_that_a_history_lacks_or_ignores(void **state) {
@@ -713,8 +715,8 @@ static void transient_text_round_trips(void **state) {
     assert_non_null(strstr(text, "transient.tolerance: 0.0001\n"));
     assert_null(strstr(text, "transient.load"));
     accepts(&again, text);
-    assert_string_equal(again.vary[VARY_SPEED].column, "- v, m/s");
-    check_close(again.vary[VARY_APPROACH].period, 0.3333333333333333, 0, 0);
+    assert_string_equal(again.transient.vary[VARY_SPEED].column, "- v, m/s");
+    check_close(again.transient.vary[VARY_APPROACH].period, 0.3333333333333333, 0, 0);
     char *second = scene_text(&again);
     assert_string_equal(text, second);
     free(text);
@@ -758,12 +760,12 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
     write_file("deep/scene.yml", text);
     snprintf(expected, sizeof expected, "%s/deep/cam.csv", folder);
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), NULL, 0, &error), EHD_OK);
-    assert_string_equal(of.vary[VARY_LOAD].file, beside);
+    assert_string_equal(of.transient.vary[VARY_LOAD].file, beside);
     // the working folder for --set and from memory, whatever the name says
     assert_int_equal(scene_read(&of, path_of("deep/scene.yml"), override, 1, &error), EHD_OK);
-    assert_string_equal(of.vary[VARY_LOAD].file, "set.csv");
+    assert_string_equal(of.transient.vary[VARY_LOAD].file, "set.csv");
     assert_int_equal(scene_parse(&of, text, strlen(text), "deep/s.yml", NULL, 0, &error), EHD_OK);
-    assert_string_equal(of.vary[VARY_LOAD].file, "cam.csv");
+    assert_string_equal(of.transient.vary[VARY_LOAD].file, "cam.csv");
     // the scene's folder in the first group, the plan's in the second, the list's in the third
     write_file("deep/points.csv", "transient.load.file\n/abs.csv\nlist.csv\n");
     snprintf(text, sizeof text,
@@ -772,10 +774,11 @@ static void files_are_relative_to_the_file_that_names_them(void **state) {
              "- scene: deep/scene.yml\n  points: deep/points.csv\n");
     accepts_plan(&many, text);
     assert_int_equal(many.num_points, 4);
-    assert_string_equal(many.points[0].scene.vary[VARY_LOAD].file, beside);
-    assert_string_equal(many.points[1].scene.vary[VARY_LOAD].file, path_of("a.csv"));
-    assert_string_equal(many.points[2].scene.vary[VARY_LOAD].file, "/abs.csv");
-    assert_string_equal(many.points[3].scene.vary[VARY_LOAD].file, path_of("deep/list.csv"));
+    assert_string_equal(many.points[0].scene.transient.vary[VARY_LOAD].file, beside);
+    assert_string_equal(many.points[1].scene.transient.vary[VARY_LOAD].file, path_of("a.csv"));
+    assert_string_equal(many.points[2].scene.transient.vary[VARY_LOAD].file, "/abs.csv");
+    assert_string_equal(many.points[3].scene.transient.vary[VARY_LOAD].file,
+                        path_of("deep/list.csv"));
     plan_free(&many);
 }
 
@@ -791,8 +794,8 @@ static void plan_varies_histories(void **state) {
     assert_int_equal(of.num_points, 6);
     const double period[] = {0.5, 0.5, 1, 1, 2, 2};
     for (size_t i = 0; i < 6; i++) {
-        check_close(of.points[i].scene.vary[VARY_LOAD].period, period[i], 0, 0);
-        check_close(of.points[i].scene.end_time, i % 2 ? 4 : 3, 0, 0);
+        check_close(of.points[i].scene.transient.vary[VARY_LOAD].period, period[i], 0, 0);
+        check_close(of.points[i].scene.transient.end_time, i % 2 ? 4 : 3, 0, 0);
     }
     assert_non_null(
         strstr(of.text, "# point 2\ntransient.end_time: 3\ntransient.load.period: 1\n"));
@@ -806,8 +809,8 @@ static void plan_varies_histories(void **state) {
                       "          lubricant: {viscosity: {law: wlf, preset: no1}}}\n"
                       "  vary: {transient.load.column: [F, G, F], fields_every: [1, 2]}\n");
     assert_int_equal(of.num_points, 5);
-    assert_string_equal(of.points[3].scene.vary[VARY_LOAD].column, "G");
-    assert_int_equal(of.points[4].scene.fields_every, 2);
+    assert_string_equal(of.points[3].scene.transient.vary[VARY_LOAD].column, "G");
+    assert_int_equal(of.points[4].scene.output.fields_every, 2);
     plan_free(&of);
     refuses_plan("groups:\n- scene: scene.yml\n  vary: {transient.load.law: [sine, constant]}\n",
                  "point transient.load.law=sine: ");
@@ -930,8 +933,8 @@ static void plan_combines_a_grid(void **state) {
     assert_int_equal(of.num_groups, 2);
     const double moes_M[] = {5, 5, 8, 8, 10, 10, 7}, moes_L[] = {1, 3, 1, 3, 1, 3, 0};
     for (size_t i = 0; i < 7; i++) {
-        check_close(of.points[i].scene.moes_M, moes_M[i], 0, 0);
-        check_close(of.points[i].scene.moes_L, moes_L[i], 0, 0);
+        check_close(of.points[i].scene.moes.M, moes_M[i], 0, 0);
+        check_close(of.points[i].scene.moes.L, moes_L[i], 0, 0);
         assert_int_equal(of.points[i].group, i == 6);
     }
     assert_string_equal(of.points[6].scene.lubricant.viscosity.law, "barus");
@@ -948,8 +951,8 @@ static void plan_takes_lists_together(void **state) {
     accepts_plan(&of, "groups:\n- scene: scene.yml\n  combine: list\n"
                       "  vary: {M: [5, 8, 10], L: [1, 3, 4]}\n");
     assert_int_equal(of.num_points, 3);
-    check_close(of.points[1].scene.moes_M, 8, 0, 0);
-    check_close(of.points[2].scene.moes_L, 4, 0, 0);
+    check_close(of.points[1].scene.moes.M, 8, 0, 0);
+    check_close(of.points[2].scene.moes.L, 4, 0, 0);
     plan_free(&of);
     refuses_plan("groups:\n- scene: scene.yml\n  combine: list\n"
                  "  vary: {moes.M: [5, 8, 10], moes.L: [1, 3]}\n",
@@ -965,8 +968,8 @@ static void plan_reads_csv_points(void **state) {
     write_file("sub/points.csv", "\xef\xbb\xbfM, moes.L\r\n50,1\r\n\r\n # on,ly\r\n58 ,3\r\n");
     accepts_plan(&of, text);
     assert_int_equal(of.num_points, 2);
-    check_close(of.points[1].scene.moes_M, 58, 0, 0);
-    check_close(of.points[1].scene.moes_L, 3, 0, 0);
+    check_close(of.points[1].scene.moes.M, 58, 0, 0);
+    check_close(of.points[1].scene.moes.L, 3, 0, 0);
     plan_free(&of);
     write_file("sub/points.csv", "M,L\n50,1\n60\n");
     refuses_plan(text, "sub/points.csv:3: found 1 column, expected 2");
@@ -1082,7 +1085,7 @@ static void a_scene_is_a_plan_of_one_point(void **state) {
     assert_int_equal(plan_read(&of, path_of("scene.yml"), overrides, 1, &error), EHD_OK);
     assert_int_equal(of.num_points, 1);
     assert_int_equal(of.num_groups, 1);
-    check_close(of.points[0].scene.moes_M, 20, 0, 0);
+    check_close(of.points[0].scene.moes.M, 20, 0, 0);
     check_close_array(of.where_bounds[0], ((double[]){-INFINITY, INFINITY}), 2, 0, 0);
     plan_free(&of);
 }
@@ -1095,7 +1098,7 @@ static void plan_overrides_act_on_every_scene(void **state) {
     write_file("scene.yml", good);
     write_file("plan.yml", "groups:\n- scene: scene.yml\n  vary: {moes.M: [5, 6]}\n");
     assert_int_equal(plan_read(&of, path_of("plan.yml"), step, 1, &error), EHD_OK);
-    check_close(of.points[1].scene.step, 0.01, 0, 0);
+    check_close(of.points[1].scene.grid.step, 0.01, 0, 0);
     plan_free(&of);
     assert_int_equal(plan_read(&of, path_of("plan.yml"), varied, 1, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "--set: moes.M: found a key that"));
@@ -1113,7 +1116,7 @@ static void plan_keeps_the_first_of_equal_points(void **state) {
     const double moes_M[] = {9, 5, 6, 7, 6};
     const size_t group[] = {0, 0, 0, 1, 2};
     for (size_t i = 0; i < 5; i++) {
-        check_close(of.points[i].scene.moes_M, moes_M[i], 0, 0);
+        check_close(of.points[i].scene.moes.M, moes_M[i], 0, 0);
         assert_int_equal(of.points[i].group, group[i]);
     }
     plan_free(&of);

@@ -38,7 +38,7 @@ static void every_printed_digit(void **state) {
         full_info info;
 
         given.hertz_pressure = 1e9 * table[i].hertz_pressure;
-        given.step = step_of(table[i].moes_M);
+        given.grid.step = step_of(table[i].moes_M);
         assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
         assert_int_equal(full_solver_create(&solver, contact.kind, &contact.grid, &settings, NULL),
                          EHD_OK);

@@ -655,8 +655,9 @@ static void resume_refuses_other_inputs(void **state) {
     artefact_close(&file);
 
     model = second;
-    snprintf(given.vary[VARY_LOAD].file, sizeof given.vary[VARY_LOAD].file, "%s", table);
-    given.vary[VARY_SPEED] = given.vary[VARY_LOAD];
+    snprintf(given.transient.vary[VARY_LOAD].file, sizeof given.transient.vary[VARY_LOAD].file,
+             "%s", table);
+    given.transient.vary[VARY_SPEED] = given.transient.vary[VARY_LOAD];
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
                   "result.h5.partial: found a run with another model than /tmp/");
     check_refused(EHD_DATA, EHD_DATA, "second.h5 is now");

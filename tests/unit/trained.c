@@ -56,11 +56,11 @@ void trained_init_point(trained *self, bool half) {
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         scene given = sample_scene("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3]);
         strcpy(given.contact, "point");
-        given.x_min = -2.5;
-        given.x_max = 1.5;
-        given.step = 0.125;
-        given.y_max = 2;
-        given.half = half;
+        given.grid.x_min = -2.5;
+        given.grid.x_max = 1.5;
+        given.grid.step = 0.125;
+        given.grid.y_max = 2;
+        given.grid.half = half;
         assert_int_equal(scene_contact(&self->contacts[s], &given, NULL), EHD_OK);
     }
     train(self);
