@@ -364,9 +364,10 @@ static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state)
                tail = width * model->num_pressure;
         size_t last = grid_first_line(&model->grid) + model->grid.inner_lines - 1;
         size_t *exits = malloc(num_lines * sizeof *exits);
-        double *longer = realloc(model->checkpoints.band, (table + tail) * sizeof *longer);
+        double *longer = arena_array(&model->memory, table + tail, sizeof *longer);
 
         assert_true(exits && longer && !has_two_exits(s));
+        memcpy(longer, model->checkpoints.band, table * sizeof *longer);
         for (size_t i = 0; i < tail; i++)
             longer[table + i] = NAN;
         model->checkpoints.band = longer;
