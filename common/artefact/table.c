@@ -5,6 +5,7 @@
 #include "common/program/text.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 /* Entries of a dataset of numbers along one axis; negative for any other. */
@@ -41,15 +42,27 @@ static ehd_status read_entries(double **values, size_t *count, hid_t dataset, co
                     reason.text);
 }
 
-static ehd_status read_dataset(double **values, size_t *count, hid_t file, const char *path,
-                               const char *name, ehd_error *error) {
-    char shown[SHOWN_TEXT];
-    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT);
+/* The first of the names that the file has a dataset of, "" where it has none. */
+static const char *find_name(hid_t file, const char *const *names) {
+    while (*names && !hdf5_has_dataset(file, *names))
+        names++;
+    return *names ? *names : "";
+}
 
-    text_show(shown, name);
+static ehd_status read_column(table_column *column, size_t *count, hid_t file, const char *path,
+                              ehd_error *error) {
+    char shown[SHOWN_TEXT];
+    const char *name = find_name(file, column->names);
+
+    if (!*name && column->optional) return EHD_OK;
+    const hid_t dataset = *name ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
+    if (*name)
+        text_show(shown, name);
+    else
+        table_show_names(shown, column->names);
     if (dataset < 0)
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected one", path, shown);
-    const ehd_status status = read_entries(values, count, dataset, path, shown, error);
+    const ehd_status status = read_entries(&column->values, count, dataset, path, shown, error);
     hdf5_release(dataset);
     return status;
 }
@@ -65,24 +78,32 @@ static ehd_status open_table(hid_t *file, const char *path, ehd_error *error) {
                     "%s: found no whole HDF5 file (%s), expected one", path, reason.text);
 }
 
-ehd_status artefact_read_table(const char *path, const char *column, double **time, double **values,
+bool artefact_is_table(const char *path) {
+    const char *ending = strrchr(path, '.');
+    return ending && (strcmp(ending, ".h5") == 0 || strcmp(ending, ".hdf5") == 0);
+}
+
+ehd_status artefact_read_table(const char *path, table_column *columns, size_t num_columns,
                                size_t *count, ehd_error *error) {
     hid_t file = -1;
-    size_t num_values = 0;
 
-    *time = *values = NULL;
     *count = 0;
+    for (size_t c = 0; c < num_columns; c++)
+        columns[c].values = NULL;
     hdf5_start();
     ehd_status status = open_table(&file, path, error);
-    if (!status) status = read_dataset(time, count, file, path, "time", error);
-    if (!status) status = read_dataset(values, &num_values, file, path, column, error);
-    if (!status && num_values != *count)
-        status = ehd_fail(error, EHD_DATA, "%s: %s: found %zu numbers, expected %zu as of time",
-                          path, column, num_values, *count);
-    if (status) {
-        free(*time);
-        free(*values);
-        *time = *values = NULL;
+    for (size_t c = 0; c < num_columns && !status; c++) {
+        size_t found = *count;
+        status = read_column(&columns[c], &found, file, path, error);
+        if (!status && c > 0 && found != *count)
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found %zu numbers, expected %zu as of %s",
+                              path, find_name(file, columns[c].names), found, *count,
+                              find_name(file, columns[0].names));
+        if (c == 0) *count = found;
+    }
+    for (size_t c = 0; c < num_columns && status; c++) {
+        free(columns[c].values);
+        columns[c].values = NULL;
     }
     hdf5_release(file);
     return status;

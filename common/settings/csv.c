@@ -4,6 +4,7 @@
 #include "common/program/text.h"
 #include "common/settings/yaml_tree.h"
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,25 +74,57 @@ ehd_status csv_check_width(const csv_file *self, size_t found, size_t expected, 
 
 // ---- numbers
 
-/* The columns of the header, and which of them has the name. */
-static ehd_status find_column(size_t *found, size_t *num_columns, csv_file *self,
-                              const char *column, ehd_error *error) {
+enum { NO_COLUMN = -1 };
+
+void table_show_names(char shown[SHOWN_TEXT], const char *const *names) {
+    char all[2 * SHOWN_TEXT] = "";
+    for (size_t i = 0; names[i]; i++)
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i > 0 ? "|" : "", names[i]);
+    text_show(shown, all);
+}
+
+/* Place of a name in the list, its length when it is not there. */
+static int rank_of(const char *name, const char *const *names) {
+    int rank = 0;
+    while (names[rank] && strcmp(name, names[rank]) != 0)
+        rank++;
+    return rank;
+}
+
+/* Place in the header of the first of the names that it has, NO_COLUMN when it has none. */
+static int find_column(const char *const *names, char *const *fields, size_t width) {
+    int found = NO_COLUMN, best = rank_of("", names); // no name is empty
+    for (size_t i = 0; i < width; i++) {
+        const int rank = rank_of(fields[i], names);
+        if (rank >= best) continue;
+        best = rank;
+        found = (int)i;
+    }
+    return found;
+}
+
+/* Places of the wanted columns in the header, NO_COLUMN where one is missing, and its width. */
+static ehd_status find_columns(int *places, size_t *width, csv_file *self,
+                               const table_column *columns, size_t num_columns, ehd_error *error) {
     char shown[SHOWN_TEXT];
     char *line = csv_next_line(self);
-    bool known = false;
-    *num_columns = 0;
-    text_show(shown, column);
+    *width = 0;
     if (!line)
-        return place_fail(error, (place){self->path, 0},
-                          "found an empty file, expected a header such as T,%s", shown);
-    for (char *field; (field = csv_next_field(&line)); ++*num_columns) {
-        if (known || strcmp(field, column) != 0) continue;
-        *found = *num_columns;
-        known = true;
+        return place_fail(error, (place){self->path, 0}, "found an empty file, expected a header");
+    char **fields = malloc((strlen(line) + 1) * sizeof *fields);
+    if (!fields) return place_no_memory(error, self->path);
+    for (char *field; (field = csv_next_field(&line));)
+        fields[(*width)++] = field;
+    for (size_t c = 0; c < num_columns; c++)
+        places[c] = columns[c].names ? find_column(columns[c].names, fields, *width) : 0;
+    free(fields);
+    for (size_t c = 0; c < num_columns; c++) {
+        if (places[c] != NO_COLUMN || columns[c].optional) continue;
+        table_show_names(shown, columns[c].names);
+        return place_fail(error, self->where, "found no column %s in the header, expected one",
+                          shown);
     }
-    if (known) return EHD_OK;
-    return place_fail(error, self->where,
-                      "found no column %s in the header, expected it beside the time", shown);
+    return EHD_OK;
 }
 
 static ehd_status read_number(double *value, const csv_file *self, const char *field,
@@ -102,44 +135,49 @@ static ehd_status read_number(double *value, const csv_file *self, const char *f
     return place_fail(error, self->where, "found %s, expected a number", shown);
 }
 
-static ehd_status read_row(double *first, double *value, const csv_file *self, char *line,
-                           size_t column, size_t num_columns, ehd_error *error) {
+static ehd_status read_line(table_column *columns, size_t num_columns, size_t row,
+                            const csv_file *self, char *line, const int *places, size_t width,
+                            ehd_error *error) {
     ehd_status status = EHD_OK;
     size_t i = 0;
-    for (char *field; !status && (field = csv_next_field(&line)); i++) {
-        if (i == 0) status = read_number(first, self, field, error);
-        if (i == column && !status) status = read_number(value, self, field, error);
-    }
-    return status ? status : csv_check_width(self, i, num_columns, error);
+    for (char *field; !status && (field = csv_next_field(&line)); i++)
+        for (size_t c = 0; c < num_columns && !status; c++)
+            if (places[c] == (int)i)
+                status = read_number(&columns[c].values[row], self, field, error);
+    return status ? status : csv_check_width(self, i, width, error);
 }
 
-static ehd_status read_rows(double **first, double **values, size_t *count, csv_file *self,
-                            size_t column, size_t num_columns, ehd_error *error) {
+static ehd_status read_lines(table_column *columns, size_t num_columns, size_t *count,
+                             csv_file *self, const int *places, size_t width, ehd_error *error) {
     const size_t room = csv_count_lines(self);
     ehd_status status = EHD_OK;
-    *first = malloc(room * sizeof **first);
-    *values = malloc(room * sizeof **values);
-    if (!*first || !*values) return place_no_memory(error, self->path);
+    for (size_t c = 0; c < num_columns; c++) {
+        if (places[c] == NO_COLUMN) continue;
+        columns[c].values = malloc(room * sizeof(double));
+        if (!columns[c].values) return place_no_memory(error, self->path);
+    }
     for (char *line; !status && (line = csv_next_line(self)); ++*count)
-        status =
-            read_row(*first + *count, *values + *count, self, line, column, num_columns, error);
+        status = read_line(columns, num_columns, *count, self, line, places, width, error);
     return status;
 }
 
-ehd_status csv_read_columns(const char *path, const char *column, double **first, double **values,
-                            size_t *count, ehd_error *error) {
+ehd_status csv_read_table(const char *path, table_column *columns, size_t num_columns,
+                          size_t *count, ehd_error *error) {
     csv_file file;
-    size_t found = 0, num_columns = 0;
-    *first = *values = NULL;
+    size_t width = 0;
+    int *places = malloc((num_columns + 1) * sizeof *places);
     *count = 0;
+    for (size_t c = 0; c < num_columns; c++)
+        columns[c].values = NULL;
     ehd_status status = csv_open(&file, path, error);
-    if (!status) status = find_column(&found, &num_columns, &file, column, error);
-    if (!status) status = read_rows(first, values, count, &file, found, num_columns, error);
-    if (status) {
-        free(*first);
-        free(*values);
-        *first = *values = NULL;
+    if (!status && !places) status = place_no_memory(error, path);
+    if (!status) status = find_columns(places, &width, &file, columns, num_columns, error);
+    if (!status) status = read_lines(columns, num_columns, count, &file, places, width, error);
+    for (size_t c = 0; c < num_columns && status; c++) {
+        free(columns[c].values);
+        columns[c].values = NULL;
     }
     csv_close(&file);
+    free(places);
     return status;
 }

@@ -5,7 +5,9 @@
 #define EHD_CSV_H
 
 #include "common/program/status.h"
+#include "common/program/text.h"
 #include "common/settings/place.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 typedef struct csv_file {
@@ -37,15 +39,26 @@ char *csv_next_field(char **rest);
 /* EHD_DATA unless a line had as many fields as the header. */
 ehd_status csv_check_width(const csv_file *self, size_t found, size_t expected, ehd_error *error);
 
-/* Reads the first column and the column called `column` of a table of numbers with a header.
- * EHD_DATA: no header, no such column, rows of unequal length, a field that is no number; and as
+/* A column that is wanted of a table of numbers, CSV or HDF5 (artefact/table.h). */
+typedef struct table_column {
+    const char *const *names; // the first of these that there is, NULL at the end; NULL: the first
+                              // column of the file
+    bool optional;
+    double *values; // [count] as read, free with free(); NULL: not there, or after a failure
+} table_column;
+
+/* "row|rows", for messages. */
+void table_show_names(char shown[SHOWN_TEXT], const char *const *names);
+
+/* Reads columns of a file of numbers below a header; of other columns nothing is looked at.
+ * EHD_DATA: no header or no such column, lines of other lengths, anything that is no number; and as
  * csv_open. */
-ehd_status csv_read_columns(
+ehd_status csv_read_table(
     // input:
-    const char *path, const char *column,
+    const char *path,
+    // in and out:
+    table_column *columns, size_t num_columns,
     // output:
-    double **first,  // [count], as `values`; free with free()
-    double **values, // NULL both after a failure
     size_t *count, ehd_error *error);
 
 #endif

@@ -119,16 +119,17 @@ static double step_next_kink(const history *self, double time, bool *jump) {
 
 // ---- table
 
-static bool has_ending(const char *path, const char *ending) {
-    const size_t length = strlen(path), width = strlen(ending);
-    return length > width && strcmp(path + length - width, ending) == 0;
-}
-
+/* Of a CSV file the first column is the time, whatever its name. */
 static ehd_status read_table(history *self, ehd_error *error) {
-    const char *path = self->given.file;
-    const bool hdf5 = has_ending(path, ".h5") || has_ending(path, ".hdf5");
-    return (hdf5 ? artefact_read_table : csv_read_columns)(path, self->given.column, &self->time,
-                                                           &self->values, &self->count, error);
+    static const char *const time_name[] = {"time", NULL};
+    const char *path = self->given.file, *const value_name[] = {self->given.column, NULL};
+    const bool hdf5 = artefact_is_table(path);
+    table_column columns[] = {{.names = hdf5 ? time_name : NULL}, {.names = value_name}};
+    ehd_status status =
+        (hdf5 ? artefact_read_table : csv_read_table)(path, columns, 2, &self->count, error);
+    self->time = columns[0].values;
+    self->values = columns[1].values;
+    return status;
 }
 
 static ehd_status check_row(const history *self, size_t i, ehd_error *error) {
