@@ -9,15 +9,25 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_BASIS = 0x200, KEY_ROWS, KEY_STABILITY, KEY_METHOD, KEY_WEIGHTS, KEY_CONTROL };
+enum {
+    KEY_BASIS = 0x200,
+    KEY_ROWS,
+    KEY_ROWS_FROM,
+    KEY_STABILITY,
+    KEY_METHOD,
+    KEY_WEIGHTS,
+    KEY_CONTROL
+};
 
 typedef struct select_options {
     const char *basis;
-    row_settings rows;
+    const char *rows_from; // NULL: a method selects the rows
+    row_settings rows;     // method and weights NULL where not given
 } select_options;
 
 static const struct argp_option own_options[] = {
@@ -26,6 +36,13 @@ static const struct argp_option own_options[] = {
      .key = KEY_ROWS,
      .arg = "N",
      .doc = "Number of rows; default 2 a mode, or what the snapshots tell apart"},
+    {.name = "rows-from",
+     .key = KEY_ROWS_FROM,
+     .arg = "FILE",
+     .doc =
+         "Rows that somebody else selected, in place of a method: column `row` of a CSV file, or "
+         "dataset `rows` of an HDF5 file, counted as selected_row in schemas/model.md; with "
+         "`weight` or `weights` also their factors"},
     {.name = "stability",
      .key = KEY_STABILITY,
      .arg = "S",
@@ -59,6 +76,9 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_ROWS:
         status = parse_count(&options->rows.num_rows, argument, 1, 10000000, "--rows", EHD_USAGE,
                              &error);
+        break;
+    case KEY_ROWS_FROM:
+        options->rows_from = argument;
         break;
     case KEY_STABILITY:
         status = parse_real(&options->rows.stability, argument, 1, 1e12, "--stability", EHD_USAGE,
@@ -145,15 +165,19 @@ static ehd_status read_residuals(residual_snapshots *snapshots, const char *path
 static ehd_status write_model(const program *self, const select_options *options,
                               const reduced_basis *basis, const row_choice *choice,
                               const char *identity, ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], options->basis, NULL};
-    const model_origin origin = {.method = options->rows.method->name,
+    const row_settings *rows = &options->rows;
+    const bool given_factors = rows->given && rows->given->factors;
+    const char *const inputs[] = {self->arguments[0], options->basis, options->rows_from, NULL};
+    const char *method = rows->given ? "given" : rows->method->name;
+    const char *weights = given_factors ? NULL : rows->weights->name;
+    const model_origin origin = {.method = method,
                                  .basis_identity = identity,
                                  .sigma_min_residual = choice->sigma_min_residual,
                                  .sigma_min_jacobian = choice->sigma_min_jacobian,
                                  .sigma_min_over_exits = choice->sigma_min_over_exits,
                                  .sigma_min_by_exit = choice->sigma_min_by_exit,
                                  .stability = choice->stability,
-                                 .weights = options->rows.weights->name,
+                                 .weights = weights,
                                  .factors = choice->factors,
                                  .num_jacobian_modes = choice->num_jacobian_modes,
                                  .jacobian_modes = choice->jacobian_modes};
@@ -161,26 +185,37 @@ static ehd_status write_model(const program *self, const select_options *options
     char text[128];
     ehd_status status = row_choice_model(&model, choice, basis, error);
 
-    snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n",
-             options->rows.method->name, choice->num_rows, options->rows.weights->name,
-             choice->num_control);
+    snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n", method,
+             choice->num_rows, weights ? weights : "given", choice->num_control);
     if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
     if (!status)
-        printf("%zu rows of %zu by method %s, %zu unknowns, state needed at %zu nodes, %zu control "
-               "rows\n"
+        printf("%zu rows of %zu %s %s, %zu unknowns, state needed at %zu nodes, %zu control rows\n"
                "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n"
                "stability: %.3g at the worst exit of training, where all rows have 1\n",
-               model.rows.num_rows, model.grid.num_inner, options->rows.method->name,
-               model.num_unknowns, model.rows.num_needed, model.control.num_rows,
-               1 / choice->sigma_min_residual, 1 / choice->sigma_min_jacobian,
-               1 / choice->sigma_min_over_exits, choice->stability);
+               model.rows.num_rows, model.grid.num_inner, rows->given ? "from" : "by method",
+               rows->given ? options->rows_from : method, model.num_unknowns, model.rows.num_needed,
+               model.control.num_rows, 1 / choice->sigma_min_residual,
+               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits, choice->stability);
     reduced_model_free(&model);
     return status;
 }
 
-static ehd_status run(const program *self, const select_options *options, ehd_error *error) {
+/* The rows of --rows-from, which may have weights of their own. */
+static ehd_status read_given(given_rows *given, const select_options *options,
+                             const reduced_basis *basis, ehd_error *error) {
+    ehd_status status = given_rows_read(given, options->rows_from, basis, error);
+
+    if (!status && given->factors && options->rows.weights)
+        return ehd_fail(error, EHD_USAGE,
+                        "--weights: found %s, expected none: %s has weights of its own",
+                        options->rows.weights->name, options->rows_from);
+    return status;
+}
+
+static ehd_status run(const program *self, select_options *options, ehd_error *error) {
     residual_snapshots snapshots = {0};
     reduced_basis basis = {0};
+    given_rows given = {0};
     row_choice choice = {0};
     ehd_error cause = {""};
     char identity[65];
@@ -189,6 +224,10 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
         return ehd_fail(error, EHD_USAGE, "--basis: found none, expected the basis of %s",
                         self->arguments[0]);
     ehd_status status = basis_read(&basis, identity, options->basis, error);
+    if (!status && options->rows_from) status = read_given(&given, options, &basis, error);
+    if (options->rows_from) options->rows.given = &given;
+    if (!options->rows.method) options->rows.method = selection_methods;
+    if (!options->rows.weights) options->rows.weights = weightings;
     if (!status)
         status =
             read_residuals(&snapshots, self->arguments[0], &basis, options->basis, identity, error);
@@ -198,15 +237,34 @@ static ehd_status run(const program *self, const select_options *options, ehd_er
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
     row_choice_free(&choice);
+    given_rows_free(&given);
     residual_snapshots_free(&snapshots);
     reduced_basis_free(&basis);
     return status;
 }
 
+/* Options of which only one makes sense. */
+static ehd_status check_usage(const select_options *options, ehd_error *error) {
+    const row_settings *rows = &options->rows;
+    const char *excluded = rows->method          ? "--method"
+                           : rows->num_rows > 0  ? "--rows"
+                           : rows->stability > 0 ? "--stability"
+                                                 : NULL;
+
+    if (options->rows_from && excluded)
+        return ehd_fail(error, EHD_USAGE,
+                        "--rows-from: found with %s, expected one of them: the file says which "
+                        "rows and how many",
+                        excluded);
+    if (rows->num_rows > 0 && rows->stability > 0)
+        return ehd_fail(error, EHD_USAGE,
+                        "--stability: found --rows %zu too, expected one of the two",
+                        rows->num_rows);
+    return EHD_OK;
+}
+
 int main(int argc, char **argv) {
-    select_options own = {.rows = {.method = selection_methods,
-                                   .weights = weightings,
-                                   .num_control = CONTROL_BY_ITSELF}};
+    select_options own = {.rows = {.num_control = CONTROL_BY_ITSELF}};
     const program_options options = {
         .options = own_options,
         .parse = parse_own,
@@ -222,12 +280,7 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
-    if (own.rows.num_rows > 0 && own.rows.stability > 0)
-        return program_finish(&self,
-                              ehd_fail(&error, EHD_USAGE,
-                                       "--stability: found --rows %zu too, expected one of the two",
-                                       own.rows.num_rows),
-                              &error);
-    ehd_status status = run(&self, &own, &error);
+    ehd_status status = check_usage(&own, &error);
+    if (!status) status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

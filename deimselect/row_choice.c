@@ -39,9 +39,9 @@ void row_choice_free(row_choice *choice) {
     memset(choice, 0, sizeof *choice);
 }
 
-/* How many modes of either basis the method is given. */
-static size_t wanted_modes(const selection_method *method, size_t num_rows, size_t num_unknowns) {
-    const size_t rows_a_mode = method->rows_per_mode > 0 ? method->rows_per_mode : 1;
+/* How many modes of either basis a method gets that selects so many rows a mode (0: any number). */
+static size_t wanted_modes(size_t rows_per_mode, size_t num_rows, size_t num_unknowns) {
+    const size_t rows_a_mode = rows_per_mode > 0 ? rows_per_mode : 1;
     size_t modes = (num_rows + rows_a_mode - 1) / rows_a_mode;
 
     return rows_a_mode > 1 && modes < num_unknowns ? num_unknowns : modes;
@@ -153,9 +153,10 @@ static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
 }
 
 static ehd_status check_rows(size_t num_rows, const reduced_basis *basis, ehd_error *error) {
-    if (num_rows < basis->num_pressure)
-        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
-                        num_rows, basis->num_pressure);
+    ehd_status status = reduced_check_num_rows(num_rows, basis->num_pressure,
+                                               basis->num_deformation, "--rows", error);
+
+    if (status) return status;
     if (num_rows > basis->grid.num_inner)
         return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at most the %zu nodes",
                         num_rows, basis->grid.num_inner);
@@ -208,6 +209,28 @@ static selection_bases make_bases(const pod_basis pods[2], const reduced_basis *
     return bases;
 }
 
+static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *error) {
+    choice->num_rows = num_rows;
+    choice->rows = malloc(num_rows * sizeof *choice->rows);
+    if (choice->rows) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
+}
+
+/* PODs and the given rows. The weights need a mode an unknown; with the number of modes that pivoted QR
+ * gets for so many rows, its rows given back make the same model to the last bit. */
+static ehd_status take_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
+                                  const residual_snapshots *snapshots, const reduced_basis *basis,
+                                  const given_rows *given, ehd_error *error) {
+    const size_t num_modes = wanted_modes(2, given->count, basis->states.num_unknowns);
+    ehd_status status = build_pods(pods, snapshots, basis->grid.num_inner, num_modes, error);
+
+    if (status) return status;
+    *bases = make_bases(pods, basis, bases->exits, bases->num_exits);
+    status = allocate_rows(choice, given->count, error);
+    if (!status) memcpy(choice->rows, given->rows, given->count * sizeof *choice->rows);
+    return status;
+}
+
 /* PODs of as many modes as the method wants for the rows, and the rows. */
 static ehd_status take_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                             const residual_snapshots *snapshots, const reduced_basis *basis,
@@ -217,17 +240,15 @@ static ehd_status take_rows(row_choice *choice, pod_basis pods[2], selection_bas
 
     if (!status)
         status = build_pods(pods, snapshots, basis->grid.num_inner,
-                            wanted_modes(settings->method, num_rows, num_unknowns), error);
+                            wanted_modes(settings->method->rows_per_mode, num_rows, num_unknowns),
+                            error);
     if (!status)
         status = limit_rows(&num_rows, pods, settings->method, settings->num_rows > 0, error);
     if (!status) status = check_rows(num_rows, basis, error);
     if (status) return status;
     *bases = make_bases(pods, basis, bases->exits, bases->num_exits);
-    choice->num_rows = num_rows;
-    choice->rows = malloc(num_rows * sizeof *choice->rows);
-    if (!choice->rows)
-        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
-    return settings->method->select(choice->rows, bases, num_rows, error);
+    status = allocate_rows(choice, num_rows, error);
+    return status ? status : settings->method->select(choice->rows, bases, num_rows, error);
 }
 
 static ehd_status refuse_stability(const row_choice *choice, const selection_bases *bases,
@@ -267,6 +288,17 @@ static ehd_status take_stable_rows(row_choice *choice, pod_basis pods[2], select
         pod_free(&pods[1]);
     }
     choice->num_rows = fewest > basis->num_pressure ? fewest : basis->num_pressure;
+    return EHD_OK;
+}
+
+static ehd_status take_given_factors(row_choice *choice, const given_rows *given,
+                                     ehd_error *error) {
+    const size_t bytes = given->count * sizeof *choice->factors;
+
+    choice->factors = malloc(bytes);
+    if (!choice->factors)
+        return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", given->count);
+    memcpy(choice->factors, given->factors, bytes);
     return EHD_OK;
 }
 
@@ -321,7 +353,9 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     memset(choice, 0, sizeof *choice);
     bases.exits = exits;
     if (!exits) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
-    if (!status && settings->stability > 0)
+    if (!status && settings->given)
+        status = take_given_rows(choice, pods, &bases, snapshots, basis, settings->given, error);
+    else if (!status && settings->stability > 0)
         status =
             take_stable_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
     else if (!status)
@@ -329,7 +363,10 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     if (!status)
         status =
             choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);
-    if (!status) status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
+    if (!status && settings->given && settings->given->factors)
+        status = take_given_factors(choice, settings->given, error);
+    else if (!status)
+        status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
     if (!status) status = measure(choice, pods, basis, &bases, error);
     for (size_t r = 0; r < choice->num_rows && !status; r++)
         choice->rows[r] = grid_node_of_row(&basis->grid, choice->rows[r]);

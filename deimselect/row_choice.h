@@ -3,6 +3,7 @@
 #ifndef EHD_ROW_CHOICE_H
 #define EHD_ROW_CHOICE_H
 
+#include "deimselect/given_rows.h"
 #include "deimselect/selection.h"
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/weighting.h"
@@ -26,10 +27,10 @@ typedef struct row_choice {
     size_t num_rows;
     size_t *rows; // [num_rows] grid nodes in order of selection
     size_t num_control;
-    size_t *control;                               // [num_control] grid nodes in order of choice
-    double *factors;                               // [num_rows] of the row weights, besides D
-    size_t num_jacobian_modes;                     // as many as unknowns, where there are
-    double *jacobian_modes;                        // [num_rows, num_jacobian_modes] at the rows
+    size_t *control;           // [num_control] grid nodes in order of choice
+    double *factors;           // [num_rows] of the row weights, besides D
+    size_t num_jacobian_modes; // as many as unknowns, where there are; 0 with given factors
+    double *jacobian_modes;    // [num_rows, num_jacobian_modes] at the rows
     double sigma_min_residual, sigma_min_jacobian; // of the bases sampled at the rows
     double sigma_min_over_exits;
     double stability;          // 1/sigma_min against all rows, worst exit (stability.h)
@@ -37,8 +38,9 @@ typedef struct row_choice {
 } row_choice;
 
 typedef struct row_settings {
-    const selection_method *method;
-    const weighting *weights;
+    const given_rows *given;        // NULL: the method selects the rows
+    const selection_method *method; // without given rows, as num_rows and stability
+    const weighting *weights;       // without given factors
     size_t num_rows;  // 0: two a pressure mode, fewer where the snapshots do not tell so many apart
     double stability; // at most, by as few rows as that takes; 0: num_rows says how many
     size_t num_control; // CONTROL_BY_ITSELF: also fewer where the snapshots do not
@@ -46,7 +48,7 @@ typedef struct row_settings {
 
 void row_choice_free(row_choice *choice);
 
-/* PODs of both snapshot sets, the method's rows and their weights, and the smallest singular values of the bases sampled
+/* PODs of both snapshot sets, the method's or the given rows and their weights, and the smallest singular values of the bases sampled
  * there: over all rows, and for the exit of each training state with the rows before it and as many
  * leading modes as the basis has pressure modes (film rupture takes the other rows away).
  * EHD_DATA: fewer rows than unknowns, more rows or control rows than the snapshots support, a stability that the

@@ -154,11 +154,12 @@ static ehd_status put_attributes(artefact *file, const reduced_model *model,
 }
 
 static ehd_status put_weighting(artefact *file, const model_origin *origin, ehd_error *error) {
-    if (!origin->weights) return EHD_OK;
     ehd_status status =
-        artefact_put_axis(file, "jacobian_mode", origin->num_jacobian_modes, NULL, error);
+        origin->factors ? artefact_put(file, "row_factor", origin->factors, error) : EHD_OK;
+
+    if (status || !origin->weights) return status;
+    status = artefact_put_axis(file, "jacobian_mode", origin->num_jacobian_modes, NULL, error);
     if (!status) status = artefact_put_text(file, "weights", origin->weights, error);
-    if (!status) status = artefact_put(file, "row_factor", origin->factors, error);
     if (!status) status = artefact_put(file, "row_jacobian_modes", origin->jacobian_modes, error);
     return status;
 }

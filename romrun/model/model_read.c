@@ -395,10 +395,8 @@ static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artef
             choose_size(&model->rows.num_rows, wanted->rows, stored->rows, "--rows", file, error);
     if (status) return status;
     model->num_unknowns = reduced_num_unknowns(model->num_pressure, model->num_deformation);
-    if (model->rows.num_rows < model->num_pressure)
-        return ehd_fail(error, EHD_DATA, "--rows: found %zu, expected at least the %zu modes",
-                        model->rows.num_rows, model->num_pressure);
-    return EHD_OK;
+    return reduced_check_num_rows(model->rows.num_rows, model->num_pressure, model->num_deformation,
+                                  "--rows", error);
 }
 
 ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes *sizes,

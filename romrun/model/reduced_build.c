@@ -113,9 +113,10 @@ static ehd_status check_rows(const reduced_model *model, const size_t *rows, siz
                              ehd_error *error) {
     const ehd_grid *grid = &model->grid;
 
-    if (num_rows + 1 + model->num_deformation < model->num_unknowns)
-        return ehd_fail(error, EHD_DATA, "rows: found %zu, expected at least %zu, one an unknown",
-                        num_rows, model->num_pressure);
+    ehd_status status = reduced_check_num_rows(num_rows, model->num_pressure,
+                                               model->num_deformation, "rows", error);
+
+    if (status) return status;
     for (size_t r = 0; rows && r < num_rows; r++) {
         const grid_place at = reduced_model_place(model, rows[r]);
         if (at.column < 1 || at.column > grid->inner_x || rows[r] >= grid->num_nodes ||

@@ -63,6 +63,11 @@ typedef struct reduced_basis {
 void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
+/* EHD_DATA with fewer rows than the least squares of the unknowns need: the projected elasticity
+ * equation and the load balance determine all but num_pressure of these. `object` leads the message. */
+ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
+                                  const char *object, ehd_error *error);
+
 /* Reynolds rows of the grid, and the bases at the nodes at which they need the state. */
 typedef struct row_set {
     size_t num_rows;

@@ -11,6 +11,20 @@ size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation) {
     return num_pressure + num_deformation + 1;
 }
 
+ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
+                                  const char *object, ehd_error *error) {
+    const size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
+
+    if (num_rows >= num_pressure) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found %zu rows, expected at least %zu: the model has %zu unknowns, of "
+                    "which the %s %zu",
+                    object, num_rows, num_pressure, num_unknowns,
+                    num_deformation > 0 ? "elasticity equation and the load balance determine"
+                                        : "load balance determines",
+                    num_unknowns - num_pressure);
+}
+
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
                                size_t num_unknowns, ehd_error *error) {
     states->num_states = num_states;

@@ -180,7 +180,7 @@ PYTHON
         "$(number full.h5 central_film_thickness)" 0.05
     refuse 65 "--pressure-modes: found 10, expected at most the 9 stored in m.h5" \
         romrun scene.yml --model m.h5 --pressure-modes 10 -o x.h5
-    refuse 65 "--rows: found 8, expected at least the 9 modes" \
+    refuse 65 "--rows: found 8 rows, expected at least 9: the model has 10 unknowns, of which the load" \
         romrun scene.yml --model m.h5 --rows 8 -o x.h5
     refuse 65 "--rows: found 1000, expected at most" \
         romrun scene.yml --model m.h5 --rows 1000 -o x.h5
@@ -277,7 +277,7 @@ YAML
     refuse 65 "s.h5: .*found 10, expected at most 9" podbuild s.h5 -o x.h5 --pressure-modes 10
     refuse 65 "s.h5: .*found 10, expected at most 9" \
         podbuild s.h5 -o x.h5 --deformation independent --deformation-modes 10
-    refuse 65 "--rows: found 8, expected at least the 9" \
+    refuse 65 "--rows: found 8 rows, expected at least 9: the model has 10 unknowns, of which the load" \
         deimselect r.h5 --basis b.h5 -o x.h5 --rows 8
     refuse 65 "--rows: found 122, expected at most the 121" \
         deimselect r.h5 --basis b.h5 -o x.h5 --rows 122

@@ -598,7 +598,7 @@ static void bad_rows_are_refused(void **state) {
         const size_t *rows;
         size_t num_rows;
         const char *words;
-    } cases[] = {{few, 3, "rows: found 3, expected at least 12"},
+    } cases[] = {{few, 3, "rows: found 3 rows, expected at least 12"},
                  {zero, 1, "rows: found node 0, expected 1 to 301"},
                  {behind, 1, "rows: found node 302, expected 1 to 301"}};
 

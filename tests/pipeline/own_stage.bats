@@ -1,0 +1,111 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Stages of somebody else's: rows given to deimselect, and scenes/examples/own-stage.
+
+load common
+
+# One chain on 121 nodes for all tests: s.h5, b.h5, r.h5 and full.h5.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    common_setup_small
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    fullrun scene.yml -o full.h5
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+# python CODE, with h5py, numpy, and the datasets of m.h5 as `m`
+python() {
+    /usr/bin/python3 -c "
+import h5py, numpy
+m = {name: data[...] for name, data in h5py.File('m.h5').items()}
+$1"
+}
+
+# ---- rows that somebody selected
+
+@test "the rows of a model given back make the same model" {
+    for rows in 14 18 25; do
+        deimselect r.h5 --basis b.h5 --method qr --rows $rows -o m.h5 --force
+        python "open('rows.csv', 'w').write('row\n' + ''.join(f'{row}\n' for row in m['selected_row']))"
+        run --separate-stderr deimselect r.h5 --basis b.h5 --rows-from rows.csv -o g.h5 --force
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [[ $output == "$rows rows of 121 from rows.csv, 10 unknowns"* ]]
+        same_data m.h5 g.h5
+        h5dump -a method g.h5 | grep '"given"'
+        h5dump -a weights g.h5 | grep '"quadrature"'
+        # from HDF5, by either name
+        python "h5py.File('rows.h5', 'w')['rows'] = m['selected_row'].astype('i2')"
+        deimselect r.h5 --basis b.h5 --rows-from rows.h5 -o h.h5 --force
+        same_data m.h5 h.h5
+    done
+    deimselect r.h5 --basis b.h5 --method qr --rows 25 --weights plain -o m.h5 --force
+    deimselect r.h5 --basis b.h5 --rows-from rows.csv --weights plain -o g.h5 --force
+    same_data m.h5 g.h5
+}
+
+@test "the rows and weights of a model file given back make the same solution" {
+    deimselect r.h5 --basis b.h5 -o m.h5
+    deimselect r.h5 --basis b.h5 --rows-from m.h5 -o g.h5
+    python "
+with h5py.File('g.h5') as g:
+    assert g['row_weight'][...].tobytes() == m['row_weight'].tobytes()
+    assert 'weights' not in g.attrs and 'row_jacobian_modes' not in g
+    assert g.attrs['input_3_path'] in ('m.h5', b'm.h5')"
+    romrun scene.yml --model m.h5 -o one.h5
+    romrun scene.yml --model g.h5 -o two.h5
+    same_data one.h5 two.h5
+    # a part of the rows has the weights that were given
+    romrun scene.yml --model g.h5 --rows 14
+    python "numpy.savetxt('rows.csv', numpy.c_[m['selected_row'], 2 * m['row_factor']], '%.17g', ',', \
+        header='row,weight', comments='')"
+    deimselect r.h5 --basis b.h5 --rows-from rows.csv -o d.h5
+    python "
+with h5py.File('d.h5') as d:
+    assert (d['row_weight'][...] == 2 * m['row_weight']).all()"
+}
+
+@test "rows from HDF5 that cannot be are refused" {
+    deimselect r.h5 --basis b.h5 -o m.h5
+    # bad PATTERN CODE: rows and weights as `row` and `weight`, changed by the code
+    bad() {
+        python "
+row, weight = m['selected_row'].astype(float), m['row_factor']
+$2
+with h5py.File('rows.h5', 'w') as f:
+    if row is not None: f['rows'] = row
+    if weight is not None: f['weights'] = weight"
+        refuse 65 "rows.h5: $1" deimselect r.h5 --basis b.h5 --rows-from rows.h5 -o x.h5
+    }
+    bad "found no dataset selected_row.row.rows, expected one" "row = None"
+    bad "rows: found something else, expected numbers along one axis" "row = row.reshape(2, -1)"
+    bad "weights: found 17 numbers, expected 18 as of rows" "weight = weight[1:]"
+    bad "found 0 rows, expected at least 9: the model has 10 unknowns" "row, weight = row[:0], weight[:0]"
+    bad "row: found nan as entry 2, expected a whole number from 0 to 120" "row[1] = numpy.nan"
+    bad "row: found 121 as entry 18, expected a whole number" "row[17] = 121"
+    bad "row: found [0-9]+ again as entry 2" "row[1] = row[0]"
+    bad "weight: found nan as entry 4, expected a positive" "weight[3] = numpy.nan"
+    bad "weight: found inf as entry 4, expected a positive" "weight[3] = numpy.inf"
+    bad "weight: found -1 as entry 1, expected a positive" "weight[0] = -1"
+    echo row >rows.h5
+    refuse 65 "rows.h5: found no whole HDF5 file" deimselect r.h5 --basis b.h5 --rows-from rows.h5 -o x.h5
+    refuse 66 "none.h5" deimselect r.h5 --basis b.h5 --rows-from none.h5 -o x.h5
+    refuse 66 "none.csv" deimselect r.h5 --basis b.h5 --rows-from none.csv -o x.h5
+}
+
+@test "--rows-from excludes what would choose other rows or weights" {
+    deimselect r.h5 --basis b.h5 -o m.h5
+    for option in "--method qr" "--rows 18" "--stability 2"; do
+        refuse 64 "--rows-from: found with ${option% *}, expected one of them" \
+            deimselect r.h5 --basis b.h5 --rows-from m.h5 $option -o x.h5
+    done
+    refuse 64 "--weights: found plain, expected none: m.h5 has weights of its own" \
+        deimselect r.h5 --basis b.h5 --rows-from m.h5 --weights plain -o x.h5
+    refuse 73 "m.h5: found an input as output" \
+        deimselect r.h5 --basis b.h5 --rows-from m.h5 -o m.h5 --force
+}
