@@ -67,8 +67,8 @@ typedef struct artefact artefact;
 // ---- writing
 
 /* Creates PATH.partial for writing; PATH itself is untouched until artefact_finish. Fails with
- * EHD_CANTCREATE when PATH exists and program->force is not set, cannot be written, or another process
- * is writing PATH.partial.
+ * EHD_CANTCREATE when PATH exists, or PATH.partial with what an interrupted run finished, and
+ * program->force is not set; when it cannot be written, or another process is writing PATH.partial.
  * `settings_text` is stored as attribute `settings`; `inputs` (NULL-terminated paths, may be NULL)
  * are hashed (SHA-256) into `input_<n>_path`, `input_<n>_sha256`, and the history lines of those that
  * are artefacts come before our own line. */

@@ -95,7 +95,8 @@ bool put_history(hid_t root, const char *before, const char *line); // the two j
 // ---- partial.c
 
 /* The writer's object with names, schema, and PATH.partial opened (`flags`: O_CREAT or 0) and locked,
- * but no HDF5 file yet. EHD_CANTCREATE, EHD_NOINPUT (without O_CREAT), EHD_MEMORY. */
+ * but no HDF5 file yet. EHD_CANTCREATE, with O_CREAT also where PATH.partial has something for --resume
+ * and caller->force is not set; EHD_NOINPUT (without O_CREAT), EHD_MEMORY. */
 ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,
                       const program *caller, int flags, ehd_error *error);
 /* Renames the closed file. The content is on disk before the name says that it is whole. */

@@ -46,6 +46,58 @@ static ehd_status lock_partial(artefact *file, int flags, ehd_error *error) {
     return EHD_OK;
 }
 
+/* What --resume continues: an entry of the dataset of at least `min` says that something is finished. */
+static const struct {
+    const artefact_schema *schema;
+    const char *dataset;
+    int64_t min;
+    const char *finished;
+} resumable[] = {{&schema_snapshots, "status", 0, "solved points"},
+                 {&schema_result, "restart_entries", 1, "a restart slot"}};
+
+/* Whether an entry of the dataset is at least `min`. One by one, because a killed writer leaves the
+ * entry that it was writing damaged. */
+static bool has_entry(hid_t file, const char *name, int64_t min) {
+    if (!hdf5_has_dataset(file, name)) return false;
+    const hid_t dataset = H5Dopen2(file, name, H5P_DEFAULT), space = H5Dget_space(dataset);
+    const hid_t scalar = H5Screate(H5S_SCALAR);
+    const bool is_list = H5Sget_simple_extent_ndims(space) == 1;
+    const hssize_t count = is_list ? H5Sget_simple_extent_npoints(space) : 0;
+    bool found = false;
+
+    for (hsize_t i = 0; i < (hsize_t)count && !found; i++) {
+        int64_t value = -1;
+        H5Sselect_elements(space, H5S_SELECT_SET, 1, &i);
+        found = H5Dread(dataset, H5T_NATIVE_INT64, scalar, space, H5P_DEFAULT, &value) >= 0 &&
+                value >= min;
+    }
+    hdf5_release(scalar);
+    hdf5_release(space);
+    hdf5_release(dataset);
+    return found;
+}
+
+/* What an interrupted run has finished is not thrown away unasked. */
+static ehd_status check_unfinished(const artefact *file, ehd_error *error) {
+    const char *finished = NULL;
+
+    if (file->force) return EHD_OK;
+    // a reader beside a writer, because a killed writer did not sign off
+    const hid_t partial = hdf5_open(file->partial, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
+    char *kind = partial >= 0 ? hdf5_get_string(partial, "schema_name") : NULL;
+    for (size_t i = 0; kind && i < sizeof resumable / sizeof *resumable; i++)
+        if (strcmp(kind, resumable[i].schema->name) == 0 &&
+            has_entry(partial, resumable[i].dataset, resumable[i].min))
+            finished = resumable[i].finished;
+    free(kind);
+    hdf5_release(partial);
+    if (!finished) return EHD_OK;
+    return ehd_fail(error, EHD_CANTCREATE,
+                    "%s: found an interrupted run with %s, expected --resume to continue it or "
+                    "--force to replace it",
+                    file->partial, finished);
+}
+
 ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,
                       const program *caller, int flags, ehd_error *error) {
     artefact *file = artefact_new(path);
@@ -68,6 +120,7 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
 
     ehd_status status = check_final_name(file, error);
     if (status == EHD_OK) status = lock_partial(file, flags, error);
+    if (status == EHD_OK && flags & O_CREAT) status = check_unfinished(file, error);
     if (status != EHD_OK) {
         artefact_delete(file);
         return status;

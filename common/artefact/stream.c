@@ -60,7 +60,7 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {
 static ehd_status not_resumable(const artefact *file, const char *found, ehd_error *error) {
     return ehd_fail(error, EHD_DATA,
                     "%s: found %s, expected what an interrupted run of the same settings left "
-                    "(or no --resume)",
+                    "(or --force, without --resume)",
                     file->partial, found);
 }
 
