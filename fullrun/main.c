@@ -289,14 +289,14 @@ static void note_resolution(const program *self, const full_resolution *resoluti
                      path, grid->step, 100 * resolution->step_effect);
 }
 
-/* What the grid does to a solution: into the file, and a note where it is much. */
+/* What the grid does to a solution: into the file, unless NULL, and a note where it is much. */
 static ehd_status tell_resolution(artefact *file, const program *self, const full_state *state,
                                   const ehd_contact *contact, ehd_error *error) {
     const double before = program_seconds();
     full_resolution resolution;
     ehd_status status = full_resolution_estimate(&resolution, state, contact, error);
 
-    if (!status) status = put_resolution(file, &resolution, error);
+    if (!status && file) status = put_resolution(file, &resolution, error);
     if (status) return status;
     note_resolution(self, &resolution, &contact->grid);
     program_detail(self, "resolution in %.3g ms: nodes of inlet %zu, spike %zu, outlet %zu",
@@ -347,7 +347,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     if (!status) status = full_state_init(&state, &contact->grid, error);
     if (!status && options->start)
         status = load_start(&state, &start, &start_film, options->start, error);
-    if (!status) status = result_create(&file, self, contact, text, inputs, error);
+    if (!status && self->output) status = result_create(&file, self, contact, text, inputs, error);
     if (!status)
         status =
             solve(&info, &state, self, contact, options->start ? &start : NULL, options, error);
@@ -360,7 +360,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
                    info.gmres_iterations);
     if (!result.status && given->output.resolution != 0)
         status = tell_resolution(file, self, &state, contact, error);
-    if (!status) status = result_write(&file, &result, contact, error);
+    if (!status && file) status = result_write(&file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],
                           result.reason);
@@ -413,6 +413,29 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
     return status;
 }
 
+/* What belongs to scenes of one regime only, or to a result that is written. */
+static ehd_status check_usage(const program *self, const fullrun_options *options, bool transient,
+                              ehd_error *error) {
+    if (options->start && transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--start: found with a transient scene, expected a stationary one");
+    if (options->resume && !transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--resume: found with a stationary scene, expected a transient one");
+    if (options->repeats > 1 && transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--repeat: found with a transient scene, expected a stationary one");
+    if (options->resume && !self->output)
+        return ehd_fail(
+            error, EHD_USAGE,
+            "--resume: found without --output, expected the one of the interrupted run");
+    if (options->formulas && transient && !self->output)
+        return ehd_fail(error, EHD_USAGE,
+                        "--formulas: found with a transient scene without --output, expected -o "
+                        "FILE, from which they are compared");
+    return EHD_OK;
+}
+
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, const fullrun_options *options, ehd_error *error) {
     ehd_contact contact;
@@ -421,17 +444,7 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
-    if (!status && options->start && transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--start: found with a transient scene, expected a "
-                          "stationary one");
-    if (!status && options->resume && !transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--resume: found with a stationary scene, expected a "
-                          "transient one");
-    if (!status && options->repeats > 1 && transient)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--repeat: found with a transient scene, expected a stationary one");
+    if (!status) status = check_usage(self, options, transient, error);
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,
                                                               error);
@@ -444,13 +457,12 @@ int main(int argc, char **argv) {
     const program_options options = {.options = own_options,
                                      .parse = parse_own,
                                      .own = &own,
-                                     .arguments_doc = "SCENE.yml -o RESULT.h5",
+                                     .arguments_doc = "SCENE.yml [-o RESULT.h5]",
                                      .doc = "Solves one elastohydrodynamic contact with the full "
                                             "model.",
                                      .help_tail = print_settings,
                                      .min_arguments = 1,
-                                     .max_arguments = 1,
-                                     .needs_output = true};
+                                     .max_arguments = 1};
     ehd_error error = {""};
     program self;
 

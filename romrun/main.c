@@ -569,9 +569,10 @@ int main(int argc, char **argv) {
         .options = own_options,
         .parse = parse_own,
         .own = &own,
-        .arguments_doc = "SCENE.yml --model MODEL.h5 -o RESULT.h5\n"
-                         "--calibrate PLAN.yml --model MODEL.h5 -o CALIBRATED.h5\n"
-                         "--trade --model CALIBRATED.h5",
+        // as many lines as help2man takes: argp breaks those of more than 79 columns
+        .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
+                         "--calibrate PLAN.yml --model MODEL.h5 -o NEW.h5\n"
+                         "--trade --model NEW.h5",
         .doc = "Solves one scene with the reduced model, or measures what the model can do.",
         .help_tail = print_settings,
         .max_arguments = 1};

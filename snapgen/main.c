@@ -35,6 +35,7 @@ typedef struct snapgen_options {
     shard piece;
     bool resume;
     size_t allowed_failures;
+    bool failures_limited; // allowed_failures was given
     bool cold;
     const char *basis; // NULL: full model
     bool adaptive;
@@ -58,7 +59,8 @@ static const struct argp_option own_options[] = {
     {.name = "allow-failures",
      .key = KEY_ALLOW_FAILURES,
      .arg = "N",
-     .doc = "Points that may fail before the exit code is 3, but never all; default 0"},
+     .doc = "Points that may fail before the exit code is 3, but never all; default 0, and with "
+            "--basis any number"},
     {.name = "cold",
      .key = KEY_COLD,
      .doc = "Start every stationary point cold, not from its neighbour: slower, and what `fullrun` "
@@ -169,6 +171,7 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
     case KEY_ALLOW_FAILURES:
         status = parse_count(&options->allowed_failures, argument, 0, SIZE_MAX, "--allow-failures",
                              EHD_USAGE, &error);
+        options->failures_limited = true;
         break;
     case KEY_COLD:
         options->cold = true;
@@ -228,6 +231,15 @@ static ehd_status stopped(const program *self, const training *points, ehd_error
                     self->output, points->num_done, points->set->num_points);
 }
 
+static ehd_status check_failures(const program *self, size_t num_failed, size_t num_points,
+                                 size_t allowed, ehd_error *error) {
+    if (num_failed <= allowed) return EHD_OK;
+    return ehd_fail(error, EHD_NOT_CONVERGED,
+                    "%s: found %zu of %zu points not converged, expected at most %zu "
+                    "(--allow-failures)",
+                    self->arguments[0], num_failed, num_points, allowed);
+}
+
 /* The short result, and whether too much was lost. */
 static ehd_status report(const program *self, const training *points, const trajectories *trained,
                          size_t allowed, double seconds, ehd_error *error) {
@@ -238,11 +250,7 @@ static ehd_status report(const program *self, const training *points, const traj
     if (trained->num_trajectories > 0)
         printf("%zu of them trajectories with %zu steps, compressed to %zu snapshots\n",
                trained->num_trajectories, trained->num_steps, trained->first.rank);
-    if (num_failed <= allowed) return EHD_OK;
-    return ehd_fail(error, EHD_NOT_CONVERGED,
-                    "%s: found %zu of %zu points not converged, expected at most %zu "
-                    "(--allow-failures)",
-                    self->arguments[0], num_failed, num_points, allowed);
+    return check_failures(self, num_failed, num_points, allowed, error);
 }
 
 static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
@@ -311,10 +319,10 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     training_set set = {0};
     ehd_status status = EHD_OK;
 
-    if (options->piece.total > 1 || options->allowed_failures > 0)
+    if (options->piece.total > 1)
         return ehd_fail(error, EHD_USAGE,
-                        "--basis: found with --shard or --allow-failures, expected neither: the "
-                        "whole plan is one file, and points that fail count with the rest");
+                        "--basis: found with --shard, expected one of them: the whole plan is one "
+                        "file");
     if (options->resume)
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with --basis, expected one of them: the "
@@ -332,10 +340,12 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     if (!status)
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
                                options->adaptive, options->num_jobs, error);
+    const size_t num_points = set.num_points + set.num_trajectories;
     if (!status)
-        printf("%zu points with the projected system, %zu converged, %.1f s\n",
-               set.num_points + set.num_trajectories,
-               set.num_points + set.num_trajectories - num_failed, program_seconds() - before);
+        printf("%zu points with the projected system, %zu converged, %.1f s\n", num_points,
+               num_points - num_failed, program_seconds() - before);
+    if (!status && options->failures_limited)
+        status = check_failures(self, num_failed, num_points, options->allowed_failures, error);
     training_set_free(&set);
     return status;
 }
