@@ -107,17 +107,10 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
         --set grid.step=0.005 --quiet)
     "${slow[@]}" -o whole.h5
     for states in 3 12 20; do
-        "${slow[@]}" -o x.h5 --resume &
-        wait_for_states x.h5.partial "$states"
-        kill -KILL $!
-        wait $! || true
+        stop_when KILL "states >= $states" x.h5 "${slow[@]}" -o x.h5 --resume
         [ ! -e x.h5 ]
     done
-    "${slow[@]}" -o x.h5 --resume 2>stopped.txt &
-    wait_for_states x.h5.partial 25
-    kill -INT $!
-    code=0
-    wait $! || code=$?
+    stop_when INT 'states >= 25' x.h5 "${slow[@]}" -o x.h5 --resume 2>stopped.txt
     [ "$code" -eq 130 ]
     [ "$(wc -l <stopped.txt)" -eq 1 ]
     grep -q "^snapgen: x.h5.partial: found an interruption after [0-9]* points in [0-9]* rounds" stopped.txt

@@ -307,11 +307,7 @@ groups:
     vary: {moes.M: [8.1, 8.6, 9.1, 10.1, 10.6, 11.1, 11.6, 12.1, 12.6, 13.1, 13.6, 14.1, 14.6],
            moes.L: [2.1, 2.5, 2.9, 3.1, 3.5, 3.9, 4.1, 4.5, 4.9, 5.1, 5.5, 5.9]}
 YAML
-    romrun --calibrate slow.yml --model m.h5 -o x.h5 --jobs 1 --quiet 2>log &
-    wait_for_file x.h5.partial
-    kill -INT $!
-    code=0
-    wait $! || code=$?
+    stop_when INT exists x.h5 romrun --calibrate slow.yml --model m.h5 -o x.h5 --jobs 1 --quiet 2>log
     cat log
     [ "$code" -eq 130 ]
     grep -q "x.h5: interrupted .*nothing written" log

@@ -104,32 +104,15 @@ close_to() {
         { echo "found $1, expected $2 within $3"; return 1; }
 }
 
-# wait_for_states FILE.partial N: until a growing file of snapgen has N finished states.
-wait_for_states() {
-    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
-import os, sys, time, h5py
-os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
-path, wanted = sys.argv[1], int(sys.argv[2])
-for attempt in range(3000):
-    try:
-        with h5py.File(path, "r", libver="latest", swmr=True) as file:
-            if (file["status"][...] >= 0).sum() >= wanted:
-                sys.exit(0)
-    except (OSError, KeyError):
-        pass  # not there yet, or not yet streaming
-    time.sleep(0.01)
-sys.exit(1)
-PYTHON
-}
-
-# wait_for_file FILE: until it exists.
-wait_for_file() {
-    local attempt
-    for ((attempt = 0; attempt < 3000; attempt++)); do
-        [[ -e $1 ]] && return 0
-        sleep 0.01
-    done
-    return 1
+# stop_when SIGNAL CONDITION OUTPUT COMMAND...: stops a program while it writes (stop_when.py); its exit
+# code is left in `code`, and of a program that was only halted (STOP) the process id in `pid`.
+stop_when() {
+    code=0
+    if [ "$1" = STOP ]; then
+        pid=$("$BATS_TEST_DIRNAME/stop_when.py" "$@")
+    else
+        "$BATS_TEST_DIRNAME/stop_when.py" "$@" || code=$?
+    fi
 }
 
 # copy_scene NAME: that scene with a small grid, plan and models, as scenes/own.

@@ -244,21 +244,14 @@ PYTHON
 }
 
 @test "Ctrl-C leaves no file" {
-    fullrun scene.yml -o result.h5 --set grid.step=0.00002 &
-    wait_for_file result.h5.partial
-    kill -INT $!
-    code=0
-    wait $! || code=$?
+    stop_when INT exists result.h5 fullrun scene.yml -o result.h5 --set grid.step=0.00002
     [ "$code" -eq 130 ]
     [ ! -e result.h5 ]
     [ ! -e result.h5.partial ]
 }
 
 @test "kill -9 leaves no final file, and the next run is not disturbed" {
-    fullrun scene.yml -o result.h5 --set grid.step=0.00002 &
-    wait_for_file result.h5.partial
-    kill -KILL $!
-    wait $! || true
+    stop_when KILL exists result.h5 fullrun scene.yml -o result.h5 --set grid.step=0.00002
     [ ! -e result.h5 ]
     fullrun scene.yml -o result.h5
     [ ! -e result.h5.partial ]
@@ -382,10 +375,29 @@ YAML
 
 # ---- the command line
 
+@test "without -o it prints the answer and writes nothing" {
+    before=$(ls)
+    fullrun scene.yml -o result.h5 | grep -v "^solution" >with
+    rm result.h5
+    fullrun scene.yml | grep -v "^solution" >without
+    diff with without
+    grep "^central film thickness " without
+    rm with without
+    [ "$(ls)" = "$before" ] || { ls; echo "expected $before"; return 1; }
+}
+
+@test "usage is one line a mode, as help2man takes it" {
+    for name in fullrun snapgen podbuild deimselect romrun; do
+        $name --help | awk '!/^(Usage|  or): / { print; exit }' >doc
+        grep -E "^[A-Z].*\.$" doc
+        $name --help | awk '/^(Usage|  or): / { if (length > 79 || NF < 4) exit 1; next } { exit }'
+    done
+}
+
 @test "misuse is one line and exit 64" {
     refused 64 "SCENE.yml" fullrun -o result.h5
     refused 64 "SCENE.yml" fullrun scene.yml scene.yml -o result.h5
-    refused 64 "output" fullrun scene.yml
+    refused 64 "--resume: found with a stationary scene" fullrun scene.yml --resume
     refused 64 "option" fullrun scene.yml -o result.h5 --nonsense
     refused 64 "KEY=VALUE" fullrun scene.yml -o result.h5 --set nonsense
 }

@@ -115,10 +115,7 @@ PYTHON
 
 @test "--resume tells a cold run from one that starts from neighbours" {
     slow_plan
-    snapgen "${slow[@]}" -o s.h5 --cold &
-    wait_for_states s.h5.partial 1
-    kill -KILL $!
-    wait $! || true
+    stop_when KILL 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5 --cold
     refused 65 "s.h5.partial: found other settings" snapgen "${slow[@]}" -o s.h5 --resume
     snapgen "${slow[@]}" -o s.h5 --resume --cold
     snapgen "${slow[@]}" -o whole.h5 --cold
@@ -169,11 +166,7 @@ YAML
 @test "Ctrl-C leaves no final file, and --resume gives what an uninterrupted run gives" {
     slow_plan
     snapgen "${slow[@]}" -o whole.h5
-    snapgen "${slow[@]}" -o s.h5 --jobs 1 &
-    wait_for_states s.h5.partial 3
-    kill -INT $!
-    code=0
-    wait $! || code=$?
+    stop_when INT 'states >= 3' s.h5 snapgen "${slow[@]}" -o s.h5 --jobs 1
     [ "$code" -eq 130 ]
     [ ! -e s.h5 ]
     [ -e s.h5.partial ]
@@ -195,10 +188,8 @@ YAML
     slow_plan
     snapgen "${slow[@]}" -o whole.h5
     for states in 2 8 14; do
-        snapgen "${slow[@]}" -o s.h5 --resume &
-        wait_for_states s.h5.partial "$states"
-        kill -KILL $!
-        wait $! || true
+        stop_when KILL "states >= $states" s.h5 snapgen "${slow[@]}" -o s.h5 --resume
+        [ "$code" -eq 137 ]
         [ ! -e s.h5 ]
     done
     run --separate-stderr snapgen "${slow[@]}" -o s.h5 --resume --jobs 1
@@ -210,10 +201,7 @@ YAML
 
 @test "--resume refuses another plan, and starts anew where there is nothing" {
     slow_plan
-    snapgen "${slow[@]}" -o s.h5 &
-    wait_for_states s.h5.partial 1
-    kill -KILL $!
-    wait $! || true
+    stop_when KILL 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5
     refused 65 "s.h5.partial: found other settings" snapgen plan.yml -o s.h5 --resume
     refused 65 "s.h5.partial: found other settings" \
         snapgen "${slow[@]}" -o s.h5 --resume --shard 1/2
@@ -224,13 +212,31 @@ YAML
     refused 73 "u.h5: found an existing file" snapgen plan.yml -o u.h5 --resume
 }
 
+@test "an interrupted run is continued or replaced, never discarded unasked" {
+    slow_plan
+    for signal in INT KILL; do
+        stop_when $signal 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5 --jobs 1
+        cp s.h5.partial before
+        for command in "snapgen ${slow[*]}" "snapgen plan.yml" "fullrun scene.yml"; do
+            refused 73 "s.h5.partial: found an interrupted run with solved points, expected --resume .* --force" \
+                $command -o s.h5
+            cmp s.h5.partial before
+        done
+        snapgen plan.yml -o s.h5 --force
+        [ ! -e s.h5.partial ]
+        [ "$(h5dump -d moes_M s.h5 | grep -c 12)" -gt 0 ]
+        rm s.h5
+    done
+    # what holds nothing is no loss
+    head -c 1000 /dev/urandom >s.h5.partial
+    snapgen plan.yml -o s.h5
+}
+
 @test "two runs do not write the same file" {
     slow_plan
-    snapgen "${slow[@]}" -o s.h5 &
-    wait_for_states s.h5.partial 1
+    stop_when STOP 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5
     refused 73 "s.h5.partial: found another process" snapgen plan.yml -o s.h5
-    kill -INT $!
-    wait $! || true
+    kill -KILL "$pid"
 }
 
 # ---- points that fail

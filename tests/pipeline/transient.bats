@@ -348,7 +348,9 @@ of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v f
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     refused 64 "--resume: found with a stationary scene" fullrun still.yml -o r.h5 --resume
     refused 64 "--repeat: found with a transient scene" fullrun scene.yml -o r.h5 --repeat 2
-    refused 64 "output" fullrun scene.yml --resume
+    refused 64 "--resume: found without --output, expected" fullrun scene.yml --resume
+    refused 64 "--formulas: found with a transient scene without --output" \
+        fullrun scene.yml --formulas
     refused 64 "--resume: found without --output, expected" \
         romrun scene.yml --model none.h5 --resume
     refused 65 "full.h5: .*51.*stationary" fullrun still.yml -o r.h5 --start full.h5
@@ -425,41 +427,17 @@ long_scene() {
     echo 'output: {fields_every: 500}' >>long.yml
 }
 
-# follow FILE CONDITION: reads a growing file until the condition, of file, time and checkpoint, holds
-follow() {
-    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
-import os, sys, time as clock
-os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
-import h5py, numpy
-path, wanted = sys.argv[1:]
-before = 0
-for attempt in range(6000):
-    clock.sleep(0.01)
-    try:
-        with h5py.File(path, "r", libver="latest", swmr=True) as file:
-            time = file["time"][...]
-            film = file["central_film_thickness"][...][:len(time)]
-            checkpoint = file["restart_entries"][...].max()
-    except (OSError, KeyError):
-        continue  # not there yet, or just being written
-    assert len(film) == len(time) >= before
-    assert numpy.isfinite(time).all() and numpy.isfinite(film).all()
-    before = len(time)
-    if eval(wanted):
-        sys.exit(0)
-sys.exit(1)
-PYTHON
-}
-
 @test "a run can be followed, killed and resumed: the same numbers" {
     long_scene
     fullrun long.yml -o whole.h5 --quiet >log
-    fullrun long.yml -o r.h5 --quiet &
-    pid=$!
-    follow r.h5.partial "checkpoint > 0 and len(time) > checkpoint"
-    kill -KILL $pid
-    wait $pid || true
+    stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 fullrun long.yml -o r.h5 --quiet
+    [ "$code" -eq 137 ]
     [ ! -e r.h5 ]
+    # what is finished is not thrown away unasked
+    cp r.h5.partial before
+    refused 73 "r.h5.partial: found an interrupted run with a restart slot, expected --resume .* --force" \
+        fullrun long.yml -o r.h5
+    cmp r.h5.partial before
     # another scene, also where only the end differs, does not go on from it
     refused 65 "r.h5.partial" fullrun long.yml -o r.h5 --resume --set transient.end_time=41
     run --separate-stderr fullrun long.yml -o r.h5 --resume
@@ -482,12 +460,7 @@ PYTHON
 
 # interrupt COMMAND...: until it has made some steps; the output is x.h5
 interrupt() {
-    "$@" -o x.h5 --quiet &
-    pid=$!
-    follow x.h5.partial "len(time) > 100"
-    kill -INT $pid
-    code=0
-    wait $pid || code=$?
+    stop_when INT "len(time) > 100" x.h5 "$@" -o x.h5 --quiet
     [ "$code" -eq 130 ]
 }
 
@@ -528,11 +501,8 @@ groups:
   - scene: tables.yml
     vary: {moes.M: [12, 13, 14, 15]}
 YAML
-    snapgen tables-plan.yml -o x.h5 --quiet --jobs 1 &
-    pid=$!
-    wait_for_file x.h5.partial
-    kill -INT $pid
-    wait $pid || [ $? -eq 130 ]
+    stop_when INT 'states >= 9' x.h5 snapgen tables-plan.yml -o x.h5 --quiet --jobs 1
+    [ "$code" -eq 130 ]
     cp table.csv kept.csv
     sed -i 's/1.1/1.2/' table.csv
     refused 65 "x.h5.partial: found a run with another table than table.csv is now, expected" \
@@ -553,12 +523,7 @@ PYTHON
 
 @test "Ctrl-C is 130, and the run can be resumed" {
     long_scene
-    fullrun long.yml -o r.h5 2>log >out &
-    pid=$!
-    follow r.h5.partial "len(time) > 100"
-    kill -INT $pid
-    code=0
-    wait $pid || code=$?
+    stop_when INT "len(time) > 100" r.h5 fullrun long.yml -o r.h5 2>log >out
     [ "$code" -eq 130 ]
     [ ! -s out ]
     grep -qx "fullrun: interrupted at T = .*; --resume goes on" log
@@ -587,6 +552,8 @@ PYTHON
     sed -i 's/step: 0.1}/step: 0.05}/' long.yml
     romrun long.yml --model m.h5 -o whole.h5 --quiet >whole.log
     interrupt romrun long.yml --model m.h5
+    refused 73 "x.h5.partial: found an interrupted run with a restart slot, expected --resume .* --force" \
+        romrun long.yml --model m.h5 -o x.h5
     # another model, of the same and of another size, and other sizes of the same
     deimselect r.h5 --basis b.h5 -o other.h5 --rows 50
     refused 65 "x.h5.partial: found a run with another model than other.h5 is now, expected" \

@@ -1,0 +1,95 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stops a program while it writes: stop_when.py SIGNAL CONDITION OUTPUT COMMAND...
+
+Sends the signal as soon as the condition holds of OUTPUT.partial: "exists", or a Python expression of
+`states`, the finished points of a training, `time`, the times of a run, and `checkpoint`, how many of
+these a resumed run would keep. A run that ended before the signal came, because the machine was busy
+with something else, is taken back and started again. What a reader sees of a growing file is checked
+on the way.
+
+The exit code is the program's, 128 + N after a deadly signal N. After the signal STOP the program
+stays as it is, and its process id is printed.
+"""
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time as clock
+
+os.environ["HDF5_USE_FILE_LOCKING"] = "FALSE"
+import h5py
+import numpy
+
+LIMIT = 900  # s, for a machine that is busy indeed
+
+
+def read(path):
+    with h5py.File(path, "r", libver="latest", swmr=True) as file:
+        seen = {"states": int((file["status"][...] >= 0).sum())}
+        if "restart_entries" in file:
+            seen["time"] = file["time"][...]
+            seen["film"] = file["central_film_thickness"][...][: len(seen["time"])]
+            seen["checkpoint"] = int(file["restart_entries"][...].max())
+        return seen
+
+
+def holds(condition, path, before):
+    if condition == "exists":
+        return os.path.exists(path)
+    try:
+        seen = read(path)
+    except (OSError, KeyError):
+        return False  # not there yet, or just being written
+    if "time" in seen:
+        assert len(seen["film"]) == len(seen["time"]) >= before["times"]
+        assert numpy.isfinite(seen["time"]).all() and numpy.isfinite(seen["film"]).all()
+        before["times"] = len(seen["time"])
+    return eval(condition, {}, seen)
+
+
+def attempt(number, condition, partial, command):
+    """The program, stopped; None when it ended before."""
+    # who stops it waits for the end of its own output
+    quiet = subprocess.DEVNULL if number == signal.SIGSTOP else None
+    program = subprocess.Popen(command, stdout=quiet)
+    before = {"times": 0}
+    while program.poll() is None:
+        if holds(condition, partial, before):
+            program.send_signal(number)
+            break
+        clock.sleep(0.005)
+    if number == signal.SIGSTOP and program.poll() is None:
+        return program
+    if program.wait() == 0:
+        return None
+    return program
+
+
+def main():
+    number = getattr(signal, "SIG" + sys.argv[1])
+    condition, output, command = sys.argv[2], sys.argv[3], sys.argv[4:]
+    partial, kept = output + ".partial", output + ".kept"
+    start = clock.monotonic()
+    if os.path.exists(partial):
+        shutil.copy(partial, kept)
+    while clock.monotonic() - start < LIMIT:
+        program = attempt(number, condition, partial, command)
+        if program:
+            break
+        os.remove(output)
+        if os.path.exists(kept):
+            shutil.copy(kept, partial)
+    else:
+        sys.exit(f"stop_when.py: found no moment in {LIMIT} s at which {condition}")
+    if os.path.exists(kept):
+        os.remove(kept)
+    if program.returncode is None:
+        print(program.pid)
+        sys.stdout.flush()
+        os._exit(0)
+    sys.exit(program.returncode if program.returncode >= 0 else 128 - program.returncode)
+
+
+main()
