@@ -534,8 +534,10 @@ static const artefact_attribute model_attributes[] = {
         "first line of the grid, boundary lines counted, on which the film minimum is sought; "
         "this and the next one only of a point contact"),
     ATTRIBUTE("last_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, "last of these lines"),
-    ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, "method of row selection"),
-    ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL, "method of the rows' factors"),
+    ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN,
+              "method of row selection; given: the rows are somebody else's"),
+    ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL,
+              "method of the rows' factors; missing where these are somebody else's"),
     ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
               "smallest singular value of the sampled residual basis"),
     ATTRIBUTE("sigma_min_jacobian", ARTEFACT_REAL, "1", NEED_OWN,
