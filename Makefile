@@ -182,7 +182,7 @@ print-%:
 
 PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats gnuplot-nox \
-            help2man netcdf-bin python3-xarray python3-h5py python3-netcdf4 python3-h5netcdf valgrind
+            help2man netcdf-bin python3-numpy python3-xarray python3-h5py python3-netcdf4 python3-h5netcdf valgrind
 
 deps: ## install the Debian packages that are missing
 ifneq ($(DEPS),no)

@@ -1,0 +1,35 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A row selection of one's own: select_rows.py RESIDUALS.h5 BASIS.h5 ROWS.csv (schemas/residuals.md).
+
+The rows are the first pivots of a QR decomposition with column pivoting (Drmac and Gugercin, SIAM
+J. Sci. Comput. 38, 2016) of what they have to represent: the leading modes of the residuals and of the
+products of Jacobian and Newton step. Two rows a pressure mode.
+"""
+import sys
+
+import h5py
+import numpy
+
+
+def pivots(matrix, count):
+    """Columns, each with the largest part that is not in the span of those before it."""
+    left, chosen = matrix.copy(), []
+    for _ in range(count):
+        column = numpy.argmax((left**2).sum(axis=0))
+        direction = left[:, column] / numpy.linalg.norm(left[:, column])
+        left -= numpy.outer(direction, direction @ left)
+        chosen.append(column)
+    return chosen
+
+
+with h5py.File(sys.argv[1]) as residuals, h5py.File(sys.argv[2]) as basis:
+    num_modes = len(basis["pressure_basis"])
+    modes = [
+        numpy.linalg.svd(residuals[name][...], full_matrices=False)[2][:num_modes]
+        for name in ("weighted_residual", "weighted_jacobian_step")
+    ]
+
+rows = pivots(numpy.vstack(modes), 2 * num_modes)
+numpy.savetxt(sys.argv[3], rows, "%d", header="row", comments="")
+print(f"{len(rows)} rows of {modes[0].shape[1]}")
