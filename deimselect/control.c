@@ -42,33 +42,34 @@ static void sample(double *sampled, const double *vectors, size_t num_vectors, s
             sampled[k * num_rows + r] = vectors[k * num_inner + rows[r]];
 }
 
-/* left -= modes a with a = argmin |modes a - left| at the rows, and nothing is left at these. */
-static ehd_status subtract_predicted(double *left, size_t num_left, size_t num_inner,
+/* remainder -= modes a with a = argmin |modes a - remainder| at the rows, where then nothing
+ * remains. */
+static ehd_status subtract_predicted(double *remainder, size_t num_residuals, size_t num_inner,
                                      const double *modes, size_t num_modes, const size_t *rows,
                                      size_t num_rows, ehd_error *error) {
     double *matrix = malloc(num_rows * num_modes * sizeof *matrix);
-    double *fit = malloc(num_rows * num_left * sizeof *fit);
-    ehd_status status = matrix && fit
-                            ? EHD_OK
-                            : ehd_fail(error, EHD_MEMORY,
-                                       "control rows: found no memory for %zu residuals", num_left);
+    double *fit = malloc(num_rows * num_residuals * sizeof *fit);
+    ehd_status status =
+        matrix && fit ? EHD_OK
+                      : ehd_fail(error, EHD_MEMORY,
+                                 "control rows: found no memory for %zu residuals", num_residuals);
 
     if (!status) {
         sample(matrix, modes, num_modes, num_inner, rows, num_rows);
-        sample(fit, left, num_left, num_inner, rows, num_rows);
-        status =
-            lapack_outcome("dgels",
-                           LAPACKE_dgels(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_modes,
-                                         (int)num_left, matrix, (int)num_rows, fit, (int)num_rows),
-                           error);
+        sample(fit, remainder, num_residuals, num_inner, rows, num_rows);
+        status = lapack_outcome("dgels",
+                                LAPACKE_dgels(LAPACK_COL_MAJOR, 'N', (int)num_rows, (int)num_modes,
+                                              (int)num_residuals, matrix, (int)num_rows, fit,
+                                              (int)num_rows),
+                                error);
     }
     if (!status) {
-        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)num_inner, (int)num_left,
-                    (int)num_modes, -1, modes, (int)num_inner, fit, (int)num_rows, 1, left,
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)num_inner, (int)num_residuals,
+                    (int)num_modes, -1, modes, (int)num_inner, fit, (int)num_rows, 1, remainder,
                     (int)num_inner);
-        for (size_t k = 0; k < num_left; k++)
+        for (size_t k = 0; k < num_residuals; k++)
             for (size_t r = 0; r < num_rows; r++)
-                left[k * num_inner + rows[r]] = 0; // pivots are other rows
+                remainder[k * num_inner + rows[r]] = 0; // pivots are other rows
     }
     free(fit);
     free(matrix);
@@ -79,26 +80,26 @@ ehd_status control_choose(size_t *control, size_t *num_control, bool given,
                           const residual_snapshots *snapshots, size_t num_inner,
                           const double *modes, size_t num_modes, const size_t *rows,
                           size_t num_rows, ehd_error *error) {
-    size_t num_converged = count_converged(snapshots), most = num_inner - num_rows;
-    if (most > num_converged) most = num_converged;
-    if (*num_control > most && given)
+    size_t num_converged = count_converged(snapshots), max_control = num_inner - num_rows;
+    if (max_control > num_converged) max_control = num_converged;
+    if (*num_control > max_control && given)
         return ehd_fail(error, EHD_DATA,
                         "--control: found %zu, expected at most %zu, as many as there are "
                         "converged stationary solutions and rows that are not selected",
-                        *num_control, most);
-    if (*num_control > most) *num_control = most;
+                        *num_control, max_control);
+    if (*num_control > max_control) *num_control = max_control;
     if (*num_control == 0) return EHD_OK;
 
-    double *left = malloc(num_converged * num_inner * sizeof *left);
-    if (!left)
+    double *remainder = malloc(num_converged * num_inner * sizeof *remainder);
+    if (!remainder)
         return ehd_fail(error, EHD_MEMORY, "control rows: found no memory for %zu residuals",
                         num_converged);
-    gather_converged(left, snapshots, num_inner);
-    ehd_status status =
-        subtract_predicted(left, num_converged, num_inner, modes, num_modes, rows, num_rows, error);
+    gather_converged(remainder, snapshots, num_inner);
+    ehd_status status = subtract_predicted(remainder, num_converged, num_inner, modes, num_modes,
+                                           rows, num_rows, error);
     const selection_bases bases = {
-        .num_nodes = num_inner, .num_modes = {num_converged, 0}, .modes = {left, NULL}};
+        .num_nodes = num_inner, .num_modes = {num_converged, 0}, .modes = {remainder, NULL}};
     if (!status) status = selection_pivoted_qr(control, &bases, *num_control, error);
-    free(left);
+    free(remainder);
     return status;
 }

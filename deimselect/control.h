@@ -5,10 +5,10 @@
 
 #include "deimselect/row_choice.h"
 
-/* Rows at which the residuals of converged reduced solutions are least predicted by the selected rows:
- * pivots of what is left of them, each of unit norm, after interpolation by residual modes fitted at the
- * selected rows. No more rows than converged solutions: fewer are chosen, or EHD_DATA where the number was
- * `given`. EHD_MEMORY, EHD_INTERNAL (LAPACK). */
+/* Rows at which the residuals of converged reduced solutions are least predicted by the selected
+ * rows: pivots of what is left of them, each of unit norm, after interpolation by residual modes
+ * fitted at the selected rows. No more rows than converged solutions: fewer are chosen, or EHD_DATA
+ * where the number was `given`. EHD_MEMORY, EHD_INTERNAL (LAPACK). */
 ehd_status control_choose(
     // output:
     size_t *control, // [*num_control], counted as `rows`

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows that stay well posed when the exit moves: as many as there are modes by the joint greedy, then one after the
- * other for the exit of training that is worst off, the row that does most for what is worst determined there (the
- * eigenvector of the smallest eigenvalue: E-optimal design, and what GappyPOD+E does without exits, Peherstorfer,
- * Drmac and Gugercin, SIAM J. Sci. Comput. 2020). */
+/* Rows that stay well posed when the exit moves: as many as there are modes by the joint greedy,
+ * then one after the other for the exit of training that is worst off, the row that does most for
+ * what is worst determined there (the eigenvector of the smallest eigenvalue: E-optimal design, and
+ * what GappyPOD+E does without exits, Peherstorfer, Drmac and Gugercin, SIAM J. Sci. Comput. 2020).
+ */
 #include "deimselect/selection.h"
 #include "deimselect/stability.h"
 
@@ -10,8 +11,8 @@ ehd_status selection_exits(size_t *rows, const selection_bases *bases, size_t nu
                            ehd_error *error) {
     const selection_bases leading = selection_leading(bases);
     const int poorer = leading.num_modes[1] < leading.num_modes[0];
-    const size_t most_joint = leading.num_modes[poorer];
-    const size_t num_joint = num_rows < most_joint ? num_rows : most_joint;
+    const size_t max_joint = leading.num_modes[poorer];
+    const size_t num_joint = num_rows < max_joint ? num_rows : max_joint;
     row_stability *stability = NULL;
 
     if (num_rows > bases->num_nodes)

@@ -55,8 +55,8 @@ static bool interpolation_init(interpolation *self, const double *modes, size_t 
            self->residual;
 }
 
-/* R a = Q^T b from the last row up. A diagonal that is zero to working precision means that a is not
- * unique; its coefficient is set to zero, which is one of the minimisers. */
+/* R a = Q^T b from the last row up. A diagonal that is zero to working precision means that a is
+ * not unique; its coefficient is set to zero, which is one of the minimisers. */
 static void solve_at_selected_rows(interpolation *self, const size_t *rows) {
     const size_t size = self->size, capacity = self->capacity;
     const double *mode = self->modes + size * self->num_nodes;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Row selection by column-pivoted QR (Drmac and Gugercin, SIAM J. Sci. Comput. 2016): each pivot is the
- * row of the two bases side by side that is largest after what the pivots before it explain. */
+/* Row selection by column-pivoted QR (Drmac and Gugercin, SIAM J. Sci. Comput. 2016): each pivot is
+ * the row of the two bases side by side that is largest after what the pivots before it explain. */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"
 
@@ -23,18 +23,18 @@ ehd_status selection_pivoted_qr(size_t *rows, const selection_bases *bases, size
                                 ehd_error *error) {
     const size_t num_nodes = bases->num_nodes;
     const size_t num_modes = bases->num_modes[0] + bases->num_modes[1];
-    const size_t most = num_modes < num_nodes ? num_modes : num_nodes;
+    const size_t max_rows = num_modes < num_nodes ? num_modes : num_nodes;
     double *both = NULL, *scales = NULL;
     lapack_int *pivots = NULL;
     ehd_status status;
-    if (num_rows > most)
+    if (num_rows > max_rows)
         return ehd_fail(error, EHD_DATA,
                         "rows: found %zu, expected at most %zu, the modes of both bases together",
-                        num_rows, most);
+                        num_rows, max_rows);
     if (num_rows == 0) return EHD_OK;
 
     both = malloc(num_modes * num_nodes * sizeof *both);
-    scales = malloc(most * sizeof *scales);
+    scales = malloc(max_rows * sizeof *scales);
     pivots = calloc(num_nodes, sizeof *pivots); // zero: free to be moved
     if (!both || !scales || !pivots) {
         status =

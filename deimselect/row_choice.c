@@ -119,8 +119,8 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     return status;
 }
 
-/* All of it with as many leading modes as there are pressure modes, so that methods and numbers of rows can be
- * compared. */
+/* All of it with as many leading modes as there are pressure modes, so that methods and numbers of
+ * rows can be compared. */
 static ehd_status measure(row_choice *choice, const pod_basis pods[2], const reduced_basis *basis,
                           const selection_bases *bases, ehd_error *error) {
     const selection_bases leading = selection_leading(bases);
@@ -140,15 +140,15 @@ static ehd_status measure(row_choice *choice, const pod_basis pods[2], const red
 static ehd_status limit_rows(size_t *num_rows, const pod_basis pods[2],
                              const selection_method *method, bool given, ehd_error *error) {
     int poorer = pods[1].num_modes < pods[0].num_modes;
-    size_t most = method->rows_per_mode * pods[poorer].num_modes;
+    size_t max_rows = method->rows_per_mode * pods[poorer].num_modes;
 
-    if (method->rows_per_mode == 0 || *num_rows <= most) return EHD_OK;
+    if (method->rows_per_mode == 0 || *num_rows <= max_rows) return EHD_OK;
     if (given)
         return ehd_fail(error, EHD_DATA,
                         "--rows: found %zu, expected at most %zu, as many as the snapshots of the "
                         "%s tell apart",
-                        *num_rows, most, snapshot_names[poorer]);
-    *num_rows = most;
+                        *num_rows, max_rows, snapshot_names[poorer]);
+    *num_rows = max_rows;
     return EHD_OK;
 }
 
@@ -173,7 +173,8 @@ static int compare_exits(const void *a, const void *b, void *context) {
     return (x[l] > y[l]) - (x[l] < y[l]);
 }
 
-/* The exits of training, each once and in order, as numbers of rows before them on each inner line. NULL: no memory. */
+/* The exits of training, each once and in order, as numbers of rows before them on each inner line.
+ * NULL: no memory. */
 static size_t *list_exits(size_t *num_exits, const reduced_states *states, const ehd_grid *grid) {
     size_t num_lines = grid->inner_lines, bytes = num_lines * sizeof(size_t);
     size_t *exits = malloc((states->num_states + 1) * bytes);
@@ -216,11 +217,11 @@ static ehd_status allocate_rows(row_choice *choice, size_t num_rows, ehd_error *
     return ehd_fail(error, EHD_MEMORY, "selection: found no memory for %zu rows", num_rows);
 }
 
-/* PODs and the given rows. The weights need a mode an unknown; with the number of modes that pivoted QR
- * gets for so many rows, its rows given back make the same model to the last bit. */
-static ehd_status take_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
-                                  const residual_snapshots *snapshots, const reduced_basis *basis,
-                                  const given_rows *given, ehd_error *error) {
+/* PODs and the given rows. The weights need a mode an unknown; with the number of modes that
+ * pivoted QR gets for so many rows, its rows given back make the same model to the last bit. */
+static ehd_status use_given_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
+                                 const residual_snapshots *snapshots, const reduced_basis *basis,
+                                 const given_rows *given, ehd_error *error) {
     const size_t num_modes = wanted_modes(2, given->count, basis->states.num_unknowns);
     ehd_status status = build_pods(pods, snapshots, basis->grid.num_inner, num_modes, error);
 
@@ -232,9 +233,9 @@ static ehd_status take_given_rows(row_choice *choice, pod_basis pods[2], selecti
 }
 
 /* PODs of as many modes as the method wants for the rows, and the rows. */
-static ehd_status take_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
-                            const residual_snapshots *snapshots, const reduced_basis *basis,
-                            const row_settings *settings, size_t num_rows, ehd_error *error) {
+static ehd_status select_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
+                              const residual_snapshots *snapshots, const reduced_basis *basis,
+                              const row_settings *settings, size_t num_rows, ehd_error *error) {
     const size_t num_unknowns = basis->states.num_unknowns;
     ehd_status status = check_rows(num_rows, basis, error);
 
@@ -264,17 +265,18 @@ static ehd_status refuse_stability(const row_choice *choice, const selection_bas
                           reached, choice->num_rows, settings->method->name, settings->stability);
 }
 
-/* Twice as many rows as long as they are not stable, and of the rows that are the first ones that are. */
-static ehd_status take_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
-                                   const residual_snapshots *snapshots, const reduced_basis *basis,
-                                   const row_settings *settings, size_t num_rows,
-                                   ehd_error *error) {
+/* Twice as many rows as long as they are not stable, and of the rows that are the first ones that
+ * are. */
+static ehd_status select_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
+                                     const residual_snapshots *snapshots,
+                                     const reduced_basis *basis, const row_settings *settings,
+                                     size_t num_rows, ehd_error *error) {
     const size_t num_inner = basis->grid.num_inner;
     size_t fewest = 0;
 
     for (;;) {
         ehd_status status =
-            take_rows(choice, pods, bases, snapshots, basis, settings, num_rows, error);
+            select_rows(choice, pods, bases, snapshots, basis, settings, num_rows, error);
         if (!status)
             status = row_stability_fewest(&fewest, bases, choice->rows, choice->num_rows,
                                           settings->stability, error);
@@ -291,8 +293,7 @@ static ehd_status take_stable_rows(row_choice *choice, pod_basis pods[2], select
     return EHD_OK;
 }
 
-static ehd_status take_given_factors(row_choice *choice, const given_rows *given,
-                                     ehd_error *error) {
+static ehd_status use_given_factors(row_choice *choice, const given_rows *given, ehd_error *error) {
     const size_t bytes = given->count * sizeof *choice->factors;
 
     choice->factors = malloc(bytes);
@@ -354,17 +355,17 @@ ehd_status row_choice_make(row_choice *choice, const residual_snapshots *snapsho
     bases.exits = exits;
     if (!exits) status = ehd_fail(error, EHD_MEMORY, "selection: found no memory");
     if (!status && settings->given)
-        status = take_given_rows(choice, pods, &bases, snapshots, basis, settings->given, error);
+        status = use_given_rows(choice, pods, &bases, snapshots, basis, settings->given, error);
     else if (!status && settings->stability > 0)
         status =
-            take_stable_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
+            select_stable_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
     else if (!status)
-        status = take_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
+        status = select_rows(choice, pods, &bases, snapshots, basis, settings, num_rows, error);
     if (!status)
         status =
             choose_control(choice, snapshots, &pods[0], num_unknowns, settings->num_control, error);
     if (!status && settings->given && settings->given->factors)
-        status = take_given_factors(choice, settings->given, error);
+        status = use_given_factors(choice, settings->given, error);
     else if (!status)
         status = weigh_rows(choice, &pods[1], num_unknowns, settings->weights, error);
     if (!status) status = measure(choice, pods, basis, &bases, error);

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Oversampled S-OPT for two bases: Lauzon, Cheung, Shin, Choi, Copeland and Huynh, "S-OPT: a points selection
- * algorithm for hyper-reduction in reduced order models" (2022), after Shin and Xiu (2016). A basis sampled at the
- * rows, A [num_rows, n], has
+/* Oversampled S-OPT for two bases: Lauzon, Cheung, Shin, Choi, Copeland and Huynh, "S-OPT: a points
+ * selection algorithm for hyper-reduction in reduced order models" (2022), after Shin and Xiu
+ * (2016). A basis sampled at the rows, A [num_rows, n], has
  *
  *     S(A) = (sqrt(det A^T A) / prod_j |A_j|)^(1/n),
  *
- * one where the sampled columns A_j are orthogonal. Each step takes the row that makes the product of both bases' S
- * largest. A row r turns the determinant into det (1 + r^T (A^T A)^-1 r) and |A_j|^2 into |A_j|^2 + r_j^2; what the
- * rows give is kept for all nodes and follows the inverse by rank-1 updates (Sherman and Morrison). */
+ * one where the sampled columns A_j are orthogonal. Each step takes the row that makes the product
+ * of both bases' S largest. A row r turns the determinant into det (1 + r^T (A^T A)^-1 r) and
+ * |A_j|^2 into |A_j|^2 + r_j^2; what the rows give is kept for all nodes and follows the inverse by
+ * rank-1 updates (Sherman and Morrison). */
 #include "common/algebra/lapack.h"
 #include "deimselect/selection.h"
 
@@ -92,8 +93,9 @@ static ehd_status start_gain(sampled_basis *self, ehd_error *error) {
     return EHD_OK;
 }
 
-/* along = modes^T product, and growth of every node. Both in one pass through the modes, a block of nodes after
- * the other, because the modes do not fit into the cache and the time goes into reading them. */
+/* along = modes^T product, and growth of every node. Both in one pass through the modes, a block of
+ * nodes after the other, because the modes do not fit into the cache and the time goes into reading
+ * them. */
 static void scan_modes(sampled_basis *self) {
     for (size_t first = 0; first < self->num_nodes; first += BLOCK) {
         const size_t left = self->num_nodes - first, count = left < BLOCK ? left : BLOCK;
@@ -135,7 +137,7 @@ static ehd_status sampled_basis_init(sampled_basis *self, const double *modes, s
 }
 
 /* Takes a row: (G + r r^T)^-1 = G^-1 - u u^T / (1 + r^T u), u = G^-1 r. */
-static void take_row(sampled_basis *self, size_t node) {
+static void add_row(sampled_basis *self, size_t node) {
     const int n = (int)self->num_modes;
 
     gather_row(self->row, self, node);
@@ -166,8 +168,8 @@ static size_t best_row(const double *objective, const bool *selected, size_t num
     return row;
 }
 
-/* The first rows, half as many as the poorer basis has modes: pivots of as many modes of either basis. Until the
- * columns can be told apart, S says little. */
+/* The first rows, half as many as the poorer basis has modes: pivots of as many modes of either
+ * basis. Until the columns can be told apart, S says little. */
 static selection_bases start_bases(const selection_bases *bases) {
     const int poorer = bases->num_modes[1] < bases->num_modes[0];
     selection_bases start = *bases;
@@ -196,7 +198,7 @@ static ehd_status oversample(size_t *rows, sampled_basis both[2], size_t num_sta
         rows[n] = best_row(objective, selected, num_nodes);
         selected[rows[n]] = true;
         for (int basis = 0; basis < 2; basis++)
-            take_row(&both[basis], rows[n]);
+            add_row(&both[basis], rows[n]);
     }
     free(objective);
     free(selected);

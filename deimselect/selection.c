@@ -9,7 +9,8 @@
 
 const selection_method selection_methods[] = {
     {"joint", selection_joint, 1,
-     "greedy on the interpolation errors of both bases (paper, Fig. A1); at most as many rows as "
+     "greedy on the interpolation errors of both bases (Maier et al. 2015, Fig. A1); at most as "
+     "many rows as "
      "the "
      "smaller basis has modes"},
     {"qr", selection_pivoted_qr, 2,

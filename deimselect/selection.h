@@ -6,7 +6,8 @@
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* POD bases of the weighted residuals and of the weighted products J dz (paper, section 3.2). */
+/* POD bases of the weighted residuals and of the weighted products J dz (Maier et al. 2015,
+ * section 3.2). */
 typedef struct selection_bases {
     size_t num_nodes;
     size_t num_modes[2];              // of the residual basis, of the Jacobian basis
@@ -37,7 +38,7 @@ typedef struct selection_method {
 
 extern const selection_method selection_methods[]; // ends with a row whose name is NULL
 
-/* The algorithm of the paper's appendix, Fig. A1 (file joint.c). */
+/* The algorithm of Maier et al. 2015, Fig. A1 (file joint.c). */
 selection_function selection_joint;
 /* Column-pivoted QR of both bases side by side (Drmac and Gugercin 2016) (file pivoted_qr.c). */
 selection_function selection_pivoted_qr;

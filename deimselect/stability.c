@@ -11,20 +11,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Directions whose square over the rows before an exit is below this are rounding errors of the Gram matrix. */
-static const double LEAST_SEEN = 1e-12;
+/* Directions whose square over the rows before an exit is below this are rounding errors of the
+ * Gram matrix. */
+static const double MIN_RESOLVED = 1e-12;
 
 /* One basis before one exit. */
 typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
     size_t num_modes;
     const size_t *num_before; // [num_lines] nodes of each line before the exit
-    size_t num_seen;          // directions of the modes that these nodes tell apart
-    double *seen;      // [num_modes, num_seen] column-major: modes^T seen is orthonormal over
-                       // these nodes
-    double *gram;      // [num_seen, num_seen] of the rows taken, in these directions
+    size_t num_resolved;      // directions of the modes that these nodes tell apart
+    double *resolved;  // [num_modes, num_resolved] column-major: modes^T resolved is orthonormal
+                       // over these nodes
+    double *gram;      // [num_resolved, num_resolved] of the rows taken, in these directions
     double smallest;   // eigenvalue of gram; a lower bound when rows have come since
-    double *direction; // [num_seen] its eigenvector
+    double *direction; // [num_resolved] its eigenvector
     bool is_known;     // smallest and direction are those of gram
 } exit_block;
 
@@ -33,7 +34,7 @@ struct row_stability {
     size_t *none, *all;                 // [num_lines] exits before and behind all nodes
     size_t num_blocks;                  // two an exit, and two for all nodes
     exit_block *blocks;                 // [num_blocks]
-    bool *taken;                        // [num_nodes]
+    bool *selected;                     // [num_nodes]
     // scratch
     double *row, *along;     // [num_modes] of the larger basis
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
@@ -46,14 +47,14 @@ static ehd_status no_memory(ehd_error *error) {
 row_stability *row_stability_free(row_stability *self) {
     if (self) {
         for (size_t b = 0; self->blocks && b < self->num_blocks; b++) {
-            free(self->blocks[b].seen);
+            free(self->blocks[b].resolved);
             free(self->blocks[b].gram);
             free(self->blocks[b].direction);
         }
         free(self->blocks);
         free(self->none);
         free(self->all);
-        free(self->taken);
+        free(self->selected);
         free(self->row);
         free(self->along);
         free(self->matrix);
@@ -80,34 +81,35 @@ static void move_gram(double *gram, const row_stability *self, const double *mod
     }
 }
 
-/* seen = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the exit. `so_far` is that
- * matrix over the nodes before `from`, in, and before the exit, out. */
-static ehd_status block_init(exit_block *block, row_stability *self, double *so_far,
+/* resolved = U / sqrt(lambda) of the modes' Gram matrix U lambda U^T over the nodes before the
+ * exit. `running_gram` is that matrix over the nodes before `from`, in, and before the exit, out.
+ */
+static ehd_status block_init(exit_block *block, row_stability *self, double *running_gram,
                              const size_t *from, const double *modes, size_t num_modes,
                              const size_t *num_before, ehd_error *error) {
     const int n = (int)num_modes;
     block->modes = modes;
     block->num_modes = num_modes;
     block->num_before = num_before;
-    block->seen = malloc(num_modes * num_modes * sizeof(double));
+    block->resolved = malloc(num_modes * num_modes * sizeof(double));
     block->gram = calloc(num_modes * num_modes, sizeof(double));
     block->direction = calloc(num_modes, sizeof(double));
-    if (!block->seen || !block->gram || !block->direction) return no_memory(error);
+    if (!block->resolved || !block->gram || !block->direction) return no_memory(error);
 
-    move_gram(so_far, self, modes, num_modes, from, num_before);
-    memcpy(block->seen, so_far, num_modes * num_modes * sizeof(double));
+    move_gram(running_gram, self, modes, num_modes, from, num_before);
+    memcpy(block->resolved, running_gram, num_modes * num_modes * sizeof(double));
     ehd_status status = lapack_outcome(
-        "dsyevd", LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'L', n, block->seen, n, self->values),
+        "dsyevd", LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'L', n, block->resolved, n, self->values),
         error);
     if (status) return status;
-    size_t unseen = 0; // eigenvalues ascend
-    while (unseen < num_modes && !(self->values[unseen] > LEAST_SEEN))
-        unseen++;
-    block->num_seen = num_modes - unseen;
-    memmove(block->seen, block->seen + unseen * num_modes,
-            block->num_seen * num_modes * sizeof(double));
-    for (size_t k = 0; k < block->num_seen; k++)
-        cblas_dscal(n, 1 / sqrt(self->values[unseen + k]), block->seen + k * num_modes, 1);
+    size_t unresolved = 0; // eigenvalues ascend
+    while (unresolved < num_modes && !(self->values[unresolved] > MIN_RESOLVED))
+        unresolved++;
+    block->num_resolved = num_modes - unresolved;
+    memmove(block->resolved, block->resolved + unresolved * num_modes,
+            block->num_resolved * num_modes * sizeof(double));
+    for (size_t k = 0; k < block->num_resolved; k++)
+        cblas_dscal(n, 1 / sqrt(self->values[unresolved + k]), block->resolved + k * num_modes, 1);
     return EHD_OK;
 }
 
@@ -116,13 +118,13 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
     const selection_bases leading = selection_leading(bases);
     const size_t *num_modes = leading.num_modes;
     const size_t larger = num_modes[num_modes[1] > num_modes[0]];
-    double *so_far[2] = {calloc(num_modes[0] * num_modes[0], sizeof(double)),
-                         calloc(num_modes[1] * num_modes[1], sizeof(double))};
+    double *running_gram[2] = {calloc(num_modes[0] * num_modes[0], sizeof(double)),
+                               calloc(num_modes[1] * num_modes[1], sizeof(double))};
     row_stability *self = calloc(1, sizeof *self);
     ehd_status status = EHD_OK;
 
     *stability = NULL;
-    if (!self || !so_far[0] || !so_far[1]) {
+    if (!self || !running_gram[0] || !running_gram[1]) {
         status = no_memory(error);
         goto done;
     }
@@ -133,13 +135,13 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
     self->all = calloc(self->num_lines, sizeof *self->all);
     self->num_blocks = 2 * (bases->num_exits + 1);
     self->blocks = calloc(self->num_blocks, sizeof *self->blocks);
-    self->taken = calloc(bases->num_nodes, sizeof *self->taken);
+    self->selected = calloc(bases->num_nodes, sizeof *self->selected);
     self->row = malloc(larger * sizeof(double));
     self->along = malloc(larger * sizeof(double));
     self->matrix = malloc(larger * larger * sizeof(double));
     self->values = malloc(larger * sizeof(double));
-    if (!self->blocks || !self->none || !self->all || !self->taken || !self->row || !self->along ||
-        !self->matrix || !self->values)
+    if (!self->blocks || !self->none || !self->all || !self->selected || !self->row ||
+        !self->along || !self->matrix || !self->values)
         status = no_memory(error);
     for (size_t l = 0; l < self->num_lines && !status; l++)
         self->all[l] = self->width;
@@ -147,12 +149,12 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
         const size_t *num_before =
             b / 2 < bases->num_exits ? bases->exits + b / 2 * self->num_lines : self->all;
         const size_t *from = b >= 2 ? self->blocks[b - 2].num_before : self->none;
-        status = block_init(&self->blocks[b], self, so_far[b % 2], from, bases->modes[b % 2],
+        status = block_init(&self->blocks[b], self, running_gram[b % 2], from, bases->modes[b % 2],
                             num_modes[b % 2], num_before, error);
     }
 done:
-    free(so_far[0]);
-    free(so_far[1]);
+    free(running_gram[0]);
+    free(running_gram[1]);
     if (status)
         row_stability_free(self);
     else
@@ -161,50 +163,51 @@ done:
 }
 
 void row_stability_add(row_stability *self, size_t row) {
-    self->taken[row] = true;
+    self->selected[row] = true;
     for (size_t b = 0; b < self->num_blocks; b++) {
         exit_block *block = &self->blocks[b];
-        if (!is_before(block, self, row) || block->num_seen == 0) continue;
-        const int seen = (int)block->num_seen, modes = (int)block->num_modes;
+        if (!is_before(block, self, row) || block->num_resolved == 0) continue;
+        const int size = (int)block->num_resolved, modes = (int)block->num_modes;
         cblas_dcopy(modes, block->modes + row, (int)self->num_nodes, self->row, 1);
-        cblas_dgemv(CblasColMajor, CblasTrans, modes, seen, 1, block->seen, modes, self->row, 1, 0,
-                    self->along, 1);
-        cblas_dsyr(CblasColMajor, CblasLower, seen, 1, self->along, 1, block->gram, seen);
+        cblas_dgemv(CblasColMajor, CblasTrans, modes, size, 1, block->resolved, modes, self->row, 1,
+                    0, self->along, 1);
+        cblas_dsyr(CblasColMajor, CblasLower, size, 1, self->along, 1, block->gram, size);
         block->is_known = false;
     }
 }
 
 /* Smallest eigenvalue of a block and its eigenvector. */
 static ehd_status examine(exit_block *block, row_stability *self, ehd_error *error) {
-    const int seen = (int)block->num_seen;
+    const int size = (int)block->num_resolved;
     lapack_int found = 0, support[2];
 
     block->is_known = true;
-    if (seen == 0) {
+    if (size == 0) {
         block->smallest = INFINITY; // nothing to determine
         return EHD_OK;
     }
-    memcpy(self->matrix, block->gram, block->num_seen * block->num_seen * sizeof(double));
+    memcpy(self->matrix, block->gram, block->num_resolved * block->num_resolved * sizeof(double));
     ehd_status status = lapack_outcome(
         "dsyevr",
-        LAPACKE_dsyevr(LAPACK_COL_MAJOR, 'V', 'I', 'L', seen, self->matrix, seen, 0, 0, 1, 1, 0,
-                       &found, self->values, block->direction, seen, support),
+        LAPACKE_dsyevr(LAPACK_COL_MAJOR, 'V', 'I', 'L', size, self->matrix, size, 0, 0, 1, 1, 0,
+                       &found, self->values, block->direction, size, support),
         error);
     // rounding errors of the Gram matrix are no stability
     if (!status)
-        block->smallest = self->values[0] > DBL_EPSILON * (double)seen ? self->values[0] : 0;
+        block->smallest = self->values[0] > DBL_EPSILON * (double)size ? self->values[0] : 0;
     return status;
 }
 
-/* argmax over the nodes not taken of the worst direction's square, which is nothing behind the exit. */
+/* argmax over the nodes not taken of the worst direction's square, which is nothing behind the
+ * exit. */
 static size_t strongest_row(const exit_block *block, row_stability *self) {
     size_t row = self->num_nodes;
     double largest = -1;
 
-    cblas_dgemv(CblasColMajor, CblasNoTrans, (int)block->num_modes, (int)block->num_seen, 1,
-                block->seen, (int)block->num_modes, block->direction, 1, 0, self->along, 1);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, (int)block->num_modes, (int)block->num_resolved, 1,
+                block->resolved, (int)block->num_modes, block->direction, 1, 0, self->along, 1);
     for (size_t i = 0; i < self->num_nodes; i++) {
-        if (self->taken[i]) continue;
+        if (self->selected[i]) continue;
         const double value = is_before(block, self, i)
                                  ? cblas_ddot((int)block->num_modes, self->along, 1,
                                               block->modes + i, (int)self->num_nodes)
@@ -216,8 +219,8 @@ static size_t strongest_row(const exit_block *block, row_stability *self) {
     return row;
 }
 
-/* The block with the smallest eigenvalue: rows only make eigenvalues larger, so that old ones are bounds, and few
- * have to be computed anew. */
+/* The block with the smallest eigenvalue: rows only make eigenvalues larger, so that old ones are
+ * bounds, and few have to be computed anew. */
 static ehd_status worst_block(exit_block **worst, row_stability *self, ehd_error *error) {
     ehd_status status = EHD_OK;
 
@@ -257,14 +260,14 @@ ehd_status row_stability_of(double *inverse_sigma_min, const selection_bases *ba
 }
 
 ehd_status row_stability_fewest(size_t *fewest, const selection_bases *bases, const size_t *rows,
-                                size_t num_rows, double most, ehd_error *error) {
+                                size_t num_rows, double max_inverse, ehd_error *error) {
     row_stability *self = NULL;
     ehd_status status = row_stability_create(&self, bases, error);
 
     for (*fewest = 0; *fewest <= num_rows && !status; ++*fewest) {
         double sigma_min = 0;
         status = row_stability_worst(&sigma_min, NULL, self, error);
-        if (status || 1 / sigma_min <= most) break;
+        if (status || 1 / sigma_min <= max_inverse) break;
         if (*fewest < num_rows) row_stability_add(self, rows[*fewest]);
     }
     row_stability_free(self);

@@ -19,8 +19,8 @@ double bases_energy_discarded(const pod_basis *basis) {
     return all > 0 ? left_out / all : 0;
 }
 
-/* Deflections of pressures, boundary nodes included: they carry a film too. Deflection being linear,
- * those of compressed snapshots serve as those of the snapshots. */
+/* Deflections of pressures, boundary nodes included: they carry a film too. Deflection being
+ * linear, those of compressed snapshots serve as those of the snapshots. */
 static ehd_status deflect(double **deflections, const snapshot_set *set, const double *pressures,
                           size_t count, ehd_error *error) {
     size_t num_nodes = set->grid.num_nodes;

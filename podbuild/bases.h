@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trial and test bases of a set of training solutions (paper, section 3.1). */
+/* Trial and test bases of a set of training solutions (Maier, Hager, Hetzler and Seemann, Tribology
+ * International 2015, section 3.1). */
 #ifndef EHD_BASES_H
 #define EHD_BASES_H
 
@@ -13,8 +14,9 @@ typedef struct bases_settings {
     deformation_kind kind;
 } bases_settings;
 
-/* PODs of pressure and, when independent, deflection; the weight D by the first mode; the training solutions in
- * reduced coordinates. EHD_DATA (more modes than snapshots), EHD_MEMORY, EHD_INTERNAL. */
+/* PODs of pressure and, when independent, deflection; the weight D by the first mode; the training
+ * solutions in reduced coordinates. EHD_DATA (more modes than snapshots), EHD_MEMORY, EHD_INTERNAL.
+ */
 ehd_status bases_build(
     // output:
     reduced_basis *basis,       // free with reduced_basis_free

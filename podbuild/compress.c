@@ -12,7 +12,7 @@
 enum { DEFAULT_BLOCK = 512 };
 
 /* One part a level, and a carry; no count of snapshots has more binary digits. */
-enum { MOST_PARTS = 65 };
+enum { MAX_PARTS = 65 };
 
 /* Squares of this sum up without overflow over any number of nodes and snapshots. */
 static const double LARGEST_VALUE = 1e140;
@@ -32,8 +32,8 @@ struct snapshot_compressor {
     compressor_settings settings;
     double *waiting; // [block, num_nodes] snapshots not compressed yet, and rows of merged sets
     size_t num_waiting;
-    double waiting_energy;             // sum of their squares
-    compressed_part parts[MOST_PARTS]; // of descending level, the oldest first
+    double waiting_energy;            // sum of their squares
+    compressed_part parts[MAX_PARTS]; // of descending level, the oldest first
     size_t num_parts;
     size_t num_snapshots;
     double inherited; // energy that merged sets had left out
@@ -79,7 +79,7 @@ static ehd_status compress_rows(
     compressed_part *part, // in: level, energy, discarded below; out: all; empty on failure
     // input:
     const double *rows, size_t num_rows, const snapshot_compressor *self, ehd_error *error) {
-    const size_t most_rank = self->settings.most_rank;
+    const size_t max_rank = self->settings.max_rank;
     const double row_energy = part->energy - part->discarded;
     pod_basis basis = {0};
     ehd_status status = EHD_OK;
@@ -89,7 +89,7 @@ static ehd_status compress_rows(
     status = pod_build(&basis, rows, num_rows, self->num_nodes,
                        &(pod_settings){.discarded_energy = allowed / row_energy}, error);
     if (!status) {
-        part->rank = most_rank && basis.num_modes > most_rank ? most_rank : basis.num_modes;
+        part->rank = max_rank && basis.num_modes > max_rank ? max_rank : basis.num_modes;
         for (size_t i = basis.num_singular_values; i-- > part->rank;)
             part->discarded += basis.singular_values[i] * basis.singular_values[i];
         status = scale_modes(part, &basis, error);
@@ -160,8 +160,8 @@ static ehd_status check_rows(const double *rows, size_t count, size_t num_nodes,
 }
 
 /* Row by row, so that block limits and the order of all sums are the same however rows arrive. */
-static ehd_status take_rows(snapshot_compressor *self, const double *rows, size_t count,
-                            ehd_error *error) {
+static ehd_status add_rows(snapshot_compressor *self, const double *rows, size_t count,
+                           ehd_error *error) {
     const size_t num_nodes = self->num_nodes;
 
     for (size_t i = 0; i < count; i++) {
@@ -215,7 +215,7 @@ ehd_status compressor_add(snapshot_compressor *self, const double *snapshots, si
                           ehd_error *error) {
     ehd_status status = check_rows(snapshots, count, self->num_nodes, error);
 
-    if (!status) status = take_rows(self, snapshots, count, error);
+    if (!status) status = add_rows(self, snapshots, count, error);
     if (!status) self->num_snapshots += count;
     return status;
 }
@@ -233,7 +233,7 @@ ehd_status compressor_merge(snapshot_compressor *self, const compressed_set *set
             "one >= 0, a part from 0 to 1",
             set->energy, set->energy_discarded);
     ehd_status status = check_rows(set->rows, set->rank, self->num_nodes, error);
-    if (!status) status = take_rows(self, set->rows, set->rank, error);
+    if (!status) status = add_rows(self, set->rows, set->rank, error);
     if (!status) {
         self->num_snapshots += set->num_snapshots;
         self->inherited += set->energy * set->energy_discarded;

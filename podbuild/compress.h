@@ -25,7 +25,7 @@ typedef struct compressor_settings {
                              // rounding
     size_t block;            // snapshots collected before a compression; 0: 512; fastest near the
                              // rank
-    size_t most_rank;        // bound of the rank, whatever that leaves out; 0: none but num_nodes
+    size_t max_rank;         // bound of the rank, whatever that leaves out; 0: none but num_nodes
 } compressor_settings;
 
 typedef struct snapshot_compressor snapshot_compressor;

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Row-major [num_states, num_nodes] is what LAPACK sees as a num_nodes x num_states matrix, a snapshot
- * a column, so that the modes are its left singular vectors and nothing is transposed. */
+/* Row-major [num_states, num_nodes] is what LAPACK sees as a num_nodes x num_states matrix, a
+ * snapshot a column, so that the modes are its left singular vectors and nothing is transposed. */
 
 static ehd_status check_input(const double *snapshots, size_t num_states, size_t num_nodes,
                               const pod_settings *settings, ehd_error *error) {
@@ -74,7 +74,7 @@ static ehd_status choose_num_modes(
     return EHD_OK;
 }
 
-/* A singular vector's sign is LAPACK's whim; make the largest entry positive. */
+/* The sign of a singular vector is arbitrary; make the largest entry positive. */
 static void fix_sign(double *mode, size_t num_nodes) {
     size_t largest = 0;
     for (size_t node = 1; node < num_nodes; node++)

@@ -24,13 +24,13 @@ typedef struct pod_settings {
     bool at_most;            // num_modes is a limit: fewer where the numerical rank is less
 } pod_settings;
 
-/* Truncated POD (Sirovich 1987) by a thin SVD of the snapshots, because their Gram matrix would lose
- * every singular value below 1e-8 of the first. A QR or LQ factorisation comes first, so that the SVD
- * works on the small triangle and only the wanted modes are formed; that is no less accurate than
- * LAPACK's dgesdd alone, and up to twice as fast.
- * Returns EHD_OK; EHD_DATA: no snapshots, a non-finite one, or more modes wanted than the snapshots'
- * numerical rank (singular values above their number * epsilon * the first); EHD_MEMORY; EHD_INTERNAL
- * (LAPACK). On failure the basis is empty. */
+/* Truncated POD (Sirovich 1987) by a thin SVD of the snapshots, because their Gram matrix would
+ * lose every singular value below 1e-8 of the first. A QR or LQ factorisation comes first, so that
+ * the SVD works on the small triangle and only the wanted modes are formed; that is no less
+ * accurate than LAPACK's dgesdd alone, and up to twice as fast. Returns EHD_OK; EHD_DATA: no
+ * snapshots, a non-finite one, or more modes wanted than the snapshots' numerical rank (singular
+ * values above their number * epsilon * the first); EHD_MEMORY; EHD_INTERNAL (LAPACK). On failure
+ * the basis is empty. */
 ehd_status pod_build(
     // output:
     pod_basis *basis, // free with pod_free

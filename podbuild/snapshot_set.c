@@ -163,8 +163,8 @@ static ehd_status add_snapshots(snapshot_set *set, size_t count, ehd_error *erro
     return status;
 }
 
-/* What of a file the basis is made of: stationary points as they are; of trajectories all steps, which the
- * file holds compressed, and not once more those states that it also keeps as such. */
+/* What of a file the basis is made of: stationary points as they are; of trajectories all steps,
+ * which the file holds compressed, and not once more those states that it also keeps as such. */
 static ehd_status collect_snapshots(snapshot_set *set, artefact *file, const file_states *states,
                                     size_t first_state, ehd_error *error) {
     size_t num_nodes = set->grid.num_nodes, s = first_state;

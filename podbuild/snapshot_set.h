@@ -25,8 +25,8 @@ typedef struct snapshot_set {
     double *snapshots; // [num_snapshots, num_nodes]
 } snapshot_set;
 
-/* Reads the converged states of all files, in order. EHD_DATA: no converged state, files of different
- * grids, values that are not finite; else as artefact_open. */
+/* Reads the converged states of all files, in order. EHD_DATA: no converged state, files of
+ * different grids, values that are not finite; else as artefact_open. */
 ehd_status snapshot_set_read(
     // output:
     snapshot_set *set, // free with snapshot_set_free

@@ -25,8 +25,8 @@ const test_weight *test_weight_find(const char *name) {
     return entry->name ? entry : NULL;
 }
 
-/* D is the absolute first pressure mode (paper, below eq. 27), which vanishes beyond the trained exits
- * and at the inlet; a floor keeps the rows there in the least squares. */
+/* D is the absolute first pressure mode (Maier et al. 2015, below eq. 27), which vanishes beyond
+ * the trained exits and at the inlet; a floor keeps the rows there in the least squares. */
 static const double WEIGHT_FLOOR = 1e-3; // of the largest entry
 
 ehd_status test_weight_mode(double *weight, const reduced_basis *basis, const ehd_contact *contacts,
@@ -52,7 +52,7 @@ ehd_status test_weight_identity(double *weight, const reduced_basis *basis,
 
 // ---- row norms
 
-/* Squares of the norms, at grid nodes, over the states seen so far. */
+/* Squares of the norms, at grid nodes, over the states so far. */
 typedef struct row_squares {
     const reduced_model *model;
     reduced_solver *solver;
@@ -82,12 +82,12 @@ static ehd_status add_squares(double *step, void *context, const double *matrix,
 
 static const ehd_contact *contact_of(const reduced_states *states, size_t s,
                                      const ehd_contact *contacts, size_t num_contacts) {
-    const double enough = 1e-9; // relative
+    const double tolerance = 1e-9; // relative
 
     for (size_t i = 0; i < num_contacts; i++)
-        if (fabs(contacts[i].moes_M - states->moes_M[s]) <= enough * states->moes_M[s] &&
+        if (fabs(contacts[i].moes_M - states->moes_M[s]) <= tolerance * states->moes_M[s] &&
             fabs(contacts[i].alpha_p_H - states->alpha_p_H[s]) <=
-                enough * fabs(states->alpha_p_H[s]))
+                tolerance * fabs(states->alpha_p_H[s]))
             return &contacts[i];
     return NULL;
 }
@@ -121,8 +121,9 @@ static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts
     return status;
 }
 
-/* One over the norms. Behind the first exit no row counts more than the last one that all solutions have: rows there
- * are short, and with weights that grow towards the last exit the exit of many solutions does not settle. */
+/* One over the norms. Behind the first exit no row counts more than the last one that all solutions
+ * have: rows there are short, and with weights that grow towards the last exit the exit of many
+ * solutions does not settle. */
 static void turn_over(double *weight, const row_squares *squares, size_t num_nodes) {
     double last = 1;
 

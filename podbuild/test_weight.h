@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The weight D of the test basis (paper, eq. 27): how much each Reynolds row counts in the least squares. */
+/* The weight D of the test basis (Maier et al. 2015, eq. 27): how much each Reynolds row counts in
+ * the least squares. */
 #ifndef EHD_TEST_WEIGHT_H
 #define EHD_TEST_WEIGHT_H
 
 #include "romrun/model/reduced_model.h"
 
-/* Writes one positive weight a node. `contacts` are those of the training, [num_contacts], where they are known.
- * EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */
+/* Writes one positive weight a node. `contacts` are those of the training, [num_contacts], where
+ * they are known. EHD_DATA, EHD_MEMORY, EHD_INTERNAL. */
 typedef ehd_status test_weight_function(
     // output:
     double *weight, // [num_nodes]
@@ -31,8 +32,9 @@ test_weight_function test_weight_mode;
 /* One for every row. */
 test_weight_function test_weight_identity;
 
-/* One over the norm of the row of the reduced Jacobian, root mean square over the stationary training solutions whose
- * contact is known; behind the first exit at most that of the last row before it. EHD_DATA: no contact is known. */
+/* One over the norm of the row of the reduced Jacobian, root mean square over the stationary
+ * training solutions whose contact is known; behind the first exit at most that of the last row
+ * before it. EHD_DATA: no contact is known. */
 test_weight_function test_weight_row_norm;
 
 #endif

@@ -12,11 +12,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* How far candidates may lie outside of the hull of the corners, in parts of their extent: all of the corners
- * of a curved edge would be more points than training there needs. */
+/* How far candidates may lie outside of the hull of the corners, in parts of their extent: all of
+ * the corners of a curved edge would be more points than training there needs. */
 static const double CORNER_TOLERANCE = 1.0 / 200;
 
-enum { LEAST_BATCH = 4 };
+enum { MIN_BATCH = 4 };
 
 typedef struct adaptive {
     const program *caller;
@@ -30,7 +30,7 @@ typedef struct adaptive {
     training points;
     tree_point *places;             // [num_points]
     double *central_film_thickness; // [num_points] by the full model, of those solved
-    bool *taken;                    // [num_points]
+    bool *trained;                  // [num_points]
     size_t *state_of_point;         // [num_points] of those taken
     trial_verdict *verdicts;        // [num_points] of the others, by the present model
     double *indicated;              // [num_points] of the others; infinite before the first model
@@ -43,7 +43,7 @@ typedef struct adaptive {
 
 adaptive_settings adaptive_default_settings(void) {
     return (adaptive_settings){
-        .accuracy = 1e-3, .start = 20, .most = SIZE_MAX, .discarded_energy = 1e-18};
+        .accuracy = 1e-3, .start = 20, .max_points = SIZE_MAX, .discarded_energy = 1e-18};
 }
 
 static void adaptive_free(adaptive *self) {
@@ -51,7 +51,7 @@ static void adaptive_free(adaptive *self) {
     training_free(&self->points);
     free(self->places);
     free(self->central_film_thickness);
-    free(self->taken);
+    free(self->trained);
     free(self->state_of_point);
     free(self->verdicts);
     free(self->indicated);
@@ -64,13 +64,13 @@ static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
 
     self->places = malloc(count * sizeof *self->places);
     self->central_film_thickness = malloc(count * sizeof(double));
-    self->taken = calloc(count, sizeof *self->taken);
+    self->trained = calloc(count, sizeof *self->trained);
     self->state_of_point = malloc(count * sizeof *self->state_of_point);
     self->verdicts = malloc(count * sizeof *self->verdicts);
     self->indicated = malloc(count * sizeof(double));
     self->states = malloc(count * sizeof *self->states);
     self->rounds = malloc(count * sizeof *self->rounds);
-    if (!self->places || !self->central_film_thickness || !self->taken || !self->state_of_point ||
+    if (!self->places || !self->central_film_thickness || !self->trained || !self->state_of_point ||
         !self->verdicts || !self->indicated || !self->states || !self->rounds)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points", self->plan_path,
                         count);
@@ -101,7 +101,8 @@ static double true_deviation(const adaptive *self, const adaptive_state *state) 
                 1);
 }
 
-/* Factor of the indicator from the points that came in a round; 0: none. `work` is [2, num_states]. */
+/* Factor of the indicator from the points that came in a round; 0: none. `work` is [2, num_states].
+ */
 static double factor_of(const adaptive *self, size_t round, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
@@ -134,7 +135,8 @@ static size_t count_solved(const adaptive *self, size_t round) {
     return count;
 }
 
-/* Rounds that an earlier run has judged: the worst candidate of each is the first of the next one. */
+/* Rounds that an earlier run has judged: the worst candidate of each is the first of the next one.
+ */
 static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
     double *work = malloc((2 * self->num_states + 1) * sizeof *work);
     if (!work) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
@@ -156,25 +158,25 @@ static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
 
 // ---- choosing
 
-static void take(adaptive *self, size_t point, const trial_verdict *verdict) {
+static void add_point(adaptive *self, size_t point, const trial_verdict *verdict) {
     self->states[self->num_states] = (adaptive_state){point, self->num_rounds, *verdict};
     self->state_of_point[point] = self->num_states++;
-    self->taken[point] = true;
+    self->trained[point] = true;
 }
 
-/* Takes the worst of what is left, but for those that are good enough. */
-static ehd_status take_worst(adaptive *self, size_t most, double enough, bool judged,
-                             ehd_error *error) {
-    const candidates from = {self->places, self->set->num_points, self->taken, self->indicated,
-                             enough};
+/* Adds the candidates with the largest indicated deviation, of those above the accuracy. */
+static ehd_status add_worst(adaptive *self, size_t max_count, double accuracy, bool judged,
+                            ehd_error *error) {
+    const candidates from = {self->places, self->set->num_points, self->trained, self->indicated,
+                             accuracy};
     const trial_verdict unknown = {NAN, NAN};
-    size_t *chosen = malloc((most + 1) * sizeof *chosen), count = 0;
+    size_t *chosen = malloc((max_count + 1) * sizeof *chosen), count = 0;
     ehd_status status =
-        chosen ? point_choice_worst(chosen, &count, &from, most, error)
-               : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", most);
+        chosen ? point_choice_worst(chosen, &count, &from, max_count, error)
+               : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", max_count);
 
     for (size_t i = 0; i < count; i++)
-        take(self, chosen[i], judged ? &self->verdicts[chosen[i]] : &unknown);
+        add_point(self, chosen[i], judged ? &self->verdicts[chosen[i]] : &unknown);
     free(chosen);
     return status;
 }
@@ -196,7 +198,7 @@ static void normalise(double (*places)[2], const training_set *set) {
             if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
 }
 
-static ehd_status take_corners(adaptive *self, ehd_error *error) {
+static ehd_status add_corners(adaptive *self, ehd_error *error) {
     size_t num_points = self->set->num_points;
     double(*places)[2] = malloc(num_points * sizeof *places);
     size_t *corners = malloc(num_points * sizeof *corners);
@@ -210,34 +212,35 @@ static ehd_status take_corners(adaptive *self, ehd_error *error) {
         normalise(places, self->set);
         size_t count =
             point_choice_corners(corners, (const double(*)[2])places, num_points, CORNER_TOLERANCE);
-        for (size_t i = 0; i < smaller(count, self->settings->most); i++)
-            take(self, corners[i], &unknown);
+        for (size_t i = 0; i < smaller(count, self->settings->max_points); i++)
+            add_point(self, corners[i], &unknown);
     }
     free(corners);
     free(places);
     return status;
 }
 
-/* The first round, nothing being known yet: corners, and what lies furthest from these and each other. */
-static ehd_status take_start(adaptive *self, ehd_error *error) {
-    size_t wanted = smaller(self->settings->start, self->settings->most);
-    ehd_status status = take_corners(self, error);
+/* The first round, nothing being known yet: corners, and what lies furthest from these and each
+ * other. */
+static ehd_status add_first_round(adaptive *self, ehd_error *error) {
+    size_t wanted = smaller(self->settings->start, self->settings->max_points);
+    ehd_status status = add_corners(self, error);
 
     if (!status && wanted > self->num_states)
-        status = take_worst(self, wanted - self->num_states, 0, false, error);
+        status = add_worst(self, wanted - self->num_states, 0, false, error);
     return status
                ? status
                : adaptive_file_add(self->file, self->set, self->states, 0, self->num_states, error);
 }
 
-static ehd_status take_batch(adaptive *self, ehd_error *error) {
+static ehd_status add_next_round(adaptive *self, ehd_error *error) {
     size_t first = self->num_states, batch = self->settings->batch;
     double indicated = self->rounds[self->num_rounds - 1].indicated;
 
-    if (batch == 0) batch = first / 5 > LEAST_BATCH ? first / 5 : LEAST_BATCH;
-    batch = smaller(batch, smaller(self->settings->most, self->set->num_points) - first);
+    if (batch == 0) batch = first / 5 > MIN_BATCH ? first / 5 : MIN_BATCH;
+    batch = smaller(batch, smaller(self->settings->max_points, self->set->num_points) - first);
     ehd_status status =
-        take_worst(self, batch, isnan(indicated) ? -1 : self->settings->accuracy, true, error);
+        add_worst(self, batch, isnan(indicated) ? -1 : self->settings->accuracy, true, error);
     return status ? status
                   : adaptive_file_add(self->file, self->set, self->states, first,
                                       self->num_states - first, error);
@@ -285,7 +288,7 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
 
     self->points.store = store;
     self->points.sink = self;
-    self->points.wanted = self->taken;
+    self->points.wanted = self->trained;
     return status ? status : training_run(&self->points, self->num_workers, error);
 }
 
@@ -337,7 +340,7 @@ static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
 
     for (size_t i = 0; i < num_points && !status; i++)
-        left[i] = !self->taken[i];
+        left[i] = !self->trained[i];
     if (!status)
         status = trial_judge(self->verdicts, &model, self->set->contacts, left, num_points,
                              self->num_workers, error);
@@ -375,7 +378,7 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
     if (!status) {
         double factor = factor_of(self, self->num_rounds, work);
         for (size_t i = 0; i < self->set->num_points; i++) {
-            if (self->taken[i]) continue;
+            if (self->trained[i]) continue;
             double bound = self->verdicts[i].bound;
             self->indicated[i] = factor > 0 ? factor * bound : bound;
             if (factor > 0) worst = fmax(worst, self->indicated[i]);
@@ -397,13 +400,13 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 static bool is_finished(const adaptive *self) {
     return self->rounds[self->num_rounds - 1].indicated <= self->settings->accuracy ||
-           self->num_states >= smaller(self->set->num_points, self->settings->most);
+           self->num_states >= smaller(self->set->num_points, self->settings->max_points);
 }
 
 static ehd_status run_rounds(adaptive *self, ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    if (self->num_states == 0) status = take_start(self, error);
+    if (self->num_states == 0) status = add_first_round(self, error);
     while (!status) {
         status = solve_round(self, error);
         if (!status && self->points.num_failed == self->num_states)
@@ -412,7 +415,7 @@ static ehd_status run_rounds(adaptive *self, ehd_error *error) {
                               self->plan_path, self->num_states);
         if (!status) status = judge_round(self, error);
         if (status || is_finished(self)) break;
-        status = take_batch(self, error);
+        status = add_next_round(self, error);
     }
     for (size_t r = 0; r < self->num_rounds; r++)
         self->rounds[r].deviation = worst_deviation(self, r + 1);
@@ -431,7 +434,7 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
                                  self->central_film_thickness, &self->points, self->caller, error);
         if (!status) {
             for (size_t s = 0; s < self->num_states; s++) {
-                self->taken[self->states[s].point] = true;
+                self->trained[self->states[s].point] = true;
                 self->state_of_point[self->states[s].point] = s;
             }
             program_note(self->caller, "%s.partial: %zu of %zu points are done",
@@ -473,7 +476,7 @@ static ehd_status add_text(training_set *set, const char *plan_path,
 
     snprintf(line, sizeof line,
              "adaptive: accuracy %.17g, start %zu, batch %zu, most %zu, energy %.17g",
-             settings->accuracy, settings->start, settings->batch, settings->most,
+             settings->accuracy, settings->start, settings->batch, settings->max_points,
              settings->discarded_energy);
     return training_set_add_text(set, line, plan_path, error);
 }

@@ -10,20 +10,21 @@ typedef struct adaptive_settings {
     double accuracy;         // wanted relative deviation of the central film
     size_t start;            // points of the first round, at least the corners of the region
     size_t batch;            // points of each further round; 0: a fifth of those before
-    size_t most;             // points in all
+    size_t max_points;       // points in all
     double discarded_energy; // of the bases (podbuild --energy)
     bool cold;               // every point starts cold
 } adaptive_settings;
 
 adaptive_settings adaptive_default_settings(void);
 
-/* The points of the set are candidates. Round by round some are solved with the full model, a reduced model
- * is made of all that are solved, and judges the others by its indicator (romrun/online/indicator.h), whose factor is
- * fitted to the points of the last round, which the model before had judged. The worst ones come next, until
- * none is indicated to deviate more than is wanted. Written to caller->output, which grows and can be resumed.
- * The points that are chosen and their solutions do not depend on num_workers or on interruptions.
- * EHD_NOT_CONVERGED: more points than allowed failed in the full model, or all; EHD_DATA: trajectories in the
- * plan; EHD_INTERRUPTED; else as snapshots_create and snapshots_resume. */
+/* The points of the set are candidates. Round by round some are solved with the full model, a
+ * reduced model is made of all that are solved, and judges the others by its indicator
+ * (romrun/online/indicator.h), whose factor is fitted to the points of the last round, which the
+ * model before had judged. The worst ones come next, until none is indicated to deviate more than
+ * is wanted. Written to caller->output, which grows and can be resumed. The points that are chosen
+ * and their solutions do not depend on num_workers or on interruptions. EHD_NOT_CONVERGED: more
+ * points than allowed failed in the full model, or all; EHD_DATA: trajectories in the plan;
+ * EHD_INTERRUPTED; else as snapshots_create and snapshots_resume. */
 ehd_status adaptive_train(const program *caller, training_set *set, const char *plan_path,
                           const adaptive_settings *settings, bool resume, size_t allowed_failures,
                           size_t num_workers, ehd_error *error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* snapshots.h5 of an adaptive training: its states are points of the plan in the order in which they were
- * chosen, and more of them come round by round. */
+/* snapshots.h5 of an adaptive training: its states are points of the plan in the order in which
+ * they were chosen, and more of them come round by round. */
 #ifndef EHD_ADAPTIVE_FILE_H
 #define EHD_ADAPTIVE_FILE_H
 

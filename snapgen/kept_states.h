@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The few states of a trajectory that are kept as such, however many steps it has: at regular times, and
- * where a quantity that limits the trained range is extreme. All others live on in compressed form. */
+/* The few states of a trajectory that are kept as such, however many steps it has: at regular
+ * times, and where a quantity that limits the trained range is extreme. All others live on in
+ * compressed form. */
 #ifndef EHD_KEPT_STATES_H
 #define EHD_KEPT_STATES_H
 
@@ -9,7 +10,7 @@
 
 enum {
     KEPT_TIMES = 64,
-    KEPT_EXTREMES = 7, // least and most M, alpha p_H, exit; most rate
+    KEPT_EXTREMES = 7, // smallest and largest M, alpha p_H, exit; largest rate
     NUM_KEPT = KEPT_TIMES + KEPT_EXTREMES
 };
 

@@ -26,7 +26,7 @@ enum {
     KEY_ACCURACY,
     KEY_START,
     KEY_BATCH,
-    KEY_MOST,
+    KEY_MAX_POINTS,
     KEY_ENERGY
 };
 
@@ -88,10 +88,11 @@ static const struct argp_option own_options[] = {
      .key = KEY_BATCH,
      .arg = "N",
      .doc = "Adaptive: points of each further round; default a fifth of those before"},
-    {.name = "most",
-     .key = KEY_MOST,
+    {.name = "max-points",
+     .key = KEY_MAX_POINTS,
      .arg = "N",
      .doc = "Adaptive: points in all; default those of the plan"},
+    {.name = "most", .flags = OPTION_ALIAS | OPTION_HIDDEN}, // its name before
     {.name = "energy",
      .key = KEY_ENERGY,
      .arg = "TOL",
@@ -124,29 +125,29 @@ static bool parse_adaptive(ehd_status *status, snapgen_options *options, int key
         int key;
         const char *name;
         size_t *count;
-        size_t least;
+        size_t min;
     } counts[] = {{KEY_START, "--start", &how->start, 3},
                   {KEY_BATCH, "--batch", &how->batch, 1},
-                  {KEY_MOST, "--most", &how->most, 3}};
+                  {KEY_MAX_POINTS, "--max-points", &how->max_points, 3}};
     const struct {
         int key;
         const char *name;
         double *value;
-        double least, most;
+        double min, max;
     } reals[] = {{KEY_ACCURACY, "--accuracy", &how->accuracy, 1e-12, 1},
                  {KEY_ENERGY, "--energy", &how->discarded_energy, 0, 0.999}};
 
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
         if (counts[i].key != key) continue;
         options->of_adaptive = counts[i].name;
-        *status = parse_count(counts[i].count, argument, counts[i].least, 1000000, counts[i].name,
+        *status = parse_count(counts[i].count, argument, counts[i].min, 1000000, counts[i].name,
                               EHD_USAGE, error);
         return true;
     }
     for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) {
         if (reals[i].key != key) continue;
         options->of_adaptive = reals[i].name;
-        *status = parse_real(reals[i].value, argument, reals[i].least, reals[i].most, reals[i].name,
+        *status = parse_real(reals[i].value, argument, reals[i].min, reals[i].max, reals[i].name,
                              EHD_USAGE, error);
         return true;
     }

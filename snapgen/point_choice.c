@@ -14,7 +14,8 @@ typedef struct hull {
     size_t count;
 } hull;
 
-/* How far a point lies to the left of the way from one corner to another; of the same place: from it. */
+/* How far a point lies to the left of the way from one corner to another; of the same place: from
+ * it. */
 static double distance_outside(const hull *self, size_t from, size_t to, size_t point) {
     const double *a = self->places[from], *b = self->places[to], *p = self->places[point];
     double along[2] = {b[0] - a[0], b[1] - a[1]}, there[2] = {p[0] - a[0], p[1] - a[1]};
@@ -27,12 +28,12 @@ static double distance_outside(const hull *self, size_t from, size_t to, size_t 
 /* Corners between two that are known, without these. */
 static void add_between(hull *self, size_t from, size_t to) {
     size_t furthest = NO_PARENT;
-    double most = self->tolerance;
+    double farthest = self->tolerance;
 
     for (size_t i = 0; i < self->num_points; i++) {
         double outside = distance_outside(self, from, to, i);
-        if (outside > most) {
-            most = outside;
+        if (outside > farthest) {
+            farthest = outside;
             furthest = i;
         }
     }
@@ -64,8 +65,8 @@ size_t point_choice_corners(size_t *corners, const double (*places)[2], size_t n
 // ---- worst
 
 typedef struct nearness {
-    double *taken;  // [num_points] distance to the nearest point taken before
-    double *chosen; // [num_points] to the nearest one chosen now
+    double *trained; // [num_points] distance to the nearest point taken before
+    double *chosen;  // [num_points] to the nearest one chosen now
     double scale[2];
 } nearness;
 
@@ -77,17 +78,18 @@ static void approach(double *nearest, const candidates *from, const double scale
 /* Whether candidate i comes before j. */
 static bool is_worse(const candidates *from, const nearness *near, size_t i, size_t j) {
     if (from->indicated[i] != from->indicated[j]) return from->indicated[i] > from->indicated[j];
-    return fmin(near->taken[i], near->chosen[i]) > fmin(near->taken[j], near->chosen[j]);
+    return fmin(near->trained[i], near->chosen[i]) > fmin(near->trained[j], near->chosen[j]);
 }
 
-/* NO_PARENT: none is far enough from those chosen now. `known`: of those with a finite deviation. */
+/* NO_PARENT: none is far enough from those chosen now. `known`: of those with a finite deviation.
+ */
 static size_t worst(const candidates *from, const nearness *near, double part, bool known) {
     size_t best = NO_PARENT;
 
     for (size_t i = 0; i < from->num_points; i++) {
         // what is chosen has no distance to itself
-        bool far = near->chosen[i] > 0 && near->chosen[i] >= part * near->taken[i];
-        if (from->taken[i] || !far || !(from->indicated[i] > from->enough)) continue;
+        bool far = near->chosen[i] > 0 && near->chosen[i] >= part * near->trained[i];
+        if (from->trained[i] || !far || !(from->indicated[i] > from->accuracy)) continue;
         if (known && !isfinite(from->indicated[i])) continue;
         if (best == NO_PARENT || is_worse(from, near, i, best)) best = i;
     }
@@ -95,31 +97,31 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
 }
 
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
-    const double least_part = 1e-3;
+    const double min_part = 1e-3;
     size_t found = NO_PARENT;
 
-    for (double part = 1; part > least_part && found == NO_PARENT; part /= 2)
+    for (double part = 1; part > min_part && found == NO_PARENT; part /= 2)
         found = worst(from, near, part, known);
     return found;
 }
 
 ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidates *from,
-                              size_t most, ehd_error *error) {
+                              size_t max_chosen, ehd_error *error) {
     size_t count = 0;
     nearness near = {malloc((from->num_points + 1) * sizeof(double)),
                      malloc((from->num_points + 1) * sizeof(double)),
                      {1, 1}};
     ehd_status status = EHD_OK;
 
-    if (!near.taken || !near.chosen)
+    if (!near.trained || !near.chosen)
         status =
             ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", from->num_points);
     tree_scale(near.scale, from->points, from->num_points);
     for (size_t i = 0; i < from->num_points && !status; i++)
-        near.taken[i] = near.chosen[i] = INFINITY;
+        near.trained[i] = near.chosen[i] = INFINITY;
     for (size_t i = 0; i < from->num_points && !status; i++)
-        if (from->taken[i]) approach(near.taken, from, near.scale, i);
-    while (count < most && !status) {
+        if (from->trained[i]) approach(near.trained, from, near.scale, i);
+    while (count < max_chosen && !status) {
         size_t next = NO_PARENT;
         if (count % 2 == 1) next = furthest_worst(from, &near, true);
         if (next == NO_PARENT) next = furthest_worst(from, &near, false);
@@ -128,7 +130,7 @@ ehd_status point_choice_worst(size_t *chosen, size_t *num_chosen, const candidat
         approach(near.chosen, from, near.scale, next);
     }
     *num_chosen = count;
-    free(near.taken);
+    free(near.trained);
     free(near.chosen);
     return status;
 }

@@ -213,8 +213,8 @@ static ehd_status put_iterations(artefact *file, const repeated_training *traini
     return status;
 }
 
-/* Compressed iterations of the trajectories, behind those of the points. Of the two sets the shorter one is
- * filled up with zeros, which say nothing. */
+/* Compressed iterations of the trajectories, behind those of the points. Of the two sets the
+ * shorter one is filled up with zeros, which say nothing. */
 static ehd_status put_compressed(artefact *file, const trajectories *repeated, size_t first,
                                  size_t count, ehd_error *error) {
     const struct {

@@ -8,11 +8,11 @@
 #include "deimselect/row_choice.h"
 
 /* Solves every point of the set with all Reynolds rows of the basis at `basis_path`, each from the
- * trained solution nearest to it that is not its own, and writes D f and D J dz of every iteration to
- * caller->output (paper, section 3.2). A point that does not converge is a warning and counted; its
- * iterations are kept, since they are what the online solver will meet too.
- * EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all failed, and nothing is written;
- * EHD_INTERRUPTED, EHD_MEMORY, I/O. */
+ * trained solution nearest to it that is not its own, and writes D f and D J dz of every iteration
+ * to caller->output (Maier et al. 2015, section 3.2). A point that does not converge is a warning
+ * and counted; its iterations are kept, since they are what the online solver will meet too.
+ * EHD_DATA: a basis of another grid or contact; EHD_NOT_CONVERGED: all failed, and nothing is
+ * written; EHD_INTERRUPTED, EHD_MEMORY, I/O. */
 ehd_status residuals_run(
     // output:
     size_t *num_failed,

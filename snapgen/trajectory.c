@@ -25,20 +25,20 @@ typedef struct task {
     size_t num_merged;
     snapshot_compressor *all_first, *all_second;
     pthread_mutex_t showing; // guards what follows
-    double *travelled;       // [num_trajectories] parts of their ways
+    double *progress_part;   // [num_trajectories] part of the end time that is reached
     progress progress;
 } task;
 
-enum { PARTS_SHOWN = 1000 }; // of all ways
+enum { PARTS_SHOWN = 1000 }; // of the work, in the progress line
 
 /* One trajectory under way. */
-typedef struct traveller {
+typedef struct trajectory_run {
     task *owner;
     size_t number;
     full_march *full;       // or
     reduced_march *reduced; // the one of the two that is used
     snapshot_compressor *first, *second;
-} traveller;
+} trajectory_run;
 
 void trajectories_free(trajectories *self) {
     for (size_t t = 0; self->kept && t < self->num_trajectories; t++)
@@ -50,7 +50,7 @@ void trajectories_free(trajectories *self) {
     memset(self, 0, sizeof *self);
 }
 
-static const ehd_contact *reference_of(const traveller *self) {
+static const ehd_contact *reference_of(const trajectory_run *self) {
     return &self->owner->set->trajectories[self->number].contact;
 }
 
@@ -60,16 +60,16 @@ static void show_progress(task *owner, size_t number, double time) {
     char shown[64];
 
     pthread_mutex_lock(&owner->showing);
-    owner->travelled[number] = time / owner->set->trajectories[number].scene.transient.end_time;
+    owner->progress_part[number] = time / owner->set->trajectories[number].scene.transient.end_time;
     for (size_t t = 0; t < num; t++)
-        sum += owner->travelled[t];
+        sum += owner->progress_part[t];
     snprintf(shown, sizeof shown, "trajectory %zu of %zu at T = %.4g", number + 1, num, time);
     progress_show(&owner->progress, (size_t)(PARTS_SHOWN * sum / (double)num), shown);
     pthread_mutex_unlock(&owner->showing);
 }
 
 static ehd_status store_full(void *sink, const march_step *step, size_t index, ehd_error *error) {
-    traveller *self = sink;
+    trajectory_run *self = sink;
     const full_state *state = full_march_state(self->full, NULL);
     (void)index;
 
@@ -81,7 +81,7 @@ static ehd_status store_full(void *sink, const march_step *step, size_t index, e
 
 static ehd_status store_reduced(void *sink, const march_step *step, size_t index,
                                 ehd_error *error) {
-    traveller *self = sink;
+    trajectory_run *self = sink;
     const reduced_state state = reduced_march_state(self->reduced, NULL);
     (void)index, (void)error;
 
@@ -93,13 +93,13 @@ static ehd_status store_reduced(void *sink, const march_step *step, size_t index
 
 static ehd_status observe(void *context, const double *residual, const double *step,
                           ehd_error *error) {
-    traveller *self = context;
+    trajectory_run *self = context;
     ehd_status status = compressor_add(self->first, residual, 1, error);
 
     return status ? status : compressor_add(self->second, step, 1, error);
 }
 
-static ehd_status begin_full(traveller *self, const scene *given, ehd_error *error) {
+static ehd_status begin_full(trajectory_run *self, const scene *given, ehd_error *error) {
     full_settings settings = full_default_settings();
     const ehd_contact *reference = reference_of(self);
 
@@ -115,7 +115,7 @@ static ehd_status begin_full(traveller *self, const scene *given, ehd_error *err
     return status;
 }
 
-static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *error) {
+static ehd_status begin_reduced(trajectory_run *self, const scene *given, ehd_error *error) {
     const reduced_settings settings = reduced_default_settings();
     const task *owner = self->owner;
     size_t num_rows = owner->model->rows.num_rows;
@@ -132,7 +132,7 @@ static ehd_status begin_reduced(traveller *self, const scene *given, ehd_error *
     return status;
 }
 
-static void end_traveller(traveller *self) {
+static void end_run(trajectory_run *self) {
     full_march_free(self->full);
     reduced_march_free(self->reduced);
     compressor_free(self->first);
@@ -140,8 +140,8 @@ static void end_traveller(traveller *self) {
 }
 
 /* Marches to the end; *reason tells why it did not get there, "" when it did. */
-static ehd_status travel(char reason[MARCH_REASON], traveller *self, const scene *given,
-                         ehd_error *error) {
+static ehd_status march_to_end(char reason[MARCH_REASON], trajectory_run *self, const scene *given,
+                               ehd_error *error) {
     march run = {.reference = reference_of(self),
                  .solver = self->full ? full_march_solver(self->full)
                                       : reduced_march_solver(self->reduced),
@@ -169,13 +169,13 @@ static ehd_status solve_trajectory(void *shared, void *worker, size_t number, si
                                    ehd_error *error) {
     task *owner = shared;
     const scene *given = &owner->set->trajectories[number].scene;
-    traveller self = {.owner = owner, .number = number};
+    trajectory_run self = {.owner = owner, .number = number};
     char reason[MARCH_REASON], name[POINT_NAME];
     (void)worker, (void)parent;
 
     ehd_status status =
         owner->model ? begin_reduced(&self, given, error) : begin_full(&self, given, error);
-    if (!status) status = travel(reason, &self, given, error);
+    if (!status) status = march_to_end(reason, &self, given, error);
     if (!status && reason[0]) {
         training_point_name(name, reference_of(&self));
         owner->result->failed[number] = true;
@@ -188,7 +188,7 @@ static ehd_status solve_trajectory(void *shared, void *worker, size_t number, si
     }
     if (!status && self.second)
         status = compressor_finish(&owner->second[number], self.second, error);
-    end_traveller(&self);
+    end_run(&self);
     return status;
 }
 
@@ -252,10 +252,10 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
     self->second = calloc(num, sizeof *self->second);
     self->done = calloc(num, sizeof *self->done);
     self->histories = calloc(num, sizeof *self->histories);
-    self->travelled = calloc(num, sizeof *self->travelled);
+    self->progress_part = calloc(num, sizeof *self->progress_part);
     pthread_mutex_init(&self->showing, NULL);
     if (!result->kept || !result->failed || !self->first || !self->second || !self->done ||
-        !self->histories || !self->travelled)
+        !self->histories || !self->progress_part)
         status = ehd_fail(error, EHD_MEMORY, "trajectories: found no memory");
     for (size_t t = 0; t < num && !status; t++)
         status = histories_init(&self->histories[t], &self->set->trajectories[t].scene, error);
@@ -273,7 +273,7 @@ static ehd_status run(trajectories *result, task *self, size_t num_workers, ehd_
         if (self->histories) histories_free(self->histories[t]);
     }
     pthread_mutex_destroy(&self->showing);
-    free(self->travelled);
+    free(self->progress_part);
     free(self->histories);
     free(self->first);
     free(self->second);

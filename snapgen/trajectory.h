@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Training on trajectories: every step of a transient scene is a snapshot, compressed as it comes, so
- * that neither memory nor files grow with the number of steps. */
+/* Training on trajectories: every step of a transient scene is a snapshot, compressed as it comes,
+ * so that neither memory nor files grow with the number of steps. */
 #ifndef EHD_TRAJECTORY_H
 #define EHD_TRAJECTORY_H
 
@@ -28,8 +28,8 @@ void trajectories_free(trajectories *self);
 /* Singular values below 1e-11 of the first are left out of the compressed snapshots. */
 extern const compressor_settings trajectory_compression;
 
-/* With the full model. A trajectory that does not reach its end, or is not to be trusted, is a warning and
- * counted. */
+/* With the full model. A trajectory that does not reach its end, or is not to be trusted, is a
+ * warning and counted. */
 ehd_status trajectories_train(
     // output:
     trajectories *self, // free with trajectories_free

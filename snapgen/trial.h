@@ -8,9 +8,9 @@
 #include "podbuild/snapshot_set.h"
 #include "romrun/model/reduced_model.h"
 
-/* A model of stationary solutions, in memory, as podbuild --energy, snapgen --basis and deimselect make it
- * with their defaults. EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text; EHD_MEMORY,
- * EHD_INTERNAL. */
+/* A model of stationary solutions, in memory, as podbuild --energy, snapgen --basis and deimselect
+ * make it with their defaults. EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text;
+ * EHD_MEMORY, EHD_INTERNAL. */
 ehd_status trial_build(
     // output:
     reduced_model *model, // free with reduced_model_free
@@ -26,8 +26,8 @@ typedef struct trial_verdict {
     double central_film_thickness; // NaN where it does not converge
 } trial_verdict;
 
-/* Solves the contacts for which `wanted` is set, each from its own guess, so that the verdicts depend on
- * model and contact alone. EHD_INTERRUPTED with an empty text; EHD_MEMORY. */
+/* Solves the contacts for which `wanted` is set, each from its own guess, so that the verdicts
+ * depend on model and contact alone. EHD_INTERRUPTED with an empty text; EHD_MEMORY. */
 ehd_status trial_judge(
     // output:
     trial_verdict *verdicts, // [num_contacts], those not wanted stay

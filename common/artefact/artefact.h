@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Artefacts: the HDF5 files that link the programs. The only place that speaks HDF5.
  *
- * HDF5 as Debian builds it is not thread-safe: of all functions here, only one may run at a time in a
- * process, whatever files they work on. HDF5 prints nothing, and is not shut down at exit.
+ * HDF5 as Debian builds it is not thread-safe: of all functions here, only one may run at a time in
+ * a process, whatever files they work on. HDF5 prints nothing, and is not shut down at exit.
  *
  * A field is declared once in a schema table (schemas.c); reader, writer and the pages in schemas/
  * all use that declaration. */
@@ -70,8 +70,8 @@ typedef struct artefact artefact;
  * EHD_CANTCREATE when PATH exists, or PATH.partial with what an interrupted run finished, and
  * program->force is not set; when it cannot be written, or another process is writing PATH.partial.
  * `settings_text` is stored as attribute `settings`; `inputs` (NULL-terminated paths, may be NULL)
- * are hashed (SHA-256) into `input_<n>_path`, `input_<n>_sha256`, and the history lines of those that
- * are artefacts come before our own line. */
+ * are hashed (SHA-256) into `input_<n>_path`, `input_<n>_sha256`, and the history lines of those
+ * that are artefacts come before our own line. */
 ehd_status artefact_create(
     // output:
     artefact **file,
@@ -79,9 +79,9 @@ ehd_status artefact_create(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* The same, with an axis that grows, of no entry yet. Fields may have it as their first axis only; what
- * is never written of them reads as NaN or -1, and entries of more than one number then take no space
- * on disk. */
+/* The same, with an axis that grows, of no entry yet. Fields may have it as their first axis only;
+ * what is never written of them reads as NaN or -1, and entries of more than one number then take
+ * no space on disk. */
 ehd_status artefact_create_growing(
     // output:
     artefact **file,
@@ -89,14 +89,14 @@ ehd_status artefact_create_growing(
     const char *path, const artefact_schema *schema, const char *axis, const program *program,
     const char *settings_text, const char *const *inputs, ehd_error *error);
 
-/* Declares an axis of this file, of at least one entry, and writes its scale; `values` NULL: 0, 1, 2,
- * … as integers. */
+/* Declares an axis of this file, of at least one entry, and writes its scale; `values` NULL: 0, 1,
+ * 2, … as integers. */
 ehd_status artefact_put_axis(artefact *file, const char *name, size_t length, const double *values,
                              ehd_error *error);
 
-/* Writes `count` values of the growing axis from `first` on. Beyond its length everything on the axis
- * grows, the fields first and the axis itself last: a reader that asks the axis for its length finds as
- * much of every field. Hence it is put after the fields of these entries. */
+/* Writes `count` values of the growing axis from `first` on. Beyond its length everything on the
+ * axis grows, the fields first and the axis itself last: a reader that asks the axis for its length
+ * finds as much of every field. Hence it is put after the fields of these entries. */
 ehd_status artefact_put_axis_part(artefact *file, const char *name, size_t first, size_t count,
                                   const double *values, ehd_error *error);
 
@@ -108,8 +108,8 @@ ehd_status artefact_declare(artefact *file, const char *field, ehd_error *error)
  * overwritten leaves the others whole. */
 ehd_status artefact_declare_apart(artefact *file, const char *field, ehd_error *error);
 
-/* Writes a whole field, or `count` entries along its first axis from `first` on. A field on the growing
- * axis grows as needed. */
+/* Writes a whole field, or `count` entries along its first axis from `first` on. A field on the
+ * growing axis grows as needed. */
 ehd_status artefact_put(artefact *file, const char *field, const double *data, ehd_error *error);
 ehd_status artefact_put_integers(artefact *file, const char *field, const int64_t *data,
                                  ehd_error *error);
@@ -124,24 +124,24 @@ ehd_status artefact_put_text(artefact *file, const char *attribute, const char *
                              ehd_error *error);
 
 /* From here on the file stays readable at any moment, even after a kill, and others may read it
- * (HDF5 single writer, multiple readers). All fields that the schema calls NEED_ALWAYS or NEED_OWN must
- * have been declared, and its NEED_ALWAYS attributes written (else EHD_INTERNAL). Only
+ * (HDF5 single writer, multiple readers). All fields that the schema calls NEED_ALWAYS or NEED_OWN
+ * must have been declared, and its NEED_ALWAYS attributes written (else EHD_INTERNAL). Only
  * artefact_put*_part on declared fields and the growing axis may follow, then artefact_flush,
- * artefact_end_streaming, artefact_finish or artefact_close. Entries reach the file in the order of the
- * calls, so a `status` put last is never there before what it speaks of. */
+ * artefact_end_streaming, artefact_finish or artefact_close. Entries reach the file in the order of
+ * the calls, so a `status` put last is never there before what it speaks of. */
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
 
-/* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it when
- * needed. Does nothing when the file is not streaming. */
+/* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it
+ * when needed. Does nothing when the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
-/* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which can
- * also be read. EHD_NOINPUT when there is none; EHD_DATA when it is damaged or was interrupted before
- * it began to stream, or its schema or `settings_text` differ; EHD_CANTCREATE when PATH exists and
- * program->force is not set, or another process is writing.
- * A file with a growing axis is not streaming yet, and what is on the axis may differ in length by the
- * entries that a killed run was writing: artefact_cut_axis has to come next. */
+/* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which
+ * can also be read. EHD_NOINPUT when there is none; EHD_DATA when it is damaged or was interrupted
+ * before it began to stream, or its schema or `settings_text` differ; EHD_CANTCREATE when PATH
+ * exists and program->force is not set, or another process is writing. A file with a growing axis
+ * is not streaming yet, and what is on the axis may differ in length by the entries that a killed
+ * run was writing: artefact_cut_axis has to come next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
@@ -149,18 +149,19 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* After artefact_resume: whether a file that the run reads beside its settings is what it was when the
- * output was begun, by its content where it has another name now. EHD_DATA, with `what` it is, when it is
- * not; EHD_NOINPUT, EHD_IO. */
+/* After artefact_resume: whether a file that the run reads beside its settings is what it was when
+ * the output was begun, by its content where it has another name now. EHD_DATA, with `what` it is,
+ * when it is not; EHD_NOINPUT, EHD_IO. */
 ehd_status artefact_check_input(artefact *file, const char *what, const char *path,
                                 ehd_error *error);
 
-/* Drops the entries of the growing axis from `length` on, checks those before, and streams again. Only
- * after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged. */
+/* Drops the entries of the growing axis from `length` on, checks those before, and streams again.
+ * Only after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged.
+ */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
-/* Puts all axes, fields and attributes of an opened file that its schema knows into a file of the same
- * schema that has none yet, but for some axes and the fields along them. */
+/* Puts all axes, fields and attributes of an opened file that its schema knows into a file of the
+ * same schema that has none yet, but for some axes and the fields along them. */
 ehd_status artefact_copy(
     // output:
     artefact *to,
@@ -169,17 +170,17 @@ ehd_status artefact_copy(
     const char *const *except_axes, // NULL at the end; NULL: none
     ehd_error *error);
 
-/* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the final
- * name. Frees the file in any case; on failure the .partial file stays. All fields that the schema
- * calls NEED_ALWAYS or NEED_OWN must have been written, and a growing axis have an entry (else
- * EHD_INTERNAL). */
+/* Writes `complete` = 1 last, closes with every error checked, syncs to disk and renames to the
+ * final name. Frees the file in any case; on failure the .partial file stays. All fields that the
+ * schema calls NEED_ALWAYS or NEED_OWN must have been written, and a growing axis have an entry
+ * (else EHD_INTERNAL). */
 ehd_status artefact_finish(artefact **file, ehd_error *error);
 
 // ---- reading
 
-/* Opens a finished artefact for reading. Refuses (EHD_NOINPUT: missing; EHD_DATA: not HDF5, truncated,
- * empty, wrong schema, newer major version, complete = 0, a needed field missing, of another rank or
- * with axes of unequal length). `schemas`: the accepted ones, NULL at the end. */
+/* Opens a finished artefact for reading. Refuses (EHD_NOINPUT: missing; EHD_DATA: not HDF5,
+ * truncated, empty, wrong schema, newer major version, complete = 0, a needed field missing, of
+ * another rank or with axes of unequal length). `schemas`: the accepted ones, NULL at the end. */
 ehd_status artefact_open(
     // output:
     artefact **file,
@@ -201,9 +202,9 @@ size_t artefact_length(const artefact *file, const char *axis);
 /* Whether artefact_get_axis has values to give. */
 bool artefact_has_scale(const artefact *file, const char *axis);
 
-/* Reads into the caller's memory; lengths are those of the axes. A checksum that fails, and an optional
- * field, attribute or scale that the file does not have, are EHD_DATA. A foreign file need not have
- * scales: then artefact_length still works, and artefact_get_axis is EHD_DATA. */
+/* Reads into the caller's memory; lengths are those of the axes. A checksum that fails, and an
+ * optional field, attribute or scale that the file does not have, are EHD_DATA. A foreign file need
+ * not have scales: then artefact_length still works, and artefact_get_axis is EHD_DATA. */
 ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error);
 ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error);
 ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,

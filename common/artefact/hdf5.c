@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An attribute has to fit into one message of an object header, which is 64 kB with its own name. */
+/* An attribute has to fit into one message of an object header, which is 64 kB with its own name.
+ */
 enum { PIECE_BYTES = 60000 };
 
 void hdf5_start(void) {
@@ -70,8 +71,8 @@ ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error 
 
 // ---- files
 
-/* Locks of HDF5 are off: they would outlive nothing but they fail on some network file systems. What
- * has to be excluded, two writers of one file, is excluded by our own lock. */
+/* Locks of HDF5 are off: they would outlive nothing but they fail on some network file systems.
+ * What has to be excluded, two writers of one file, is excluded by our own lock. */
 static hid_t access_properties(void) {
     hid_t access = H5Pcreate(H5P_FILE_ACCESS);
     H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
@@ -101,7 +102,8 @@ hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
     }
     hid_t file = H5Fopen(path, flags, access);
     hdf5_release(access);
-    // what a killed writer added lies behind the end that the superblock knows, and must not be reused
+    // what a killed writer added lies behind the end that the superblock knows, and must not be
+    // reused
     if (file >= 0 && clear_flags && H5Fincrement_filesize(file, 0) < 0) {
         hdf5_release(file);
         return -1;
@@ -115,8 +117,8 @@ static void keep_in_header(hid_t properties) {
     H5Pset_attr_phase_change(properties, 65535, 0);
 }
 
-/* Nothing smaller than a page of the system lies across two of them, and a kill comes between two pages
- * of a write, if at all: no metadata is then half written. */
+/* Nothing smaller than a page of the system lies across two of them, and a kill comes between two
+ * pages of a write, if at all: no metadata is then half written. */
 static void keep_in_pages(hid_t creation) {
     H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1);
     H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES);

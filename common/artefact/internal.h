@@ -46,9 +46,9 @@ void hdf5_release(hid_t id);
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error);
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error);
 
-/* Opens an existing file. `flags` as for H5Fopen; `clear_flags` also clears what a killed writer left
- * in the superblock, and takes in all that it wrote behind the end that it noted there, as h5clear
- * does. Negative on failure. */
+/* Opens an existing file. `flags` as for H5Fopen; `clear_flags` also clears what a killed writer
+ * left in the superblock, and takes in all that it wrote behind the end that it noted there, as
+ * h5clear does. Negative on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
 enum { HDF5_PAGE_BYTES = 4096 };
 /* `growing`: laid out for metadata that change while streaming. */
@@ -59,14 +59,16 @@ bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *
 /* Text up to 65 kB: fixed length, UTF-8, NUL at the end. */
 bool hdf5_put_string(hid_t object, const char *name, const char *text);
 
-/* Text of any length at the root, in pieces NAME, NAME_2, NAME_3, … where it is too long for one. */
+/* Text of any length at the root, in pieces NAME, NAME_2, NAME_3, … where it is too long for one.
+ */
 bool hdf5_put_text(hid_t root, const char *name, const char *text);
 
 /* One attribute string of whatever kind, NULL when it is not there or is no text; free(). */
 char *hdf5_get_string(hid_t object, const char *name);
 /* The pieces that hdf5_put_text wrote, joined. */
 char *hdf5_get_text(hid_t root, const char *name);
-/* One number of class `wanted` (H5T_FLOAT accepts integers too). False when it is something else. */
+/* One number of class `wanted` (H5T_FLOAT accepts integers too). False when it is something else.
+ */
 bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
 
 bool hdf5_has_dataset(hid_t root, const char *name);
@@ -77,13 +79,16 @@ bool hdf5_has_attribute(hid_t object, const char *name);
 /* SHA-256 of a file, 64 hexadecimal digits. EHD_NOINPUT, EHD_IO. */
 ehd_status sha256_file(char identity[65], const char *path, ehd_error *error);
 
-/* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free(). */
+/* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free().
+ */
 char *history_line(const program *caller);
 
-/* Copies text and replaces what is not UTF-8 by '?', because readers refuse a whole file over it. */
+/* Copies text and replaces what is not UTF-8 by '?', because readers refuse a whole file over it.
+ */
 char *utf8_copy(const char *text);
 
-/* Whether the recorded input of this name had this content or, where none has the name, any of them. */
+/* Whether the recorded input of this name had this content or, where none has the name, any of
+ * them. */
 bool had_input(hid_t root, const char *path, const char identity[65]);
 
 /* All attributes that say where the file comes from, with `complete` = 0. */
@@ -94,9 +99,9 @@ bool put_history(hid_t root, const char *before, const char *line); // the two j
 
 // ---- partial.c
 
-/* The writer's object with names, schema, and PATH.partial opened (`flags`: O_CREAT or 0) and locked,
- * but no HDF5 file yet. EHD_CANTCREATE, with O_CREAT also where PATH.partial has something for --resume
- * and caller->force is not set; EHD_NOINPUT (without O_CREAT), EHD_MEMORY. */
+/* The writer's object with names, schema, and PATH.partial opened (`flags`: O_CREAT or 0) and
+ * locked, but no HDF5 file yet. EHD_CANTCREATE, with O_CREAT also where PATH.partial has something
+ * for --resume and caller->force is not set; EHD_NOINPUT (without O_CREAT), EHD_MEMORY. */
 ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,
                       const program *caller, int flags, ehd_error *error);
 /* Renames the closed file. The content is on disk before the name says that it is whole. */
@@ -121,8 +126,8 @@ bool field_grows(const artefact *file, const artefact_field *field);
 /* Whether a field is in the file. */
 bool field_exists(const artefact *file, const artefact_field *field);
 
-/* Opens a dataset, to be released. What is on the growing axis is kept open behind that while streaming,
- * because every entry goes into all of it. Negative on failure. */
+/* Opens a dataset, to be released. What is on the growing axis is kept open behind that while
+ * streaming, because every entry goes into all of it. Negative on failure. */
 hid_t open_dataset(artefact *file, const char *name);
 
 /* Length of a dataset along its first axis. */
@@ -144,8 +149,8 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
  * the axis lengths. */
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
 /* Reads every dataset that the schema knows, so that every checksum is verified. Of a file being
- * written with a growing axis only the axes and what is on that one, because the rest is overwritten
- * in place. */
+ * written with a growing axis only the axes and what is on that one, because the rest is
+ * overwritten in place. */
 ehd_status read_everything(artefact *file, ehd_error *error);
 /* -1 where the attribute is not there. */
 int64_t completeness(const artefact *file);

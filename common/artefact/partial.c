@@ -46,7 +46,8 @@ static ehd_status lock_partial(artefact *file, int flags, ehd_error *error) {
     return EHD_OK;
 }
 
-/* What --resume continues: an entry of the dataset of at least `min` says that something is finished. */
+/* What --resume continues: an entry of the dataset of at least `min` says that something is
+ * finished. */
 static const struct {
     const artefact_schema *schema;
     const char *dataset;

@@ -78,7 +78,8 @@ static char *creator_text(void) {
     return text;
 }
 
-/* One word of a command line, quoted as a shell would need it; a line break would break the line. */
+/* One word of a command line, quoted as a shell would need it; a line break would break the line.
+ */
 static void print_word(FILE *stream, const char *word) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
                                 "_-+=./,:@%";

@@ -144,8 +144,8 @@ static bool type_fits(hid_t dataset, artefact_type type) {
     return found == H5T_INTEGER || (found == H5T_FLOAT && type == ARTEFACT_REAL);
 }
 
-/* Every axis has one length in the whole file; the first dataset that has the axis decides, which is
- * its scale. What is on a growing axis may be longer until the axis is cut. */
+/* Every axis has one length in the whole file; the first dataset that has the axis decides, which
+ * is its scale. What is on a growing axis may be longer until the axis is cut. */
 static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
                                ehd_error *error) {
     size_t *length = find_length(file, axis);
@@ -189,9 +189,9 @@ typedef struct scale_use {
     int axis;
 } scale_use;
 
-/* The uses of a scale, NULL when it tells none or there is no memory for *num_uses; free(). They are
- * read from the scale's side, because the datasets' own lists lie in a heap without checksums, over
- * which HDF5 1.10 hangs when it is damaged. */
+/* The uses of a scale, NULL when it tells none or there is no memory for *num_uses; free(). They
+ * are read from the scale's side, because the datasets' own lists lie in a heap without checksums,
+ * over which HDF5 1.10 hangs when it is damaged. */
 static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     static const char list[] = "REFERENCE_LIST";
     if (!hdf5_has_attribute(scale, list)) return NULL;
@@ -278,8 +278,8 @@ static size_t length_along(const artefact *file, const char *name, size_t rank, 
     return found == (int)rank ? (size_t)dims[axis] : 0;
 }
 
-/* Which optional axes the file has, and their lengths: those with a scale or, because a foreign file need
- * not have scales, with a field that has all of its axes. */
+/* Which optional axes the file has, and their lengths: those with a scale or, because a foreign
+ * file need not have scales, with a field that has all of its axes. */
 static void learn_optional_axes(artefact *file) {
     for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
         if (!axis->optional) continue;

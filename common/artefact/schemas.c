@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What each kind of file holds: one line a field. After a change, tests/unit/test_schemas tells how to
- * bring the pages in schemas/ up to date. */
+/* What each kind of file holds: one line a field. After a change, tests/unit/test_schemas tells how
+ * to bring the pages in schemas/ up to date. */
 #include "common/artefact/artefact.h"
 
 #define AXIS(name, units, long_name)                                                               \

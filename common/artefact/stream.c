@@ -79,11 +79,11 @@ static const char *find_growing(const artefact *file) {
     const char *growing = NULL;
     for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
         if (!hdf5_has_dataset(file->id, axis->name)) continue;
-        hsize_t most[H5S_MAX_RANK] = {0};
+        hsize_t max_dims[H5S_MAX_RANK] = {0};
         hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
         hid_t space = H5Dget_space(dataset);
-        H5Sget_simple_extent_dims(space, NULL, most);
-        if (most[0] == H5S_UNLIMITED) growing = axis->name;
+        H5Sget_simple_extent_dims(space, NULL, max_dims);
+        if (max_dims[0] == H5S_UNLIMITED) growing = axis->name;
         hdf5_release(space);
         hdf5_release(dataset);
     }

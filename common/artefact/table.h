@@ -12,8 +12,8 @@
 bool artefact_is_table(const char *path);
 
 /* Reads datasets of numbers along one axis, all of equal length; what the numbers are is not looked
- * at. EHD_NOINPUT: no such file; EHD_DATA: no HDF5, or a dataset missing, damaged or of another kind;
- * EHD_IO; EHD_MEMORY. */
+ * at. EHD_NOINPUT: no such file; EHD_DATA: no HDF5, or a dataset missing, damaged or of another
+ * kind; EHD_IO; EHD_MEMORY. */
 ehd_status artefact_read_table(
     // input:
     const char *path,

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 
 // Scalars share a chunk, and a large field has several chunks an entry.
-enum { CHUNK_LEAST_BYTES = 8192, CHUNK_MOST_BYTES = 1 << 20 };
+enum { CHUNK_MIN_BYTES = 8192, CHUNK_MAX_BYTES = 1 << 20 };
 
 // Of scalars on a growing axis two chunks with their checksums fill a page. They are small because
 // every entry rewrites one.
@@ -73,7 +73,7 @@ ehd_status artefact_create(artefact **file, const char *path, const artefact_sch
 static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, layout kind) {
     if (kind == LAYOUT_APART) return 1;
     if (kind == LAYOUT_GROWING) return rank == 1 ? CHUNK_GROWING_SCALARS : 1;
-    hsize_t entries = entry_bytes < CHUNK_LEAST_BYTES ? CHUNK_LEAST_BYTES / entry_bytes : 1;
+    hsize_t entries = entry_bytes < CHUNK_MIN_BYTES ? CHUNK_MIN_BYTES / entry_bytes : 1;
     return entries < length ? entries : length;
 }
 
@@ -86,9 +86,9 @@ static void choose_chunks(hsize_t *chunk, const hsize_t *dims, int rank, layout 
     for (int i = 1; i < rank; i++)
         chunk[i] = dims[i];
     if (kind == LAYOUT_APART) return; // whole chunks are overwritten without being read
-    for (int i = 1; i < rank && entry > CHUNK_MOST_BYTES; i++) {
+    for (int i = 1; i < rank && entry > CHUNK_MAX_BYTES; i++) {
         hsize_t row = entry / chunk[i];
-        hsize_t fit = CHUNK_MOST_BYTES / row;
+        hsize_t fit = CHUNK_MAX_BYTES / row;
         hsize_t pieces = fit > 0 ? (chunk[i] + fit - 1) / fit : chunk[i];
         chunk[i] = (chunk[i] + pieces - 1) / pieces; // pieces of about equal size
         entry = row * chunk[i];
@@ -103,10 +103,10 @@ static hid_t create_dataset(hid_t root, const char *name, bool integer, const hs
     hid_t native = integer ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE;
     const bool early = kind == LAYOUT_EARLY || kind == LAYOUT_APART;
     hsize_t chunk[ARTEFACT_MAX_RANK];
-    hsize_t most[ARTEFACT_MAX_RANK];
+    hsize_t max_dims[ARTEFACT_MAX_RANK];
     choose_chunks(chunk, dims, rank, kind);
-    memcpy(most, dims, (size_t)rank * sizeof *most);
-    if (kind == LAYOUT_GROWING) most[0] = H5S_UNLIMITED;
+    memcpy(max_dims, dims, (size_t)rank * sizeof *max_dims);
+    if (kind == LAYOUT_GROWING) max_dims[0] = H5S_UNLIMITED;
 
     hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
     H5Pset_chunk(properties, rank, chunk);
@@ -115,7 +115,7 @@ static hid_t create_dataset(hid_t root, const char *name, bool integer, const hs
     H5Pset_alloc_time(properties, early ? H5D_ALLOC_TIME_EARLY : H5D_ALLOC_TIME_INCR);
     H5Pset_fill_value(properties, native,
                       integer ? (const void *)&no_integer : (const void *)&no_real);
-    hid_t space = H5Screate_simple(rank, dims, most);
+    hid_t space = H5Screate_simple(rank, dims, max_dims);
     hid_t dataset = H5Dcreate2(root, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
     hdf5_release(space);
     hdf5_release(properties);

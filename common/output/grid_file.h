@@ -20,34 +20,36 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
 ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                       ehd_error *error);
 
-/* Puts values at the inner nodes, [inner_lines, inner_x] as files have them, of the whole grid where `mirrored`, to the
- * grid's nodes, where the grid is a half its own half of them. */
+/* Puts values at the inner nodes, [inner_lines, inner_x] as files have them, of the whole grid
+ * where `mirrored`, to the grid's nodes, where the grid is a half its own half of them. */
 void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bool mirrored);
 
-/* Writes values at the inner nodes as entry `index` of a field whose last axes are (y and) x. EHD_MEMORY; and as
- * artefact_put_part. */
+/* Writes values at the inner nodes as entry `index` of a field whose last axes are (y and) x.
+ * EHD_MEMORY; and as artefact_put_part. */
 ehd_status grid_put_field(artefact *file, const char *name, size_t index,
                           const double *nodes, // [num_nodes]
                           const ehd_grid *grid, bool mirrored, ehd_error *error);
 
-/* Lines of an open file's inner nodes, 1 of a line contact. EHD_DATA: not as many as the kind has. */
+/* Lines of an open file's inner nodes, 1 of a line contact. EHD_DATA: not as many as the kind has.
+ */
 ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
                             ehd_error *error);
 
-/* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or the
- * kind is not known. */
+/* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or
+ * the kind is not known. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
 /* EHD_DATA naming `path` when its grid differs from the one of `expected_path`. */
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);
 
-/* Says how many `bytes` solutions of a point contact, `num_jobs` at a time, will take in all, before they are taken;
- * nothing of a line. EHD_MEMORY, naming `object`: more than there are. */
+/* Says how many `bytes` solutions of a point contact, `num_jobs` at a time, will take in all,
+ * before they are taken; nothing of a line. EHD_MEMORY, naming `object`: more than there are. */
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error);
 
-/* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the scene. */
+/* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the
+ * scene. */
 ehd_status contact_load(
     // output:
     ehd_contact *contact, scene *given,

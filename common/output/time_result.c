@@ -197,7 +197,7 @@ static ehd_status check_same_run(const artefact *file, const ehd_contact *refere
     return EHD_OK;
 }
 
-/* Reads the valid slot with most entries; zeros when there is none. */
+/* Reads the valid slot of the latest time; zeros when there is none. */
 static ehd_status get_restart(double *restart, size_t *num_entries, artefact *file,
                               size_t restart_size, ehd_error *error) {
     int64_t found[NUM_SLOTS];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The result of a transient scene: a result.h5 whose axis `time` grows while the run goes on. It can be
- * followed by other readers, and resumed after a kill. */
+/* The result of a transient scene: a result.h5 whose axis `time` grows while the run goes on. It
+ * can be followed by other readers, and resumed after a kill. */
 #ifndef EHD_TIME_RESULT_H
 #define EHD_TIME_RESULT_H
 
@@ -13,8 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* One time. Numbers are dimensionless and in the reference frame, unless said otherwise; NaN stands for
- * "not known". */
+/* One time. Numbers are dimensionless and in the reference frame, unless said otherwise; NaN stands
+ * for "not known". */
 typedef struct time_entry {
     double time; // T, increasing from entry to entry
     double central_film_thickness;
@@ -44,8 +44,8 @@ typedef struct time_summary {
 } time_summary;
 
 /* Starts caller->output, streaming. `with_fields`: pressure and film at some times at least.
- * `restart_size`: numbers that a run needs to go on, 0: it cannot be resumed. `inputs`: paths, NULL at
- * the end. Errors as artefact_create. */
+ * `restart_size`: numbers that a run needs to go on, 0: it cannot be resumed. `inputs`: paths, NULL
+ * at the end. Errors as artefact_create. */
 ehd_status time_result_create(
     // output:
     artefact **file, // give to time_result_finish; artefact_close leaves NAME.partial
@@ -53,15 +53,15 @@ ehd_status time_result_create(
     const program *caller, const ehd_contact *reference, const char *settings_text,
     const char *const *inputs, bool with_fields, size_t restart_size, ehd_error *error);
 
-/* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows last, so
- * that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY; EHD_INTERNAL for fields
- * in a file without. */
+/* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows
+ * last, so that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY;
+ * EHD_INTERNAL for fields in a file without. */
 ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_entry *entries,
                               size_t count, size_t index, ehd_error *error);
 
-/* Stores what a run needs to go on after entry num_entries - 1. There are two slots, used in turn, each
- * with its number of entries: taken away first and written last, so that a kill at any moment leaves
- * one of them whole. */
+/* Stores what a run needs to go on after entry num_entries - 1. There are two slots, used in turn,
+ * each with its number of entries: taken away first and written last, so that a kill at any moment
+ * leaves one of them whole. */
 ehd_status time_result_checkpoint(artefact *file,
                                   const double *restart, // [restart_size] of the file
                                   size_t num_entries, ehd_error *error);
@@ -81,12 +81,12 @@ ehd_status time_result_resume(
     const scene *given, // says which tables are read
     size_t restart_size, ehd_error *error);
 
-/* Ends streaming, writes the summary and gives the file its name. The file is closed in any case; on
- * failure NAME.partial stays. */
+/* Ends streaming, writes the summary and gives the file its name. The file is closed in any case;
+ * on failure NAME.partial stays. */
 ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_error *error);
 
-/* The scalars of a result over time, whoever wrote it; one time when stationary. Reals that a foreign
- * file need not have are NaN where they are missing, integers -1. */
+/* The scalars of a result over time, whoever wrote it; one time when stationary. Reals that a
+ * foreign file need not have are NaN where they are missing, integers -1. */
 typedef struct time_series {
     double x_min; // grid
     double step;
@@ -108,8 +108,8 @@ typedef struct time_series {
     int64_t *status;
 } time_series;
 
-/* Errors as artefact_open; EHD_DATA also for another kind of contact, times that do not increase, and
- * several times without a scale that tells them. */
+/* Errors as artefact_open; EHD_DATA also for another kind of contact, times that do not increase,
+ * and several times without a scale that tells them. */
 ehd_status time_series_read(
     // output:
     time_series *series, // free with time_series_free, also after a failure

@@ -12,13 +12,13 @@
 
 static const double CHECKPOINT_PAUSE = 1; // s between two checkpoints
 static const double WRITE_PAUSE = 0.2;    // s that an entry waits at most for others
-enum { MOST_WAITING = 256 };
+enum { MAX_WAITING = 256 };
 
-/* What is reported of the whole trajectory beside what march_state counts; all members are numbers of one
- * type, so that the struct can be saved as such. */
+/* What is reported of the whole trajectory beside what march_state counts; all members are numbers
+ * of one type, so that the struct can be saved as such. */
 typedef struct run_totals {
     double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
-    double least_film, most_film;                               // minimum and central one
+    double min_film, max_film;                                  // minimum and central one
 } run_totals;
 
 /* Places in a restart slot. */
@@ -36,9 +36,9 @@ typedef struct runner {
     double *restart;
     double *pressure, *film; // [num_nodes], NULL: no fields
     size_t *exit_columns;    // [lines of the grid] of a point contact, else NULL
-    double *exits;           // [MOST_WAITING, lines of the whole grid]
+    double *exits;           // [MAX_WAITING, lines of the whole grid]
     time_entry
-        waiting[MOST_WAITING]; // to be written together, since a write costs as much as a step
+        waiting[MAX_WAITING]; // to be written together, since a write costs as much as a step
     size_t num_waiting, num_written;
     double started, last_checkpoint, last_write;
     double writing;    // s of it since the start
@@ -140,8 +140,7 @@ static ehd_status write_waiting(runner *self, ehd_error *error) {
 /* Writes it now, when its fields are there for a moment only, or with others. */
 static ehd_status write_entry(runner *self, const time_entry *entry, double now, ehd_error *error) {
     self->waiting[self->num_waiting++] = *entry;
-    if (!entry->pressure && self->num_waiting < MOST_WAITING &&
-        now - self->last_write < WRITE_PAUSE)
+    if (!entry->pressure && self->num_waiting < MAX_WAITING && now - self->last_write < WRITE_PAUSE)
         return EHD_OK;
     return write_waiting(self, error);
 }
@@ -162,7 +161,8 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     return time_result_checkpoint(self->file, self->restart, self->num_written, error);
 }
 
-/* Exits of a point contact in the reference frame, kept for the entry that waits next; NULL of a line. */
+/* Exits of a point contact in the reference frame, kept for the entry that waits next; NULL of a
+ * line. */
 static const double *take_exits(runner *self, const contact_frame *frame) {
     const ehd_grid *grid = &self->task->reference->grid;
     size_t num_lines = grid_whole(grid).inner_lines;
@@ -203,8 +203,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .step = step->step,
                               .pressure = fields ? self->pressure : NULL,
                               .film = fields ? self->film : NULL};
-    self->totals.least_film = fmin(self->totals.least_film, entry.minimum_film_thickness);
-    self->totals.most_film = fmax(self->totals.most_film, entry.central_film_thickness);
+    self->totals.min_film = fmin(self->totals.min_film, entry.minimum_film_thickness);
+    self->totals.max_film = fmax(self->totals.max_film, entry.central_film_thickness);
     if (!status && self->file) status = write_entry(self, &entry, before, error);
     if (!status && self->trace) status = trace_add(self->trace, &entry, error);
     if (!status && self->file && before - self->last_checkpoint > CHECKPOINT_PAUSE)
@@ -303,10 +303,10 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     printf("%-24sT = 0 to %.6g in %.0f steps, %.0f more rejected\n", "time", state->time,
            state->num_steps, state->num_rejected);
     report_shortfall(self, outcome);
-    printf("%-24s%.8g", "smallest film", totals->least_film);
-    if (isfinite(scale)) printf("      %.6g µm", totals->least_film * scale);
-    printf("\n%-24s%.8g", "largest central film", totals->most_film);
-    if (isfinite(scale)) printf("      %.6g µm", totals->most_film * scale);
+    printf("%-24s%.8g", "smallest film", totals->min_film);
+    if (isfinite(scale)) printf("      %.6g µm", totals->min_film * scale);
+    printf("\n%-24s%.8g", "largest central film", totals->max_film);
+    if (isfinite(scale)) printf("      %.6g µm", totals->max_film * scale);
     printf("\n%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
     printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
@@ -379,7 +379,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
     whole = self->restart && (!task->with_fields || (self->pressure && self->film));
     if (grid->inner_lines > 1) {
         self->exit_columns = malloc(grid_lines(grid) * sizeof *self->exit_columns);
-        self->exits = malloc(MOST_WAITING * grid_whole(grid).inner_lines * sizeof(double));
+        self->exits = malloc(MAX_WAITING * grid_whole(grid).inner_lines * sizeof(double));
         whole = whole && self->exit_columns && self->exits;
     }
     return whole ? EHD_OK
@@ -388,7 +388,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
 
 ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *error) {
     runner self = {
-        .task = task, .trace = trace, .totals = {.least_film = INFINITY, .most_film = -INFINITY}};
+        .task = task, .trace = trace, .totals = {.min_film = INFINITY, .max_film = -INFINITY}};
     ehd_histories *histories = NULL;
     bool resumed = false;
     ehd_status outcome = EHD_OK;

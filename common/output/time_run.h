@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A march from a scene to a result file: start or resumption, entries, checkpoints, progress, end. The
- * same for the full and the reduced model. */
+/* A march from a scene to a result file: start or resumption, entries, checkpoints, progress, end.
+ * The same for the full and the reduced model. */
 #ifndef EHD_TIME_RUN_H
 #define EHD_TIME_RUN_H
 
@@ -29,10 +29,10 @@ typedef struct time_trace {
 } time_trace;
 void time_trace_free(time_trace *trace);
 
-/* Runs the scene and prints the short result, of the whole trajectory where an earlier run is resumed. Where
- * the march ends early, what it found so far stays in NAME.partial: EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and
- * written, but a step was not to be trusted. `trace` may be NULL. Errors also as artefact_create,
- * time_result_resume and histories_init. */
+/* Runs the scene and prints the short result, of the whole trajectory where an earlier run is
+ * resumed. Where the march ends early, what it found so far stays in NAME.partial:
+ * EHD_NOT_CONVERGED. EHD_UNTRUSTED: done and written, but a step was not to be trusted. `trace` may
+ * be NULL. Errors also as artefact_create, time_result_resume and histories_init. */
 ehd_status time_run(
     // output:
     time_trace *trace, // free with time_trace_free, also after a failure

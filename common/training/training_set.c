@@ -165,7 +165,8 @@ static ehd_status keep_shard(training_set *set, const char *plan_path, shard pie
     return status;
 }
 
-/* How many of the first shards have points; where these are fewer than the shards, some have none. */
+/* How many of the first shards have points; where these are fewer than the shards, some have none.
+ */
 static size_t shards_with_points(size_t first, size_t num_points, size_t total) {
     size_t points = num_points * first / total;
 

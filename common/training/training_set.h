@@ -35,12 +35,11 @@ typedef struct training_set {
     size_t num_dropped;             // points of the plan outside of its `where` bounds
 } training_set;
 
-/* Neighbours are near in ln M and in the Moes number L that belongs to the Hertz pressure; they are of
- * one group and have the same lubricant. A shard is a set of whole branches as far as possible, with
- * a tree of its own, so that it needs no other shard; all shards together have all points once.
- * Trajectories are dealt out in turn, and none of the shards is empty.
- * EHD_DATA: a point that is no contact, different grids, no point left; EHD_USAGE: more shards than
- * points; EHD_MEMORY. */
+/* Neighbours are near in ln M and in the Moes number L that belongs to the Hertz pressure; they are
+ * of one group and have the same lubricant. A shard is a set of whole branches as far as possible,
+ * with a tree of its own, so that it needs no other shard; all shards together have all points
+ * once. Trajectories are dealt out in turn, and none of the shards is empty. EHD_DATA: a point that
+ * is no contact, different grids, no point left; EHD_USAGE: more shards than points; EHD_MEMORY. */
 ehd_status training_set_init(
     // output:
     training_set *set, // free with training_set_free
@@ -68,8 +67,9 @@ void training_set_free(training_set *set);
 ehd_status training_check_outcome(const training_set *set, size_t num_failed, const char *plan_path,
                                   ehd_error *error);
 
-/* Paths of the files that the training reads: the plan, the basis (NULL: none) and the tables of the
- * trajectories, NULL at the end. They point into plan_path, basis_path and the set. NULL: no memory. */
+/* Paths of the files that the training reads: the plan, the basis (NULL: none) and the tables of
+ * the trajectories, NULL at the end. They point into plan_path, basis_path and the set. NULL: no
+ * memory. */
 const char **training_inputs(const training_set *set, const char *plan_path,
                              const char *basis_path); // free with free()
 

@@ -21,9 +21,9 @@ void tree_scale(double scale[2], const tree_point *points, size_t num_points);
 /* Infinite between families. */
 double tree_distance(const tree_point *left, const tree_point *right, const double scale[2]);
 
-/* Minimum spanning trees, one a family, rooted where a cold start is easiest (Prim's method). Of equal
- * choices the first point wins, so that the same points always give the same tree. O(num_points^2).
- * EHD_MEMORY. */
+/* Minimum spanning trees, one a family, rooted where a cold start is easiest (Prim's method). Of
+ * equal choices the first point wins, so that the same points always give the same tree.
+ * O(num_points^2). EHD_MEMORY. */
 ehd_status tree_build(
     // output:
     size_t *parent, // [num_points], NO_PARENT at a root

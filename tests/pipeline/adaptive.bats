@@ -129,12 +129,12 @@ with h5py.File("x.h5") as x:
 PYTHON
 }
 
-@test "ends with the points of the plan or with --most, and says that it is not enough" {
+@test "ends with the points of the plan or with --max-points, and says that it is not enough" {
     run --separate-stderr snapgen plan.yml --adaptive --start 4 --batch 2 -o x.h5 --quiet
     [ "$status" -eq 0 ]
     [[ $output =~ ^"9 points of 9, 9 converged, "[0-9]+" rounds, " ]]
     [[ $stderr == "snapgen: plan.yml: found 9 points used up, expected fewer to show an accuracy of 0.001" ]]
-    run --separate-stderr snapgen region.yml --adaptive --start 8 --most 13 -o y.h5 --quiet
+    run --separate-stderr snapgen region.yml --adaptive --start 8 --max-points 13 -o y.h5 --quiet
     [ "$status" -eq 0 ]
     [[ $output == "13 points of 153, "* ]]
     # the first ones of the longer training
@@ -202,7 +202,7 @@ YAML
 }
 
 @test "what does not go together is refused" {
-    refuse 64 "--most: found without --adaptive" snapgen plan.yml --most 9 -o x.h5
+    refuse 64 "--max-points: found without --adaptive" snapgen plan.yml --max-points 9 -o x.h5
     refuse 64 "--accuracy: found 0, expected" snapgen plan.yml --adaptive --accuracy 0 -o x.h5
     refuse 64 "--start: found 2, expected" snapgen plan.yml --adaptive --start 2 -o x.h5
     refuse 64 "--shard: found with --adaptive" snapgen plan.yml --adaptive --shard 1/2 -o x.h5
