@@ -265,8 +265,7 @@ static ehd_status refuse_stability(const row_choice *choice, const selection_bas
                           reached, choice->num_rows, settings->method->name, settings->stability);
 }
 
-/* Twice as many rows as long as they are not stable, and of the rows that are the first ones that
- * are. */
+/* Doubles the number of rows until they are stable, and keeps the fewest leading ones that are. */
 static ehd_status select_stable_rows(row_choice *choice, pod_basis pods[2], selection_bases *bases,
                                      const residual_snapshots *snapshots,
                                      const reduced_basis *basis, const row_settings *settings,
@@ -303,7 +302,7 @@ static ehd_status use_given_factors(row_choice *choice, const given_rows *given,
     return EHD_OK;
 }
 
-/* The leading modes of the Jacobian products at the rows, and what they weigh. */
+/* The leading modes of the Jacobian products at the rows, and the factors of these. */
 static ehd_status weigh_rows(row_choice *choice, const pod_basis *products, size_t num_unknowns,
                              const weighting *weights, ehd_error *error) {
     size_t num_rows = choice->num_rows;

@@ -24,14 +24,14 @@ static const double RIDGE = 1e-10;
 
 enum { BLOCK = 512 }; // nodes
 
-/* A basis at the rows taken so far. */
+/* A basis at the rows selected so far. */
 typedef struct sampled_basis {
     size_t num_nodes, num_modes;
     const double *modes; // [num_modes, num_nodes]
     double *inverse;     // [num_modes, num_modes] of A^T A
     double *gain;        // [num_nodes] r^T (A^T A)^-1 r
     double *squares;     // [num_modes] |A_j|^2
-    double *row;         // [num_modes] the row just taken
+    double *row;         // [num_modes] the row just added
     double *product;     // [num_modes] inverse times it
     double *along;       // [num_nodes] modes^T product
     double *growth;      // [num_nodes] what prod_j |A_j|^2 would be multiplied by
@@ -136,7 +136,7 @@ static ehd_status sampled_basis_init(sampled_basis *self, const double *modes, s
     return status;
 }
 
-/* Takes a row: (G + r r^T)^-1 = G^-1 - u u^T / (1 + r^T u), u = G^-1 r. */
+/* Adds a row: (G + r r^T)^-1 = G^-1 - u u^T / (1 + r^T u), u = G^-1 r. */
 static void add_row(sampled_basis *self, size_t node) {
     const int n = (int)self->num_modes;
 

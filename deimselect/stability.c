@@ -23,7 +23,7 @@ typedef struct exit_block {
     size_t num_resolved;      // directions of the modes that these nodes tell apart
     double *resolved;  // [num_modes, num_resolved] column-major: modes^T resolved is orthonormal
                        // over these nodes
-    double *gram;      // [num_resolved, num_resolved] of the rows taken, in these directions
+    double *gram;      // [num_resolved, num_resolved] of the selected rows, in these directions
     double smallest;   // eigenvalue of gram; a lower bound when rows have come since
     double *direction; // [num_resolved] its eigenvector
     bool is_known;     // smallest and direction are those of gram
@@ -198,7 +198,7 @@ static ehd_status examine(exit_block *block, row_stability *self, ehd_error *err
     return status;
 }
 
-/* argmax over the nodes not taken of the worst direction's square, which is nothing behind the
+/* argmax over the nodes not selected of the worst direction's square, which is nothing behind the
  * exit. */
 static size_t strongest_row(const exit_block *block, row_stability *self) {
     size_t row = self->num_nodes;

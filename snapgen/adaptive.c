@@ -31,7 +31,7 @@ typedef struct adaptive {
     tree_point *places;             // [num_points]
     double *central_film_thickness; // [num_points] by the full model, of those solved
     bool *trained;                  // [num_points]
-    size_t *state_of_point;         // [num_points] of those taken
+    size_t *state_of_point;         // [num_points] of the trained points
     trial_verdict *verdicts;        // [num_points] of the others, by the present model
     double *indicated;              // [num_points] of the others; infinite before the first model
 
