@@ -113,7 +113,7 @@ typedef struct run {
     march march;
     ehd_histories *histories;
     size_t count; // of entries
-    double time[MOST_STEPS], step[MOST_STEPS], value[MOST_STEPS];
+    double time[MOST_STEPS], step[MOST_STEPS], value[MOST_STEPS], local_error[MOST_STEPS];
     contact_frame last;
     size_t stop_at;        // entry whose store fails
     ehd_status stops_with; // with this
@@ -127,6 +127,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     self->time[index] = step->frame.time;
     self->step[index] = step->step;
     self->value[index] = step->scalars.central_film_thickness;
+    self->local_error[index] = step->local_error;
     self->last = step->frame;
     self->count++;
     if (index == self->stop_at && self->stops_with)
@@ -251,6 +252,27 @@ static void tolerance_controls_the_error(void **state) {
     check_close(log10(error[0] / error[1]), 4. / 3, 0, 0.5);
     check_close(log10(error[1] / error[2]), 4. / 3, 0, 0.3);
     check_close(log10((double)count[2] / (double)count[1]), 2. / 3, 0, 0.15);
+}
+
+/* Every step that is accepted has a local error below the tolerance of a step, and the largest come near to it: of
+ * steps that are too long for it some are tried, and taken again. */
+static void accepted_steps_keep_the_tolerance(void **state) {
+    (void)state;
+    static const char *const transients[] = {
+        "end_time: 4, tolerance: 1e-3, load: {law: sine, amplitude: 0.5, period: 0.5}",
+        "end_time: 40, tolerance: 1e-4, load: {law: ramp, from: 1, to: 2, start: 20, duration: 0.1}"};
+    for (size_t i = 0; i < 2; i++) {
+        double largest = 0;
+        run_begin(&first, transients[i]);
+        first.follower.delay = 0.02;
+        assert_int_equal(run_on(&first), EHD_OK);
+        for (size_t k = 1; k < first.count; k++)
+            largest = fmax(largest, first.local_error[k]);
+        assert_true(largest <= first.march.settings.tolerance);
+        assert_true(largest > 0.7 * first.march.settings.tolerance);
+        assert_true(first.march.state.num_rejected > 5);
+        run_end(&first);
+    }
 }
 
 /* The way to the end is cut in two equal steps rather than a whole one and a sliver. */
@@ -682,6 +704,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fixed_steps_are_of_second_order),
         cmocka_unit_test(tolerance_controls_the_error),
+        cmocka_unit_test(accepted_steps_keep_the_tolerance),
         cmocka_unit_test(last_step_is_no_sliver),
         cmocka_unit_test(steps_grow_by_two_at_most),
         cmocka_unit_test(pulse_is_followed),
