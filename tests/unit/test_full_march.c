@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The full model in time, on a coarse grid. */
 #include "common/settings/scene_contact.h"
+#include "common/time/bdf.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/marched.h"
@@ -186,6 +187,83 @@ static void tolerance_holds(void **state) {
         assert_true(error[0] < 2e-3 && error[1] < 4e-4);
         assert_true(error[1] < error[0] / 2.5);
     }
+}
+
+/* rho H of the last four states at all nodes, newest first, and what was made of them. */
+typedef struct error_check {
+    const marched *run;
+    size_t num_states;
+    double time[4], mass[4][400];
+    size_t exit[4], num_moves;
+    double largest_in_front; // of the errors between 0.1 and 0.5 half widths before the exit
+} error_check;
+
+static void keep_mass(error_check *self, const march_step *step) {
+    const full_state *found = full_march_state(self->run->full, NULL);
+    const ehd_contact *contact = &self->run->reference;
+    double ignored;
+
+    for (size_t i = 3; i > 0; i--) {
+        self->time[i] = self->time[i - 1];
+        self->exit[i] = self->exit[i - 1];
+        memcpy(self->mass[i], self->mass[i - 1], sizeof self->mass[i]);
+    }
+    self->time[0] = step->frame.time;
+    self->exit[0] = found->exit;
+    for (size_t k = 0; k < contact->grid.num_nodes; k++)
+        self->mass[0][k] =
+            found->film[k] * contact->lubricant.density->relative_density(
+                                 fmax(found->pressure[k], 0) * contact->hertz_pressure, &ignored);
+    self->num_states++;
+}
+
+/* With the speed alone the frame stays, so that nodes of all states are the same places. */
+static ehd_status check_local_error(void *sink, const march_step *step, size_t index,
+                                    ehd_error *ignored) {
+    error_check *self = sink;
+    const ehd_grid *grid = &self->run->reference.grid;
+    (void)index, (void)ignored;
+
+    keep_mass(self, step);
+    if (self->num_states < 4) return EHD_OK;
+    const double intervals[] = {self->time[1] - self->time[2], self->time[2] - self->time[3]};
+    const bdf_formula formula = bdf_step(step->step, intervals, 3);
+    size_t exit = self->exit[0];
+    double largest = 0;
+    for (size_t i = 1; i < 4; i++)
+        exit = self->exit[i] < exit ? self->exit[i] : exit;
+    for (size_t k = 1; k < exit; k++) {
+        double error = self->mass[0][k], before = grid->step * (double)(exit - k);
+        for (size_t i = 0; i < 3; i++)
+            error -= formula.predictor[i] * self->mass[i + 1][k];
+        error = fabs(error) * formula.error / step->scalars.central_film_thickness;
+        if (before > 0.1 * (1 + 1e-9)) largest = fmax(largest, error);
+        if (before > 0.1 * (1 + 1e-9) && before < 0.5)
+            self->largest_in_front = fmax(self->largest_in_front, error / step->local_error);
+    }
+    check_close(step->local_error, largest, 1e-4, 0);
+    self->num_moves += self->exit[0] != self->exit[1];
+    return EHD_OK;
+}
+
+/* The local error is the largest one up to a tenth of a half width before the exit, and none that is nearer, where the
+ * exit's moves by whole nodes make noise. The speed swings, so that the exit moves and steps in the film travel to it. */
+static void local_error_is_that_before_the_exit(void **state) {
+    (void)state;
+    static error_check check;
+    scene of =
+        marched_scene(20, 6, "dowson-higginson", 0.02,
+                      "end_time: 3, fixed_step: 0.01, "
+                      "speed: {law: sine, amplitude: 0.4, period: 1, phase: 1.5707963267948966}");
+    marched_begin(&first, &of);
+    check = (error_check){.run = &first};
+    keep_mass(&check, &first.first);
+    first.march.store = check_local_error;
+    first.march.sink = &check;
+    marched_on(&first);
+    assert_int_equal(first.outcome, EHD_OK);
+    assert_true(check.num_moves >= 3 && check.largest_in_front == 1);
+    marched_end(&first);
 }
 
 // ---- where the solution goes
@@ -504,6 +582,7 @@ int main(void) {
         cmocka_unit_test(fixed_steps_are_of_second_order),
         cmocka_unit_test(fixed_steps_of_a_point_contact),
         cmocka_unit_test(tolerance_holds),
+        cmocka_unit_test(local_error_is_that_before_the_exit),
         cmocka_unit_test(sine_leads_to_a_periodic_state),
         cmocka_unit_test(ramps_end_in_the_stationary_contact),
         cmocka_unit_test(approach_gives_the_load_back),

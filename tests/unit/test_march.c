@@ -260,7 +260,8 @@ static void accepted_steps_keep_the_tolerance(void **state) {
     (void)state;
     static const char *const transients[] = {
         "end_time: 4, tolerance: 1e-3, load: {law: sine, amplitude: 0.5, period: 0.5}",
-        "end_time: 40, tolerance: 1e-4, load: {law: ramp, from: 1, to: 2, start: 20, duration: 0.1}"};
+        "end_time: 40, tolerance: 1e-4, load: {law: ramp, from: 1, to: 2, start: 20, duration: "
+        "0.1}"};
     for (size_t i = 0; i < 2; i++) {
         double largest = 0;
         run_begin(&first, transients[i]);
