@@ -214,6 +214,48 @@ static void bound_follows_the_deviation(void **state) {
     }
 }
 
+/* What the rows are left with moves the film by c, linearised. Small against 3e-4 a^2/R, that is the bound; there it is
+ * twice, and ten times farther about a hundred times as much: the bound grows with the cube. */
+static void bound_grows_with_the_cube(void **state) {
+    const reduced_settings settings = reduced_default_settings();
+    size_t num_small = 0, num_large = 0;
+    (void)state;
+
+    for (size_t modes = 6; modes <= TRAINED_STATES; modes += 3) {
+        reduced_basis basis;
+        reduced_model model;
+        reduced_solver *solver;
+        reduced_state at;
+        reduced_info info;
+        trained_basis(&basis, &training, DEFORMATION_COUPLED, modes, 0);
+        check_ok(reduced_model_build(&model, &basis, NULL, 0, &error));
+        check_ok(reduced_model_add_control(&model, &basis, control_nodes, NUM_CONTROL, &error));
+        check_ok(reduced_solver_create(&solver, &model, &settings, &error));
+        check_ok(reduced_state_init(&at, &model, &error));
+        indicator *self = indicator_create(&model);
+        assert_non_null(self);
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            const ehd_contact *contact = &training.contacts[s];
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
+            double residual = hypot(reduced_left_residual(solver),
+                                    indicator_control_residual(self, &at, contact));
+            double linear = reduced_central_sensitivity(solver) * residual;
+            double bound = indicator_bound(self, solver, &at, contact, &info.scalars) *
+                           info.scalars.central_film_thickness;
+            check_close(bound, linear + pow(linear, 3) / pow(3e-4, 2), 1e-9, 0);
+            num_small += linear < 0.1 * 3e-4;
+            num_large += linear > 10 * 3e-4;
+        }
+        indicator_free(self);
+        reduced_state_free(&at);
+        reduced_solver_free(solver);
+        reduced_model_free(&model);
+        reduced_basis_free(&basis);
+    }
+    assert_true(num_small > 3 && num_large > 3);
+}
+
 static void indicator_survives_failing_allocations(void **state) {
     reduced_model model;
     size_t call = 0;
@@ -241,6 +283,7 @@ int main(void) {
         cmocka_unit_test(choice_survives_failing_allocations),
         cmocka_unit_test(control_residual_is_that_of_all_rows),
         cmocka_unit_test(bound_follows_the_deviation),
+        cmocka_unit_test(bound_grows_with_the_cube),
         cmocka_unit_test(indicator_survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
