@@ -424,15 +424,15 @@ static reduced_info take_time_step(time_step *self, double shorter) {
 
     reduced_problem_init(&reduced, &coupled, NULL, 0, &settings);
     const reduced_model *model = &reduced.model;
-    assert_true(model->num_rows <= 400);
+    assert_true(model->rows.num_rows <= 400);
     memcpy(reduced.state.coordinates,
            coupled.states.coordinates + self->state * model->num_unknowns,
            model->num_unknowns * sizeof(double));
     reduced.state.exit = training.set.exit[self->state];
     reduced_problem_solve(&reduced, contact);
     reduced_row_values(pressure, mass, reduced.solver, contact);
-    for (size_t r = 0; r < model->num_rows; r++) {
-        double x = grid_x(&model->grid, model->row_node[r]);
+    for (size_t r = 0; r < model->rows.num_rows; r++) {
+        double x = grid_x(&model->grid, model->rows.node[r]);
         self->earlier[r] = -self->rate * mass[r] * (1 + 1e-3 * sin(2 * x));
     }
     const reduced_squeeze squeeze = {

@@ -47,7 +47,7 @@ static double nothing_earlier(void *context, size_t node) {
 }
 
 static reduced_squeeze no_squeeze(const reduced_model *model) {
-    double *earlier = calloc(model->num_rows, sizeof *earlier);
+    double *earlier = calloc(model->rows.num_rows, sizeof *earlier);
 
     assert_non_null(earlier);
     return (reduced_squeeze){.rate = 0, .earlier = earlier, .earlier_at = nothing_earlier};
@@ -90,7 +90,7 @@ static reduced_info solve_held(size_t s, size_t behind) {
     const reduced_squeeze squeeze = no_squeeze(&reduced.model);
 
     other.state = &reduced.state;
-    other.own = least_squares_create(reduced.model.num_rows + 1, n);
+    other.own = least_squares_create(reduced.model.rows.num_rows + 1, n);
     other.back = malloc(bytes);
     other.on = malloc(bytes);
     assert_true(other.own && other.back && other.on);
@@ -135,16 +135,13 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
 
 /* Lets the exits of the model's lines lie from `least` to `most` columns beside those of a training state only. */
 static void narrow_band(reduced_model *model, size_t s, ptrdiff_t least, ptrdiff_t most) {
-    for (size_t l = 0; l < model->num_lines; l++) {
-        band_line *band = &model->lines[l];
-        const size_t exit = model->states.exit[s * model->num_lines + l];
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        band_line *band = &model->band.lines[l];
+        const size_t exit = model->states.exit[s * model->band.num_lines + l];
         if (!reduced_model_has_band(model, l)) continue;
-        band->least = (size_t)((ptrdiff_t)exit + least);
-        band->most = (size_t)((ptrdiff_t)exit + most);
+        band->min_exit = (size_t)((ptrdiff_t)exit + least);
+        band->max_exit = (size_t)((ptrdiff_t)exit + most);
     }
-    if (model->num_lines > 1) return;
-    model->least_exit = model->lines[0].least;
-    model->most_exit = model->lines[0].most;
 }
 
 /* Solves a trained contact in a band that ends before its exits or begins behind them. */
@@ -156,23 +153,23 @@ static void solve_in_narrow_band(const reduced_basis *basis, const trained *from
     reduced_problem_init(&reduced, basis, NULL, 0, &settings);
     const reduced_model *model = &reduced.model;
     const reduced_squeeze squeeze = no_squeeze(model);
-    size_t *start = malloc(model->num_lines * sizeof *start);
+    size_t *start = malloc(model->band.num_lines * sizeof *start);
     assert_non_null(start);
     narrow_band(&reduced.model, s, least, most);
     memcpy(reduced.state.coordinates, model->states.coordinates + s * model->num_unknowns,
            model->num_unknowns * sizeof(double));
-    for (size_t l = 0; l < model->num_lines; l++)
-        start[l] = (model->lines[l].least + model->lines[l].most) / 2;
+    for (size_t l = 0; l < model->band.num_lines; l++)
+        start[l] = (model->band.lines[l].min_exit + model->band.lines[l].max_exit) / 2;
     reduced_state_set_exits(&reduced.state, model, start);
     assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
                                    &from->contacts[s], in_time ? &squeeze : NULL, NULL),
                      EHD_OK);
     assert_int_equal(reduced.info.status, EHD_OK);
-    for (size_t l = 0; l < model->num_lines; l++) {
-        const band_line *band = &model->lines[l];
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *band = &model->band.lines[l];
         if (reduced_model_has_band(model, l))
             assert_int_equal(reduced_state_exits(&reduced.state)[l],
-                             least > 0 ? band->least : band->most);
+                             least > 0 ? band->min_exit : band->max_exit);
     }
     free(start);
     free((void *)squeeze.earlier);
