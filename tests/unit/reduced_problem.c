@@ -117,7 +117,8 @@ reduced_basis mirrored_basis(const reduced_basis *half) {
     return whole;
 }
 
-void whole_model_write(const reduced_basis *basis, const char *path) {
+void rows_model_write(const reduced_basis *basis, const size_t *rows, size_t num_rows,
+                      const char *path) {
     static char *words[] = {"deimselect", NULL};
     const program writer = {
         .name = "deimselect", .argc = 1, .argv = words, .force = true, .output = path};
@@ -132,9 +133,13 @@ void whole_model_write(const reduced_basis *basis, const char *path) {
     ehd_error error = {""};
 
     assert_non_null(sigmas);
-    if (reduced_model_build(&model, basis, NULL, 0, &error) ||
+    if (reduced_model_build(&model, basis, rows, num_rows, &error) ||
         model_write(&model, basis, &origin, &writer, "rows: all\n", NULL, &error))
         fail_msg("%s", error.text);
     reduced_model_free(&model);
     free(sigmas);
+}
+
+void whole_model_write(const reduced_basis *basis, const char *path) {
+    rows_model_write(basis, NULL, 0, path);
 }

@@ -38,7 +38,9 @@ reduced_basis identity_basis(
 /* The basis of a half grid on the whole one, where both rows of a pair together count as the one of the half. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
-/* Builds a model of all rows and writes it, as deimselect would. */
+/* Builds a model of some rows, or of all, and writes it, as deimselect would. */
+void rows_model_write(const reduced_basis *basis, const size_t *rows, size_t num_rows,
+                      const char *path);
 void whole_model_write(const reduced_basis *basis, const char *path);
 
 #endif

@@ -62,3 +62,18 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
     given.grid.half = half;
     return contact_of(&given);
 }
+
+static const struct {
+    const char *lubricant, *density;
+    double moes_M, moes_L, step;
+} cases[NUM_SAMPLE_CASES] = {
+    {"barus", "incompressible", 5, 3, 0.04},     {"barus", "dowson-higginson", 10, 10, 0.04},
+    {"barus", "incompressible", 200, 5, 0.02},   {"barus", "dowson-higginson", 10, 0, 0.05},
+    {"roelands", "incompressible", 50, 8, 0.02}, {"roelands", "dowson-higginson", 20, 15, 0.02},
+    {"no1", "dowson-higginson", 5, 15, 0.05},    {"no1", "incompressible", 100, 5, 0.02},
+    {"no2", "dowson-higginson", 40, 9, 0.02},    {"no3", "dowson-higginson", 12, 8, 0.02},
+};
+ehd_contact sample_case(int i) {
+    return sample_contact(cases[i].lubricant, cases[i].density, cases[i].moes_M, cases[i].moes_L,
+                          cases[i].step);
+}

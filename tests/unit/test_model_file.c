@@ -1,16 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bases and models as files, and the library that solves with them. */
+/* Bases and models as files. */
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
 #include "romrun/model/weighting.h"
-#include "romrun/online/ehdrom.h"
 #include "romrun/online/reduced_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
 
 #include <hdf5.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -503,125 +501,6 @@ static void sizes_beyond_the_model_are_refused(void **state) {
     reduced_model_free(&model);
 }
 
-// ---- the library
-
-typedef struct library_run {
-    const ehdrom_model *model;
-    ehdrom_result results[8];
-    ehd_status status;
-} library_run;
-
-static void *solve_many(void *argument) {
-    library_run *run = argument;
-    ehdrom_solver *solver = NULL;
-
-    run->status = ehdrom_solver_create(&solver, run->model, NULL);
-    for (size_t i = 0; i < 8 && !run->status; i++) {
-        ehd_contact contact = training.contacts[0];
-        contact_set_moes(&contact, 9 + (double)i, 3);
-        run->status = ehdrom_solve(&run->results[i], solver, &contact, NULL);
-    }
-    ehdrom_solver_free(solver);
-    return NULL;
-}
-
-/* Times differ; nothing else may. */
-static void check_same_results(const library_run *a, const library_run *b) {
-    assert_int_equal(a->status, EHD_OK);
-    assert_int_equal(b->status, EHD_OK);
-    for (size_t i = 0; i < 8; i++) {
-        const ehdrom_result *p = &a->results[i], *q = &b->results[i];
-        assert_int_equal(p->status, EHD_OK);
-        assert_int_equal(q->iterations, p->iterations);
-        check_close(q->scalars.central_film_thickness, p->scalars.central_film_thickness, 0, 0);
-        check_close(q->scalars.minimum_film_thickness, p->scalars.minimum_film_thickness, 0, 0);
-        check_close(q->scalars.rigid_approach, p->scalars.rigid_approach, 0, 0);
-        check_close(q->scalars.exit_position, p->scalars.exit_position, 0, 0);
-        check_close(q->residual, p->residual, 0, 0);
-    }
-}
-
-static void two_threads_give_the_same_bits(void **state) {
-    (void)state;
-    for (int kind = 0; kind < 2; kind++) {
-        reduced_model built;
-        ehdrom_model *model;
-        build_model(&built, &bases[kind], NUM_ROWS);
-        write_model(&built, &bases[kind]);
-        check_ok(ehdrom_open(&model, path, NULL, &error));
-        library_run alone = {.model = model}, runs[2] = {{.model = model}, {.model = model}};
-        pthread_t threads[2];
-        solve_many(&alone);
-        for (int i = 0; i < 2; i++)
-            assert_int_equal(pthread_create(&threads[i], NULL, solve_many, &runs[i]), 0);
-        for (int i = 0; i < 2; i++)
-            pthread_join(threads[i], NULL);
-        check_same_results(&runs[0], &alone);
-        check_same_results(&runs[1], &alone);
-        assert_null(ehdrom_close(model));
-        reduced_model_free(&built);
-    }
-}
-
-static void the_library_says_what_it_solved(void **state) {
-    (void)state;
-    size_t num_nodes = training.set.grid.num_nodes;
-    double *pressure = calloc(2 * num_nodes, sizeof *pressure), *film = pressure + num_nodes;
-    const ehdrom_sizes sizes = {8, 0, 35};
-    ehdrom_model *model;
-    ehdrom_solver *solver;
-    ehdrom_result result;
-    reduced_model built;
-
-    build_model(&built, &bases[1], NUM_ROWS);
-    write_model(&built, &bases[1]);
-    check_ok(ehdrom_open(&model, path, &sizes, &error));
-    ehdrom_properties properties = ehdrom_describe(model);
-    assert_int_equal(properties.num_inner, 121);
-    assert_int_equal(properties.pressure_modes, 8);
-    assert_int_equal(properties.rows, 35);
-    assert_int_equal(properties.unknowns, 9);
-    assert_int_equal(properties.states, TRAINED_STATES);
-    assert_string_equal(properties.deformation, "coupled");
-
-    ehd_contact contact = training.contacts[4];
-    contact_set_moes(&contact, 12, 3);
-    check_ok(ehdrom_solver_create(&solver, model, &error));
-    check_ok(ehdrom_solve(&result, solver, &contact, &error));
-    assert_string_equal(result.reason, "");
-    check_ok(ehdrom_fields(pressure, film, solver, &error));
-    double load = 0, least = INFINITY;
-    for (size_t k = 0; k < num_nodes; k++) {
-        load += training.set.grid.step * pressure[k] / contact.kind->load;
-        if (k > 0 && k + 1 < num_nodes) least = fmin(least, film[k]);
-    }
-    check_close(film[81], result.scalars.central_film_thickness, 1e-11, 0); // X = 0
-    check_close(pressure[81], result.scalars.central_pressure, 1e-11, 0);
-    check_close(least, result.scalars.minimum_film_thickness, 1e-11, 0);
-    check_close(load, result.scalars.load, 1e-11, 0);
-
-    // outside of what was trained: solved, and said
-    contact_set_moes(&contact, 25, 3);
-    check_ok(ehdrom_solve(&result, solver, &contact, &error));
-    assert_int_equal(result.status, EHD_UNTRUSTED);
-    assert_non_null(strstr(result.reason, "trained range"));
-    // another grid
-    const ehd_grid *grid = &training.set.grid;
-    contact.grid = grid_of(grid->x_min, grid->step, grid->inner_x + 1, 1, false);
-    check_refused(ehdrom_solve(&result, solver, &contact, &error), "grid: found a line contact");
-    ehdrom_solver_free(solver);
-    ehdrom_close(model);
-    reduced_model_free(&built);
-    free(pressure);
-
-    snprintf(path + strlen(path), 3, "no");
-    assert_int_equal(ehdrom_open(&model, path, NULL, &error), EHD_NOINPUT);
-    assert_null(model);
-    path[strlen(path) - 2] = '\0';
-    assert_null(ehdrom_close(NULL));
-    assert_null(ehdrom_solver_free(NULL));
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_basis_comes_back),
@@ -634,8 +513,6 @@ int main(void) {
         cmocka_unit_test(bad_bases_are_refused),
         cmocka_unit_test(bad_models_are_refused),
         cmocka_unit_test(sizes_beyond_the_model_are_refused),
-        cmocka_unit_test(two_threads_give_the_same_bits),
-        cmocka_unit_test(the_library_says_what_it_solved),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Starts of Newton: from a neighbour, from far away, from nothing. */
+#include "fullrun/full_solver.h"
+#include "tests/unit/check.h"
+#include "tests/unit/problem.h"
+#include "tests/unit/sample.h"
+
+static void warm_start_equals_cold_start(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    for (int i = 0; i < NUM_SAMPLE_CASES; i++) {
+        ehd_contact contact = sample_case(i), neighbour = contact;
+        problem warm, cold;
+        contact_set_moes(&neighbour, 1.3 * contact.moes_M, 0.8 * contact.moes_L);
+        problem_solve_cold(&cold, &contact, &settings);
+        problem_solve_cold(&warm, &neighbour, &settings);
+        warm.contact = contact;
+        assert_int_equal(
+            full_solve_from(&warm.info, &warm.state, warm.solver, &neighbour, &contact, NULL),
+            EHD_OK);
+        assert_int_equal(warm.info.status, EHD_OK);
+        check_same_state(&warm, &cold);
+        problem_free(&warm);
+        problem_free(&cold);
+    }
+}
+
+/* A start from far away: the walk falls back to smaller strides, or to a cold start. */
+static void far_start_converges(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    ehd_contact start = sample_contact("no1", "dowson-higginson", 5, 1, 0.02);
+    ehd_contact goal = sample_contact("no1", "dowson-higginson", 150, 12, 0.02);
+    problem far, cold;
+    problem_solve_cold(&far, &start, &settings);
+    problem_solve_cold(&cold, &goal, &settings);
+    far.contact = goal;
+    assert_int_equal(full_solve_from(&far.info, &far.state, far.solver, &start, &goal, NULL),
+                     EHD_OK);
+    assert_int_equal(far.info.status, EHD_OK);
+    check_same_state(&far, &cold);
+    problem_free(&far);
+    problem_free(&cold);
+}
+
+/* Where neighbours lie too far apart, small strides take thousands of iterations and a cold start a few. */
+static void far_start_is_given_up_early(void **state) {
+    (void)state;
+    full_settings settings = full_default_settings();
+    ehd_contact start = sample_contact("barus", "incompressible", 2, 25, 0.005);
+    ehd_contact goal = sample_contact("barus", "incompressible", 1, 25, 0.005);
+    problem far;
+    problem_solve_cold(&far, &start, &settings);
+    far.contact = goal;
+    assert_int_equal(full_solve_from(&far.info, &far.state, far.solver, &start, &goal, NULL),
+                     EHD_OK);
+    assert_int_equal(far.info.status, EHD_OK);
+    assert_true(far.info.newton_iterations < 400);
+    problem_free(&far);
+}
+
+/* Corners of what a user may ask for. */
+static void extremes_converge(void **state) {
+    (void)state;
+    static const double corners[][2] = {{1, 0},   {2, 0.5}, {10, 0},  {20, 0},  {50, 0},
+                                        {200, 0}, {1, 25},  {20, 25}, {200, 25}};
+    full_settings settings = full_default_settings();
+    for (size_t i = 0; i < sizeof corners / sizeof *corners; i++)
+        for (int d = 0; d < 2; d++) {
+            ehd_contact contact = sample_contact("barus", d ? "dowson-higginson" : "incompressible",
+                                                 corners[i][0], corners[i][1], 0.02);
+            problem solved;
+            problem_solve_cold(&solved, &contact, &settings);
+            assert_true(solved.state.exit < contact.grid.num_nodes - 1);
+            problem_free(&solved);
+        }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(warm_start_equals_cold_start),
+        cmocka_unit_test(far_start_converges),
+        cmocka_unit_test(far_start_is_given_up_early),
+        cmocka_unit_test(extremes_converge),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
