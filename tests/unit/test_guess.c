@@ -3,6 +3,7 @@
  * wherever it spans a plane, and otherwise the nearest one is taken. */
 #include "romrun/online/reduced_solver.h"
 #include "tests/unit/check.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,11 +12,11 @@ enum { MOST = 7, UNKNOWNS = 2 };
 
 static const double SPACING[2] = {0.14, 0.06}; // of places: ln M, ln(1 + alpha p_H) / 2
 
-typedef struct training {
+typedef struct places {
     reduced_model model;
     band_line line;
     reduced_state state;
-} training;
+} places;
 
 static double field(double x, double y, size_t unknown, bool quadratic) {
     double affine = (double)unknown + 0.7 * x - 1.3 * y;
@@ -24,7 +25,7 @@ static double field(double x, double y, size_t unknown, bool quadratic) {
 }
 
 /* States at columns by rows of places, whose coordinates are the fields. */
-static void training_init(training *self, size_t columns, size_t rows, bool quadratic) {
+static void places_init(places *self, size_t columns, size_t rows, bool quadratic) {
     reduced_states *states = &self->model.states;
     ehd_error error;
 
@@ -47,13 +48,13 @@ static void training_init(training *self, size_t columns, size_t rows, bool quad
     }
 }
 
-static void training_free(training *self) {
+static void places_free(places *self) {
     reduced_states_free(&self->model.states);
     reduced_state_free(&self->state);
 }
 
 /* The guess at a place in units of the spacing, against the field at another one. */
-static void check_guess(training *self, const double at[2], const double as[2], bool quadratic) {
+static void check_guess(places *self, const double at[2], const double as[2], bool quadratic) {
     reduced_guess(&self->state, &self->model, exp(SPACING[0] * at[0]),
                   expm1(2 * SPACING[1] * at[1]));
     for (size_t j = 0; j < UNKNOWNS; j++)
@@ -63,46 +64,137 @@ static void check_guess(training *self, const double at[2], const double as[2], 
 
 static void quadratic_amid_training(void **state) {
     (void)state;
-    training self;
+    places self;
 
-    training_init(&self, MOST, MOST, true);
+    places_init(&self, MOST, MOST, true);
     for (double x = 2; x <= 4; x += 0.25)
         for (double y = 2; y <= 4; y += 0.25) {
             const double at[2] = {x, y};
             check_guess(&self, at, at, true);
             assert_true(fabs((double)self.state.exit - (45 + 2 * x)) <= 0.5 + 1e-6);
         }
-    training_free(&self);
+    places_free(&self);
 }
 
 /* Also where two rows leave the second derivative open, and outside. */
 static void affine_where_training_spans_a_plane(void **state) {
     (void)state;
-    training self;
+    places self;
 
-    training_init(&self, 4, 2, false);
+    places_init(&self, 4, 2, false);
     for (double x = -0.25; x <= 3.25; x += 0.25)
         for (double y = 0; y <= 1; y += 0.25) {
             const double at[2] = {x, y};
             check_guess(&self, at, at, false);
         }
-    training_free(&self);
+    places_free(&self);
 }
 
 static void nearest_on_a_line_and_far_away(void **state) {
     (void)state;
-    training self;
+    places self;
 
-    training_init(&self, MOST, 1, true);
+    places_init(&self, MOST, 1, true);
     for (double x = 0.25; x < MOST - 1; x++) {
         const double at[2] = {x, 0.1}, as[2] = {x - 0.25, 0};
         check_guess(&self, at, as, true);
     }
-    training_free(&self);
-    training_init(&self, MOST, MOST, true);
+    places_free(&self);
+    places_init(&self, MOST, MOST, true);
     const double at[2] = {40, 40}, as[2] = {MOST - 1, MOST - 1};
     check_guess(&self, at, as, true);
-    training_free(&self);
+    places_free(&self);
+}
+
+// ---- starts and the trained range
+
+static void guess_at_a_training_point_is_that_state(void **state) {
+    (void)state;
+    trained training;
+    reduced_basis coupled;
+    reduced_problem reduced;
+
+    trained_init(&training, 0.02);
+    trained_basis(&coupled, &training, DEFORMATION_COUPLED, 0, 0);
+    reduced_problem_init(&reduced, &coupled, NULL, 0, &strict_settings);
+    size_t n = reduced.model.num_unknowns;
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        const double *expected = coupled.states.coordinates + s * n;
+        double M = training.set.moes_M[s], pressure = training.set.alpha_p_H[s], away = 0;
+        reduced_guess(&reduced.state, &reduced.model, M, pressure);
+        assert_int_equal(reduced.state.exit, coupled.states.exit[s]);
+        check_close_array(reduced.state.coordinates, expected, n, 1e-4, 1e-4);
+        reduced_neighbour(&reduced.state, &reduced.model, M, pressure);
+        for (size_t j = 0; j < n; j++)
+            away = fmax(away, fabs(reduced.state.coordinates[j] - expected[j]));
+        assert_true(away > 1e-3);
+        assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
+        assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
+    }
+    // far outside: some trained solution, and an exit within the tables
+    reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
+    size_t same = 0;
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        same += reduced.state.coordinates[0] == coupled.states.coordinates[s * n];
+    assert_int_equal(same, 1);
+    assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
+    assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
+    reduced_problem_free(&reduced);
+    reduced_basis_free(&coupled);
+    trained_free(&training);
+}
+
+static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
+    trained_range *range = trained_range_create(model);
+    assert_non_null(range);
+    const char *reason = trained_range_check(range, M, alpha_p_H, rate);
+    trained_range_free(range);
+    return reason == NULL;
+}
+
+static void trained_range_is_the_hull(void **state) {
+    (void)state;
+    bool stationary[] = {true, true, true, true, true, true};
+    double rate[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
+    reduced_model model = {.states = {.num_states = 6,
+                                      .moes_M = moes_M,
+                                      .alpha_p_H = alpha_p_H,
+                                      .stationary = stationary,
+                                      .rate = rate}};
+    const struct {
+        double M, alpha_p_H;
+        int inside;
+    } points[] = {{15, 3, 1},    {10, 1, 1},    {20, 6, 1},     {15, 5.5, 1},   {15, 1.5, 1},
+                  {10, 3, 1},    {20, 4, 1},    {15, 5.501, 0}, {15, 1.499, 0}, {9.99, 3, 0},
+                  {20.01, 4, 0}, {10, 0.99, 0}, {20, 6.01, 0},  {1e6, 3, 0},    {15, 0, 0},
+                  {12, 1.3, 1},  {12, 5.1, 1},  {12, 5.3, 0},   {12, 1.1, 0}};
+
+    for (size_t i = 0; i < sizeof points / sizeof *points; i++)
+        if (is_trained(&model, points[i].M, points[i].alpha_p_H, 0) != points[i].inside)
+            fail_msg("M = %g, alpha p_H = %g: found %d", points[i].M, points[i].alpha_p_H,
+                     !points[i].inside);
+    // faster than the training, of which a stationary one allows next to nothing
+    assert_true(is_trained(&model, 15, 3, 9e-4));
+    assert_false(is_trained(&model, 15, 3, 0.1));
+    rate[3] = 0.1;
+    assert_true(is_trained(&model, 15, 3, 0.1));
+    assert_false(is_trained(&model, 15, 3, 0.11));
+    // points on a line, a single point and none have no inside
+    double line[] = {1, 2, 3, 4, 5, 6};
+    model.states.alpha_p_H = line;
+    model.states.moes_M = line;
+    assert_false(is_trained(&model, 2.5, 2.5, 0));
+    // but those of a trajectory do: it is a curve
+    stationary[4] = false;
+    assert_true(is_trained(&model, 2.5, 2.5, 0));
+    assert_true(is_trained(&model, 6.005, 6.005, 0));
+    assert_false(is_trained(&model, 6.1, 6.1, 0));
+    assert_false(is_trained(&model, 2.5, 2.6, 0));
+    assert_false(is_trained(&model, 2.6, 2.5, 0));
+    model.states.num_states = 1;
+    assert_false(is_trained(&model, 1, 1, 0));
+    model.states.num_states = 0;
+    assert_false(is_trained(&model, 1, 1, 0));
 }
 
 int main(void) {
@@ -110,6 +202,8 @@ int main(void) {
         cmocka_unit_test(quadratic_amid_training),
         cmocka_unit_test(affine_where_training_spans_a_plane),
         cmocka_unit_test(nearest_on_a_line_and_far_away),
+        cmocka_unit_test(guess_at_a_training_point_is_that_state),
+        cmocka_unit_test(trained_range_is_the_hull),
     };
 
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/deflection.h"
-#include "romrun/model/reduced_cut.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
@@ -265,73 +264,7 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-// ---- the exit's cut
-
-/* K V_p with V_p cut at an exit, at one node, by a plain sum. */
-static double dense_deflection(const reduced_basis *basis, size_t exit, size_t node, size_t mode) {
-    double sum = 0;
-
-    for (size_t i = 1; i < exit; i++) {
-        double distance = (node > i ? (double)(node - i) : (double)(i - node)) * basis->grid.step;
-        sum += basis->kind->kernel(distance, 0, basis->grid.step) *
-               basis->pressure[i * basis->num_pressure + mode];
-    }
-    return sum;
-}
-
-static double dense_load(const reduced_basis *basis, size_t exit, size_t mode) {
-    double sum = 0;
-
-    for (size_t i = 1; i < exit; i++)
-        sum += basis->grid.step * basis->pressure[i * basis->num_pressure + mode];
-    return sum;
-}
-
-/* One entry of the cut table by definition. */
-static double dense_cut(const reduced_model *model, const reduced_basis *basis, size_t exit,
-                        size_t row, size_t mode) {
-    double sum = 0;
-
-    if (row == model->cut.num_rows - 1) return dense_load(basis, exit, mode);
-    if (basis->deformation == DEFORMATION_COUPLED)
-        return dense_deflection(basis, exit, model->rows.needed_node[row], mode);
-    for (size_t k = 0; k < basis->grid.num_nodes; k++)
-        sum += basis->deformation_modes[k * basis->num_deformation + row] *
-               dense_deflection(basis, exit, k, mode);
-    return sum;
-}
-
-static void cut_tables_equal_plain_sums(void **state) {
-    (void)state;
-    const size_t rows[] = {150, 155, 160, 165, 170, 175, 180, 185, 190, 195, 200, 205, 210, 240};
-
-    for (int kind = 0; kind < 2; kind++) {
-        const reduced_basis *basis = kinds[kind].basis;
-        size_t num_pressure = basis->num_pressure;
-        reduced_model model;
-        assert_int_equal(reduced_model_build(&model, basis, rows, sizeof rows / sizeof *rows, NULL),
-                         EHD_OK);
-        assert_true(model.checkpoints.num > 3 && model.checkpoints.stride > 1);
-        for (size_t c = 0; c < model.checkpoints.num; c++) {
-            size_t exit = model.band.lines[0].min_exit + c * model.checkpoints.stride;
-            assert_int_equal(reduced_model_checkpoint(&model, &exit), c);
-            const size_t last = exit + model.checkpoints.stride - 1;
-            assert_int_equal(reduced_model_checkpoint(&model, &last), c);
-            if (c % 4 && c + 1 < model.checkpoints.num) continue; // plain sums are slow
-            const double *cut = model.checkpoints.cut + c * model.cut.num_rows * num_pressure;
-            for (size_t row = 0; row < model.cut.num_rows;
-                 row += row + 4 < model.cut.num_rows ? 3 : 1)
-                for (size_t j = 0; j < num_pressure; j += 3)
-                    check_close(cut[row * num_pressure + j], dense_cut(&model, basis, exit, row, j),
-                                1e-12, 1e-12);
-            for (size_t i = 0; i < model.band.num_nodes && model.checkpoints.band; i++)
-                check_close(
-                    model.checkpoints.band[(c * model.band.num_nodes + i) * num_pressure + 1],
-                    dense_deflection(basis, exit, model.band.lines[0].begin + i, 1), 1e-12, 1e-12);
-        }
-        reduced_model_free(&model);
-    }
-}
+// ---- the exit's moves
 
 /* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update of
  * the tables each time. What is reported at the end comes from the updated tables; it must be what the
@@ -400,75 +333,7 @@ static void the_exit_stays_inside_the_tables(void **state) {
     }
 }
 
-// ---- kept factors
-
-/* A step in time of a trained contact from its stationary solution, with an earlier film that is a little off. */
-typedef struct time_step {
-    size_t state;
-    double rate;
-    double earlier[400]; // of inner nodes
-} time_step;
-
-static double earlier_film(void *context, size_t node) {
-    const time_step *self = context;
-
-    return self->earlier[node - 1];
-}
-
-/* Solves it, with factors kept for a step `shorter` times as short; 0: with none. */
-static reduced_info take_time_step(time_step *self, double shorter) {
-    const ehd_contact *contact = &training.contacts[self->state];
-    reduced_settings settings = reduced_default_settings();
-    reduced_problem reduced;
-    double pressure[400], mass[400];
-
-    reduced_problem_init(&reduced, &coupled, NULL, 0, &settings);
-    const reduced_model *model = &reduced.model;
-    assert_true(model->rows.num_rows <= 400);
-    memcpy(reduced.state.coordinates,
-           coupled.states.coordinates + self->state * model->num_unknowns,
-           model->num_unknowns * sizeof(double));
-    reduced.state.exit = training.set.exit[self->state];
-    reduced_problem_solve(&reduced, contact);
-    reduced_row_values(pressure, mass, reduced.solver, contact);
-    for (size_t r = 0; r < model->rows.num_rows; r++) {
-        double x = grid_x(&model->grid, model->rows.node[r]);
-        self->earlier[r] = -self->rate * mass[r] * (1 + 1e-3 * sin(2 * x));
-    }
-    const reduced_squeeze squeeze = {
-        .rate = self->rate, .earlier = self->earlier, .earlier_at = earlier_film, .context = self};
-    if (shorter > 0)
-        reduced_keep_factors(reduced.solver, &reduced.state, contact, shorter * self->rate);
-    assert_int_equal(
-        reduced_solve(&reduced.info, &reduced.state, reduced.solver, contact, &squeeze, NULL),
-        EHD_OK);
-    assert_int_equal(reduced.info.status, EHD_OK);
-    reduced_info info = reduced.info;
-    reduced_problem_free(&reduced);
-    return info;
-}
-
-/* Factors of the same step do as well as a Jacobian of every iteration, those of one that is a sixth of it shorter take
- * a few iterations more. Those of a step a third as long converge with a rate of 0.6, which the second iteration shows:
- * then a Jacobian is made, and only one of the iterations was in vain. */
-static void kept_factors_serve_steps_alike(void **state) {
-    (void)state;
-    for (size_t s = 0; s < TRAINED_STATES; s += 5)
-        for (double length = 0.09; length > 5e-3; length *= 0.3) {
-            time_step step = {.state = s, .rate = 1 / length};
-            const reduced_info own = take_time_step(&step, 0), same = take_time_step(&step, 1);
-            const reduced_info near = take_time_step(&step, 1.2), far = take_time_step(&step, 3);
-            const double film = own.scalars.central_film_thickness;
-            assert_true(own.own_jacobian && !same.own_jacobian && !near.own_jacobian);
-            assert_int_equal(same.iterations, own.iterations);
-            assert_true(near.iterations <= own.iterations + 5);
-            check_close(same.scalars.central_film_thickness, film, 2e-7, 0);
-            check_close(near.scalars.central_film_thickness, film, 5e-6, 0);
-            assert_true(far.own_jacobian);
-            assert_true(far.iterations <= own.iterations + 1);
-            check_close(far.scalars.central_film_thickness, film, 1e-9, 0);
-        }
-}
+// ---- what is reported
 
 static void minimum_film_is_the_smallest_nodal_film(void **state) {
     (void)state;
@@ -573,91 +438,6 @@ static void jacobian_equals_finite_differences(void **state) {
     }
 }
 
-// ---- starts and the trained range
-
-static void guess_at_a_training_point_is_that_state(void **state) {
-    (void)state;
-    reduced_problem reduced;
-
-    reduced_problem_init(&reduced, &coupled, NULL, 0, &strict_settings);
-    size_t n = reduced.model.num_unknowns;
-    for (size_t s = 0; s < TRAINED_STATES; s++) {
-        const double *expected = coupled.states.coordinates + s * n;
-        double M = training.set.moes_M[s], pressure = training.set.alpha_p_H[s], away = 0;
-        reduced_guess(&reduced.state, &reduced.model, M, pressure);
-        assert_int_equal(reduced.state.exit, coupled.states.exit[s]);
-        check_close_array(reduced.state.coordinates, expected, n, 1e-4, 1e-4);
-        reduced_neighbour(&reduced.state, &reduced.model, M, pressure);
-        for (size_t j = 0; j < n; j++)
-            away = fmax(away, fabs(reduced.state.coordinates[j] - expected[j]));
-        assert_true(away > 1e-3);
-        assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
-        assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
-    }
-    // far outside: some trained solution, and an exit within the tables
-    reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
-    size_t same = 0;
-    for (size_t s = 0; s < TRAINED_STATES; s++)
-        same += reduced.state.coordinates[0] == coupled.states.coordinates[s * n];
-    assert_int_equal(same, 1);
-    assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
-    assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
-    reduced_problem_free(&reduced);
-}
-
-static bool is_trained(const reduced_model *model, double M, double alpha_p_H, double rate) {
-    trained_range *range = trained_range_create(model);
-    assert_non_null(range);
-    const char *reason = trained_range_check(range, M, alpha_p_H, rate);
-    trained_range_free(range);
-    return reason == NULL;
-}
-
-static void trained_range_is_the_hull(void **state) {
-    (void)state;
-    bool stationary[] = {true, true, true, true, true, true};
-    double rate[6] = {0}, moes_M[] = {10, 20, 20, 10, 15, 15}, alpha_p_H[] = {1, 2, 6, 5, 3, 1.5};
-    reduced_model model = {.states = {.num_states = 6,
-                                      .moes_M = moes_M,
-                                      .alpha_p_H = alpha_p_H,
-                                      .stationary = stationary,
-                                      .rate = rate}};
-    const struct {
-        double M, alpha_p_H;
-        int inside;
-    } points[] = {{15, 3, 1},    {10, 1, 1},    {20, 6, 1},     {15, 5.5, 1},   {15, 1.5, 1},
-                  {10, 3, 1},    {20, 4, 1},    {15, 5.501, 0}, {15, 1.499, 0}, {9.99, 3, 0},
-                  {20.01, 4, 0}, {10, 0.99, 0}, {20, 6.01, 0},  {1e6, 3, 0},    {15, 0, 0},
-                  {12, 1.3, 1},  {12, 5.1, 1},  {12, 5.3, 0},   {12, 1.1, 0}};
-
-    for (size_t i = 0; i < sizeof points / sizeof *points; i++)
-        if (is_trained(&model, points[i].M, points[i].alpha_p_H, 0) != points[i].inside)
-            fail_msg("M = %g, alpha p_H = %g: found %d", points[i].M, points[i].alpha_p_H,
-                     !points[i].inside);
-    // faster than the training, of which a stationary one allows next to nothing
-    assert_true(is_trained(&model, 15, 3, 9e-4));
-    assert_false(is_trained(&model, 15, 3, 0.1));
-    rate[3] = 0.1;
-    assert_true(is_trained(&model, 15, 3, 0.1));
-    assert_false(is_trained(&model, 15, 3, 0.11));
-    // points on a line, a single point and none have no inside
-    double line[] = {1, 2, 3, 4, 5, 6};
-    model.states.alpha_p_H = line;
-    model.states.moes_M = line;
-    assert_false(is_trained(&model, 2.5, 2.5, 0));
-    // but those of a trajectory do: it is a curve
-    stationary[4] = false;
-    assert_true(is_trained(&model, 2.5, 2.5, 0));
-    assert_true(is_trained(&model, 6.005, 6.005, 0));
-    assert_false(is_trained(&model, 6.1, 6.1, 0));
-    assert_false(is_trained(&model, 2.5, 2.6, 0));
-    assert_false(is_trained(&model, 2.6, 2.5, 0));
-    model.states.num_states = 1;
-    assert_false(is_trained(&model, 1, 1, 0));
-    model.states.num_states = 0;
-    assert_false(is_trained(&model, 1, 1, 0));
-}
-
 // ---- faults
 
 static void bad_rows_are_refused(void **state) {
@@ -720,14 +500,10 @@ int main(void) {
         cmocka_unit_test(all_rows_in_any_order_are_level_i),
         cmocka_unit_test(another_linear_solver_may_be_put_in),
         cmocka_unit_test(truncated_bases_stay_near),
-        cmocka_unit_test(cut_tables_equal_plain_sums),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
-        cmocka_unit_test(kept_factors_serve_steps_alike),
         cmocka_unit_test(minimum_film_is_the_smallest_nodal_film),
         cmocka_unit_test(jacobian_equals_finite_differences),
-        cmocka_unit_test(guess_at_a_training_point_is_that_state),
-        cmocka_unit_test(trained_range_is_the_hull),
         cmocka_unit_test(bad_rows_are_refused),
         cmocka_unit_test(survives_failing_allocations),
     };

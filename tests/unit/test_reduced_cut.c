@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What follows from a pressure that is cut at the exit: tables at checkpoints against plain sums. How they are moved
+ * from exit to exit is in test_reduced_solver.c and, of a point contact, test_reduced_point.c. */
+#include "romrun/model/reduced_cut.h"
+#include "tests/unit/check.h"
+#include "tests/unit/trained.h"
+
+/* K V_p with V_p cut at an exit, at one node, by a plain sum. */
+static double dense_deflection(const reduced_basis *basis, size_t exit, size_t node, size_t mode) {
+    double sum = 0;
+
+    for (size_t i = 1; i < exit; i++) {
+        double distance = (node > i ? (double)(node - i) : (double)(i - node)) * basis->grid.step;
+        sum += basis->kind->kernel(distance, 0, basis->grid.step) *
+               basis->pressure[i * basis->num_pressure + mode];
+    }
+    return sum;
+}
+
+static double dense_load(const reduced_basis *basis, size_t exit, size_t mode) {
+    double sum = 0;
+
+    for (size_t i = 1; i < exit; i++)
+        sum += basis->grid.step * basis->pressure[i * basis->num_pressure + mode];
+    return sum;
+}
+
+/* One entry of the cut table by definition. */
+static double dense_cut(const reduced_model *model, const reduced_basis *basis, size_t exit,
+                        size_t row, size_t mode) {
+    double sum = 0;
+
+    if (row == model->cut.num_rows - 1) return dense_load(basis, exit, mode);
+    if (basis->deformation == DEFORMATION_COUPLED)
+        return dense_deflection(basis, exit, model->rows.needed_node[row], mode);
+    for (size_t k = 0; k < basis->grid.num_nodes; k++)
+        sum += basis->deformation_modes[k * basis->num_deformation + row] *
+               dense_deflection(basis, exit, k, mode);
+    return sum;
+}
+
+static void cut_tables_equal_plain_sums(void **state) {
+    (void)state;
+    trained training; // 301 nodes, a checkpoint every second node
+    const size_t rows[] = {150, 155, 160, 165, 170, 175, 180, 185, 190, 195, 200, 205, 210, 240};
+
+    trained_init(&training, 0.02);
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_basis own, *const basis = &own;
+        trained_basis(&own, &training, kind ? DEFORMATION_INDEPENDENT : DEFORMATION_COUPLED, 0, 0);
+        size_t num_pressure = basis->num_pressure;
+        reduced_model model;
+        assert_int_equal(reduced_model_build(&model, basis, rows, sizeof rows / sizeof *rows, NULL),
+                         EHD_OK);
+        assert_true(model.checkpoints.num > 3 && model.checkpoints.stride > 1);
+        for (size_t c = 0; c < model.checkpoints.num; c++) {
+            size_t exit = model.band.lines[0].min_exit + c * model.checkpoints.stride;
+            assert_int_equal(reduced_model_checkpoint(&model, &exit), c);
+            const size_t last = exit + model.checkpoints.stride - 1;
+            assert_int_equal(reduced_model_checkpoint(&model, &last), c);
+            if (c % 4 && c + 1 < model.checkpoints.num) continue; // plain sums are slow
+            const double *cut = model.checkpoints.cut + c * model.cut.num_rows * num_pressure;
+            for (size_t row = 0; row < model.cut.num_rows;
+                 row += row + 4 < model.cut.num_rows ? 3 : 1)
+                for (size_t j = 0; j < num_pressure; j += 3)
+                    check_close(cut[row * num_pressure + j], dense_cut(&model, basis, exit, row, j),
+                                1e-12, 1e-12);
+            for (size_t i = 0; i < model.band.num_nodes && model.checkpoints.band; i++)
+                check_close(
+                    model.checkpoints.band[(c * model.band.num_nodes + i) * num_pressure + 1],
+                    dense_deflection(basis, exit, model.band.lines[0].begin + i, 1), 1e-12, 1e-12);
+        }
+        reduced_model_free(&model);
+        reduced_basis_free(&own);
+    }
+    trained_free(&training);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(cut_tables_equal_plain_sums),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
