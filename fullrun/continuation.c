@@ -8,7 +8,9 @@
 #include <string.h>
 
 /* Times the estimate: Newton comes down from a film that is too thick in a few steps, while one that is
- * too thin at the contact's edges is driven to zero there. */
+ * too thin at the contact's edges is driven to zero there. Of 24 cold starts at the corners of M
+ * and L (extremes_converge) 7 fail at half of the estimate and 8 at the estimate; at 2, 4, 10 and 20
+ * times it all converge, in 432, 471, 536 and 594 iterations. */
 static const double START_FILM = 2;
 
 static const double LEAST_STRIDE = 1. / 256;
@@ -205,7 +207,9 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error) {
-    // inner nodes along, below which a coarser grid would not resolve the film
+    // inner nodes along, below which a coarser grid would not resolve the film. Starts from still
+    // coarser ones save no iterations on 1201 nodes, of 128 cells on a point contact neither, and
+    // lines take twice the time with 150; from the dry contact Newton takes two to three times as many
     const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;
     double before = program_seconds();
     ehd_status status = EHD_OK;

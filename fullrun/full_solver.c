@@ -27,6 +27,10 @@ struct full_solver {
     reynolds_fluid fluid; // views of fluid_memory
 };
 
+/* Near field and linear tolerance, measured on six lines of 1201 nodes: 30, 26, 22, 18, 14, 10 and
+ * 8 GMRES iterations a Newton iteration with 1, 2, 4, 8, 16, 32 and 64 nodes, in 0.14 to 0.19 s up
+ * to 8 of them and 0.66 s at 64. With a tolerance of 1e-2, 1e-4, 1e-6, 1e-8 and 1e-10 they are 7,
+ * 11, 14, 18 and 20 in 34, 28, 28, 28 and 28 Newton iterations: a strict one costs little. */
 full_settings full_default_settings(void) {
     full_settings settings = {.tolerance = 1e-10,
                               .max_iterations = 60,
@@ -309,6 +313,9 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 
 // ---- Newton
 
+/* Damping. Measured on 24 cold starts at the corners of M and L (extremes_converge): 2026, 741,
+ * 432, 486 and 756 iterations with pressure changes of 0.03, 0.1, 0.3, 1 and 3; 432 with any part
+ * of the film from 0.01 to 0.2, 570 with 0.9. */
 static const double MOST_PRESSURE_CHANGE = 0.3; // of the Hertz pressure, in one step
 static const double LEAST_FILM_LEFT = 0.2;      // of the smallest film, in one step
 static const double LEAST_FACTOR = 1e-6;        // below it Newton only squeezes the film to nothing
@@ -332,6 +339,8 @@ static double damping(full_solver *self, const full_system *system, const full_s
     return factor;
 }
 
+/* Measured on two point contacts of 128 cells: 86 GMRES iterations in 10 of Newton; 109 in 10 at
+ * 1e-4, 84 in 11 at 0.1. With the forcing's factor below at 0.001 123 in 10, at 10 82 in 12. */
 static const double LOOSEST_LINEAR = 0.01;
 
 /* How well a Newton step has to be solved (inexact Newton; Eisenstat and Walker, SIAM J. Sci. Comput. 17,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the online solver puts the exits, and what it makes of those that it cannot put where they belong. */
+/* Where the online solver puts the exits, and what it makes of those that it cannot put where they
+ * belong. */
 #include "romrun/online/least_squares.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
@@ -40,7 +41,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* The stationary equations, but with exits that go by the signs of pressure and multiplier, as in time. */
+/* The stationary equations, but with exits that go by the signs of pressure and multiplier, as in
+ * time. */
 static double nothing_earlier(void *context, size_t node) {
     (void)context, (void)node;
     return 0;
@@ -55,8 +57,8 @@ static reduced_squeeze no_squeeze(const reduced_model *model) {
 
 // ---- an exit that is held
 
-/* A linear solver that goes to and fro between two states, by which the exit turns round so often that it is held, and
- * takes the least squares from then on. */
+/* A linear solver that goes to and fro between two states, by which the exit turns round so often
+ * that it is held, and takes the least squares from then on. */
 typedef struct to_and_fro {
     const reduced_state *state;
     double *back, *on; // [num_unknowns]
@@ -97,7 +99,8 @@ static reduced_info solve_held(size_t s, size_t behind) {
     memcpy(other.back, line_basis.states.coordinates + s * n, bytes);
     memcpy(other.on, other.back, bytes);
     memcpy(reduced.state.coordinates, other.back, bytes);
-    // a mode is an inner node, from 1 on: a suction before the exit, and a pressure that asks for more of it
+    // a mode is an inner node, from 1 on: a suction before the exit, and a pressure that asks for
+    // more of it
     other.back[exit - 2] = -0.01;
     other.on[exit - 3] = 0.01;
     reduced.state.exit = exit;
@@ -115,8 +118,8 @@ static reduced_info solve_held(size_t s, size_t behind) {
     return info;
 }
 
-/* Pressure behind the exit's place is negative. One node of it moves the central film by less than 1e-5, which is
- * accepted; two move it by up to 3e-5 and four by 1e-4, which is not. */
+/* Pressure behind the exit's place is negative. One node of it moves the central film by less than
+ * 1e-5, which is accepted; two move it by up to 3e-5 and four by 1e-4, which is not. */
 static void an_exit_held_elsewhere_is_not_trusted(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -133,8 +136,8 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
 
 // ---- exits at the ends of the band
 
-/* A band that ends before the exits of a training state, or begins behind them; on lines that are not looked at the
- * farther the more. */
+/* A band that ends before the exits of a training state, or begins behind them; on lines that are
+ * not looked at the farther the more. */
 static void narrow_band(reduced_model *model, size_t s, ptrdiff_t min, ptrdiff_t max) {
     for (size_t l = 0; l < model->band.num_lines; l++) {
         band_line *band = &model->band.lines[l];

@@ -26,7 +26,8 @@ static marched first, second, third;
 
 // ---- constant histories
 
-/* The stationary solution stays as it is, however long; also in a frame that is not the reference's. */
+/* The stationary solution stays as it is, however long; also in a frame that is not the
+ * reference's. */
 static void constant_histories_stay_stationary(void **state) {
     static const char *const transients[] = {
         "end_time: 1e4, tolerance: 1e-4", "end_time: 20, fixed_step: 0.5",
@@ -85,8 +86,8 @@ static void compare_start(const scene *of, double moes_M, double moes_L, double 
     marched_end(&first);
 }
 
-/* The start in any frame is the stationary contact of its values: M goes as load over the root of the speed, or
- * its power 3/4, and lubricant and modulus alone make the rest of L. */
+/* The start in any frame is the stationary contact of its values: M goes as load over the root of
+ * the speed, or its power 3/4, and lubricant and modulus alone make the rest of L. */
 static void start_is_the_stationary_contact(void **state) {
     (void)state;
     const scene line = marched_scene(20, 6, "dowson-higginson", 0.05, "end_time: 1, fixed_step: 1");
@@ -97,7 +98,8 @@ static void start_is_the_stationary_contact(void **state) {
 
 // ---- accuracy in time
 
-/* Largest difference of the central film at the times of the coarser run, whose steps are twice as long. */
+/* Largest difference of the central film at the times of the coarser run, whose steps are twice as
+ * long. */
 static double film_difference(const marched *coarse, const marched *fine) {
     double largest = 0;
 
@@ -158,7 +160,8 @@ static void fixed_steps_are_of_second_order(void **state) {
     }
 }
 
-/* Steps by the local error: what is left of it in the film, however long the steps were before a kink. */
+/* Steps by the local error: what is left of it in the film, however long the steps were before a
+ * kink. */
 static void tolerance_holds(void **state) {
     static const struct {
         const char *law;
@@ -246,8 +249,9 @@ static ehd_status check_local_error(void *sink, const march_step *step, size_t i
     return EHD_OK;
 }
 
-/* The local error is the largest one up to a tenth of a half width before the exit, and none that is nearer, where the
- * exit's moves by whole nodes make noise. The speed swings, so that the exit moves and steps in the film travel to it. */
+/* The local error is the largest one up to a tenth of a half width before the exit, and none that
+ * is nearer, where the exit's moves by whole nodes make noise. The speed swings, so that the exit
+ * moves and steps in the film travel to it. */
 static void local_error_is_that_before_the_exit(void **state) {
     (void)state;
     static error_check check;

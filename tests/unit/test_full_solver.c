@@ -137,9 +137,10 @@ static void newton_count_does_not_grow(void **state) {
     }
 }
 
-/* A zone that ends a tenth of a half width too early or too late: the flux says at once where the exit lies, so that
- * Newton takes the iterations that the pressure takes, on coarse and fine grids alike. Measured: 4 or 5. With a flux
- * that is a tenth off they are up to 10, at the smallest step. */
+/* A zone that ends a tenth of a half width too early or too late: the flux says at once where
+ * the exit lies, so that Newton takes the iterations that the pressure takes, on coarse and fine
+ * grids alike. Measured: 4 or 5. With a flux that is a tenth off they are up to 10, at the
+ * smallest step. */
 static void flux_finds_the_exit_at_once(void **state) {
     (void)state;
     static const double steps[] = {0.02, 0.01, 0.005};
@@ -181,7 +182,8 @@ static void not_converged_is_an_outcome(void **state) {
     problem_free(&stopped);
 }
 
-/* Cells far wider than the inlet that builds the film: reported, and not after thousands of steps. */
+/* Cells far wider than the inlet that builds the film: reported, and not after thousands of
+ * steps. */
 static void too_coarse_a_grid_is_an_outcome(void **state) {
     (void)state;
     full_settings settings = full_default_settings();
@@ -289,8 +291,8 @@ static void solve_without_memory(void **state) {
 
 // ---- interruption
 
-/* A signal that arrives at the third linear system, which is then not solved: neither for the caller nor by a
- * step of other bits. */
+/* A signal that arrives at the third linear system, which is then not solved: neither for the
+ * caller nor by a step of other bits. */
 static ehd_status interrupted_gmres(full_system *system, double tolerance, size_t *iterations,
                                     ehd_error *error) {
     static size_t calls;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from trained solutions: what is quadratic in the place is met where training lies all around, what is affine
- * wherever it spans a plane, and otherwise the nearest one is taken. */
+/* Starts from trained solutions: what is quadratic in the place is met where training lies all
+ * around, what is affine wherever it spans a plane, and otherwise the nearest one is taken. */
 #include "romrun/online/reduced_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"

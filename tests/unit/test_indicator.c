@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Control rows and what is made of them: where they are chosen, what they are left with, the bound. */
+/* Control rows and what is made of them: where they are chosen, what they are left with, the
+ * bound. */
 #include "deimselect/control.h"
 #include "romrun/online/indicator.h"
 #include "tests/unit/allocation.h"
@@ -38,8 +39,8 @@ enum { NODES = 12, MODES = 2, SELECTED = 3 };
 
 static const size_t selected[SELECTED] = {1, 4, 9};
 
-/* Converged residuals of three states that differ from the modes at nodes 7, 2 and 10, less and less, after an
- * iteration each that is not converged and has all of it at node 5. */
+/* Converged residuals of three states that differ from the modes at nodes 7, 2 and 10, less and
+ * less, after an iteration each that is not converged and has all of it at node 5. */
 static void make_snapshots(double residuals[6][NODES], double modes[MODES][NODES]) {
     const size_t places[] = {7, 2, 10};
 
@@ -214,8 +215,9 @@ static void bound_follows_the_deviation(void **state) {
     }
 }
 
-/* What the rows are left with moves the film by c, linearised. Small against 3e-4 a^2/R, that is the bound; there it is
- * twice, and ten times farther about a hundred times as much: the bound grows with the cube. */
+/* What the rows are left with moves the film by c, linearised. Small against 3e-4 a^2/R, that is
+ * the bound; there it is twice, and ten times farther about a hundred times as much: the bound
+ * grows with the cube. */
 static void bound_grows_with_the_cube(void **state) {
     const reduced_settings settings = reduced_default_settings();
     size_t num_small = 0, num_large = 0;

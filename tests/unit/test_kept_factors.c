@@ -23,7 +23,8 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A step in time of a trained contact from its stationary solution, with an earlier film that is a little off. */
+/* A step in time of a trained contact from its stationary solution, with an earlier film that is a
+ * little off. */
 typedef struct time_step {
     size_t state;
     double rate;
@@ -69,9 +70,10 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     return info;
 }
 
-/* Factors of the same step do as well as a Jacobian of every iteration, those of one that is a sixth of it shorter take
- * a few iterations more. Those of a step a third as long converge with a rate of 0.6, which the second iteration shows:
- * then a Jacobian is made, and only one of the iterations was in vain. */
+/* Factors of the same step do as well as a Jacobian of every iteration, those of one that is a
+ * sixth of it shorter take a few iterations more. Those of a step a third as long converge with a
+ * rate of 0.6, which the second iteration shows: then a Jacobian is made, and only one of the
+ * iterations was in vain. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)

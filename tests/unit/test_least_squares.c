@@ -99,6 +99,32 @@ static void equals_lapack(void **state) {
         }
 }
 
+/* With the normal equations the error goes as the square of the condition: 1e-5 at 1e6, up to which
+ * they are taken, since their factors are cheap and of use to least_squares_again; at 1e8, where
+ * nothing would be left, QR gives 1e-9. */
+static void qr_takes_over_where_normal_equations_fail(void **state) {
+    (void)state;
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS], expected[COLUMNS];
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+
+    assert_non_null(workspace);
+    for (double condition = 1e2; condition < 2e8; condition *= 10)
+        for (int i = 0; i < 5; i++) {
+            random_matrix(matrix, ROWS, condition);
+            random_vector(expected, COLUMNS);
+            cblas_dgemv(CblasRowMajor, CblasNoTrans, ROWS, COLUMNS, -1, matrix, COLUMNS, expected,
+                        1, 0, right, 1);
+            assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_OK);
+            double error = 0;
+            for (size_t j = 0; j < COLUMNS; j++)
+                error = fmax(error, fabs(x[j] - expected[j]));
+            bool again = least_squares_again(x, workspace, matrix, right, ROWS) == EHD_OK;
+            if (condition < 2e6) assert_true(again && error < 1e-15 * condition * condition);
+            if (condition > 5e7) assert_true(!again && error < 1e-8);
+        }
+    least_squares_free(workspace);
+}
+
 /* Columns of very different length are no ill conditioning. */
 static void scales_columns(void **state) {
     (void)state;
@@ -160,7 +186,8 @@ static void near_rank_deficiency_is_harmless(void **state) {
     }
 }
 
-/* With the factors of a matrix near by, iterated to its fixed point, which is the solution for the other one. */
+/* With the factors of a matrix near by, iterated to its fixed point, which is the solution for the
+ * other one. */
 static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], left[ROWS], expected[COLUMNS], step[COLUMNS];
@@ -186,7 +213,8 @@ static void factors_of_a_neighbour_converge_to_the_solution(void **state) {
     least_squares_free(workspace);
 }
 
-/* What is not determined by the rows would depend on where Newton starts. Columns of zeros need no row. */
+/* What is not determined by the rows would depend on where Newton starts. Columns of zeros need no
+ * row. */
 static void fewer_rows_than_columns_are_refused(void **state) {
     (void)state;
     double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
@@ -283,6 +311,7 @@ static void survives_failing_allocations(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equals_lapack),
+        cmocka_unit_test(qr_takes_over_where_normal_equations_fail),
         cmocka_unit_test(scales_columns),
         cmocka_unit_test(zero_columns_get_zero),
         cmocka_unit_test(near_rank_deficiency_is_harmless),

@@ -254,8 +254,8 @@ static void tolerance_controls_the_error(void **state) {
     check_close(log10((double)count[2] / (double)count[1]), 2. / 3, 0, 0.15);
 }
 
-/* Every step that is accepted has a local error below the tolerance of a step, and the largest come near to it: of
- * steps that are too long for it some are tried, and taken again. */
+/* Every step that is accepted has a local error below the tolerance of a step, and the largest come
+ * near to it: of steps that are too long for it some are tried, and taken again. */
 static void accepted_steps_keep_the_tolerance(void **state) {
     (void)state;
     static const char *const transients[] = {
@@ -415,7 +415,8 @@ static void fixed_steps_fall_back_late_in_time(void **state) {
     run_end(&first);
 }
 
-/* 3 * 0.3 is below 0.9 by rounding, and 0.7 + 0.2 too: no step from there to the end, or to a multiple. */
+/* 3 * 0.3 is below 0.9 by rounding, and 0.7 + 0.2 too: no step from there to the end, or to a
+ * multiple. */
 static void times_that_differ_by_rounding_are_one(void **state) {
     static const char *const transients[] = {
         "end_time: 0.9, fixed_step: 0.3",
@@ -518,7 +519,8 @@ static void step_size_underflows(void **state) {
     }
 }
 
-/* Steps that the time's own rounding would swallow are not tried, however short the first one was. */
+/* Steps that the time's own rounding would swallow are not tried, however short the first one
+ * was. */
 static void step_size_ends_above_rounding(void **state) {
     (void)state;
     for (int i = 0; i < 2; i++) {
@@ -552,8 +554,8 @@ static void noise_underflows(void **state) {
     run_end(&first);
 }
 
-/* Errors that no shorter step makes less: where one is tried and no better, the steps go on; not above what all of them
- * together are asked for. */
+/* Errors that no shorter step makes less: where one is tried and no better, the steps go on; not
+ * above what all of them together are asked for. */
 static void steps_stand_above_noise(void **state) {
     (void)state;
     run_begin(&second, "end_time: 1, tolerance: 1e-3");
@@ -678,8 +680,8 @@ static void signal_interrupts(void **state) {
 
 // ---- approach
 
-/* With the approach given the load is an outcome: what the start found is the reference approach, and
- * frames are scaled by the load to be expected. */
+/* With the approach given the load is an outcome: what the start found is the reference approach,
+ * and frames are scaled by the load to be expected. */
 static void approach_scales_by_the_load(void **state) {
     (void)state;
     run_begin(&first, "end_time: 1, fixed_step: 0.1, approach: {law: ramp, from: 1, to: 2, "

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What follows from a pressure that is cut at the exit: tables at checkpoints against plain sums. How they are moved
- * from exit to exit is in test_reduced_solver.c and, of a point contact, test_reduced_point.c. */
+/* What follows from a pressure that is cut at the exit: tables at checkpoints against plain sums.
+ * How they are moved from exit to exit is in test_reduced_solver.c and, of a point contact,
+ * test_reduced_point.c. */
 #include "romrun/model/reduced_cut.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"

@@ -124,8 +124,8 @@ static void full_rank_reproduces_the_full_model(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Started near by and with its exit: a start with an exit behind it may stay there for a node or some,
- * since such a basis has no pressure there whose sign could tell (moving_the_exit_…). */
+/* Started near by and with its exit: a start with an exit behind it may stay there for a node or
+ * some, since such a basis has no pressure there whose sign could tell (moving_the_exit_…). */
 static void a_basis_with_the_solution_finds_it(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -264,11 +264,38 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
+/* From each trained solution to each of the others: damping and the exit's longest stride bring all
+ * there. Measured: 850 iterations, none lost; with a pressure change of 1 a step 893 and 2 lost, of
+ * 0.1 863 and 4 lost; with exits that move by 0.02 half widths an iteration 842 and 1 lost, by 0.2
+ * 843 and none. */
+static void any_trained_solution_leads_to_any_other(void **state) {
+    (void)state;
+    const reduced_settings settings = reduced_default_settings();
+    reduced_problem reduced;
+    size_t num_iterations = 0;
+
+    reduced_problem_init(&reduced, &independent, NULL, 0, &settings);
+    const size_t n = reduced.model.num_unknowns;
+    for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
+        const size_t from = i / TRAINED_STATES, to = i % TRAINED_STATES;
+        memcpy(reduced.state.coordinates, independent.states.coordinates + from * n,
+               n * sizeof(double));
+        reduced.state.exit = training.set.exit[from];
+        reduced_problem_solve(&reduced, &training.contacts[to]);
+        check_close(reduced.info.scalars.central_film_thickness,
+                    training.set.central_film_thickness[to], 1e-4, 0);
+        num_iterations += reduced.info.iterations;
+    }
+    assert_true(num_iterations < 880);
+    reduced_problem_free(&reduced);
+}
+
 // ---- the exit's moves
 
-/* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update of
- * the tables each time. What is reported at the end comes from the updated tables; it must be what the
- * final state gives by definition, and the solution must not depend on where the exit began. */
+/* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update
+ * of the tables each time. What is reported at the end comes from the updated tables; it must be
+ * what the final state gives by definition, and the solution must not depend on where the exit
+ * began. */
 static void moving_the_exit_equals_rebuilding(void **state) {
     (void)state;
     enum { STATE = 4 };
@@ -500,6 +527,7 @@ int main(void) {
         cmocka_unit_test(all_rows_in_any_order_are_level_i),
         cmocka_unit_test(another_linear_solver_may_be_put_in),
         cmocka_unit_test(truncated_bases_stay_near),
+        cmocka_unit_test(any_trained_solution_leads_to_any_other),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
         cmocka_unit_test(minimum_film_is_the_smallest_nodal_film),

@@ -72,8 +72,8 @@ static bool is_before(const selection_bases *bases, size_t exit, size_t node) {
     return node % WIDTH < bases->exits[exit * NUM_LINES + node / WIDTH];
 }
 
-/* sigma_min of the rows before an exit of a basis made orthonormal there; `at_nodes` [NUM_NODES]: the worst
- * direction, zero behind the exit. */
+/* sigma_min of the rows before an exit of a basis made orthonormal there; `at_nodes` [NUM_NODES]:
+ * the worst direction, zero behind the exit. */
 static double naive_sigma_min(double *at_nodes, const selection_bases *bases, size_t basis,
                               size_t exit, const size_t *rows, size_t num_rows) {
     double before[NUM_MODES * NUM_NODES], sampled[NUM_NODES * NUM_MODES] = {0};
