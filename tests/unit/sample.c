@@ -13,6 +13,9 @@ static void set(scene *given, const char *key, const char *value) {
     abort();
 }
 
+const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS] = {"barus", "roelands", "no1", "no2",
+                                                              "no3"};
+
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L) {
     scene given;
     int wlf = strncmp(lubricant, "no", 2) == 0;

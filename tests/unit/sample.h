@@ -6,6 +6,9 @@
 #include "common/physics/contact.h"
 #include "common/settings/scene_contact.h"
 
+enum { NUM_SAMPLE_LUBRICANTS = 5 };
+extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS]; // of every viscosity law
+
 /* Defaults with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa), or wlf by the name of
  * its preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L);

@@ -204,7 +204,6 @@ typedef struct error_check {
 static void keep_mass(error_check *self, const march_step *step) {
     const full_state *found = full_march_state(self->run->full, NULL);
     const ehd_contact *contact = &self->run->reference;
-    double ignored;
 
     for (size_t i = 3; i > 0; i--) {
         self->time[i] = self->time[i - 1];
@@ -214,9 +213,9 @@ static void keep_mass(error_check *self, const march_step *step) {
     self->time[0] = step->frame.time;
     self->exit[0] = found->exit;
     for (size_t k = 0; k < contact->grid.num_nodes; k++)
-        self->mass[0][k] =
-            found->film[k] * contact->lubricant.density->relative_density(
-                                 fmax(found->pressure[k], 0) * contact->hertz_pressure, &ignored);
+        self->mass[0][k] = found->film[k] *
+                           lubricant_density(&contact->lubricant,
+                                             fmax(found->pressure[k], 0) * contact->hertz_pressure);
     self->num_states++;
 }
 

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/physics/contact.h"
+#include "common/physics/reynolds.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void physical_scene(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    given.physical.load = 2e5;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.modulus = 2.2e11;
+    given.physical.viscosity = 0.01;
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
+    // by hand: U = 0.01 2 / (2.2e11 0.01), W = 2e5 / (2.2e11 0.01), a^2 = 8 2e5 0.01 / (pi 2.2e11)
+    check_close(contact.moes_M, 30.15113445777636, 1e-13, 0);
+    check_close(contact.moes_L, 7.6401960910866045, 1e-13, 0);
+    check_close(contact.half_width, 1.5215061585243644e-4, 1e-13, 0);
+    check_close(contact.hertz_pressure, 836828387.1884005, 1e-13, 0);
+    check_close(contact.alpha_p_H, 16.73656774376801, 1e-13, 0);
+    // lambda = 12 u eta0 R^2 / (p_H a^3)
+    check_close(contact.lambda, 0.004071211815449362, 1e-13, 0);
+    check_close(contact_film_scale(&contact), 2.3149809904275684e-6, 1e-13, 0);
+    check_close(contact.load, 2e5, 0, 0);
+}
+
+static void contradictory_viscosity_is_refused(void **state) {
+    (void)state;
+    scene given = sample_scene("roelands", "incompressible", NAN, NAN);
+    ehd_contact contact;
+    ehd_error error;
+    given.physical.load = 2e5;
+    given.physical.radius = 0.01;
+    given.physical.speed = 1;
+    given.physical.modulus = 2.2e11;
+    given.physical.viscosity = 0.0398; // the law says 0.04
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
+    given.physical.viscosity = 0.039;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "physical.viscosity: found 0.039, expected 0.04"));
+}
+
+static void moes_numbers(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 8 * M_PI, 7, 0.1);
+    check_close(contact.alpha_p_H, 14, 1e-14, 0); // 7 sqrt(8 pi / 2 pi)
+    check_close(contact.hertz_pressure, 14 / 2e-8, 1e-14, 0);
+    check_close(contact.lambda, 3. / 512, 1e-14, 0); // 3 pi^2 / (8 64 pi^2)
+    assert_true(isnan(contact.half_width) && isnan(contact.radius) && isnan(contact.load));
+    contact_set_moes(&contact, 2 * M_PI, 3);
+    check_close(contact.alpha_p_H, 3, 1e-14, 0);
+    check_close(contact.hertz_pressure, 3 / 2e-8, 1e-14, 0);
+    check_close(contact.lambda, 3. / 32, 1e-14, 0);
+}
+
+static void given_hertz_pressure_wins(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", 12, 12);
+    ehd_contact contact;
+    given.hertz_pressure = 0.7e9;
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
+    check_close(contact.hertz_pressure, 0.7e9, 0, 0);
+    check_close(contact.alpha_p_H, 14, 1e-15, 0);
+    check_close(contact.moes_L, 12, 0, 0);
+    check_close(contact.lambda, 3 * M_PI * M_PI / (8 * 144), 1e-15, 0);
+}
+
+static void pressure_beyond_the_law_is_refused(void **state) {
+    (void)state;
+    scene given = sample_scene("no3", "incompressible", 100, 5);
+    ehd_contact contact;
+    ehd_error error;
+    given.hertz_pressure = 4.7e9;
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
+    given.hertz_pressure = 4.8e9;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "hertz_pressure: found 4.8 GPa"));
+    given.hertz_pressure = NAN;
+    given.moes.L = 50;
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_DATA);
+}
+
+static void isoviscous_contact(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        ehd_contact contact = sample_contact(sample_lubricants[l], "dowson-higginson", 10, 0, 0.1);
+        double mobility[3], slope[3], density[3], density_slope[3];
+        reynolds_fluid fluid = {mobility, slope, density, density_slope};
+        check_close(contact.hertz_pressure, 0, 0, 0);
+        check_close(contact.alpha_p_H, 0, 0, 0);
+        reynolds_fluid_evaluate(&fluid, &contact, (double[]){0, 0.5, 1}, 3);
+        for (int i = 0; i < 3; i++) {
+            check_close(mobility[i], 1 / contact.lambda, 1e-13, 0);
+            check_close(slope[i], 0, 0, 0);
+            check_close(density[i], 1, 0, 0);
+        }
+    }
+}
+
+static void grid_nodes(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "incompressible", 10, 5, 0.005);
+    assert_int_equal(contact.grid.num_inner, 1201);
+    assert_int_equal(contact.grid.num_nodes, 1203);
+    check_close(grid_x(&contact.grid, 0), -4.005, 1e-15, 0);
+    check_close(grid_x(&contact.grid, 1), -4, 0, 0);
+    check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
+}
+
+/* Three lines of a half, y = 0 first, and the boundary line: one that ends amid, one with none in between and a value
+ * that is no pressure behind, one with none; on the whole grid the other half is mirrored. */
+static void exits_of_a_pressure(void **state) {
+    (void)state;
+    const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true);
+    const double pressure[4][6] = {{0, 1, 2, 3, 0, 0}, {0, 1, 0, 1, -1e-9, 0}};
+    const size_t expected[] = {4, 4, 1, 1};
+    const double positions[] = {NAN, 0.5, 0.5, 0.5, NAN};
+    size_t columns[4];
+    double found[5];
+
+    assert_int_equal(grid.num_nodes, sizeof pressure / sizeof **pressure);
+    grid_exit_columns(columns, pressure[0], &grid);
+    assert_memory_equal(columns, expected, sizeof expected);
+    grid_exits(found, columns, &grid);
+    for (size_t l = 0; l < 5; l++) {
+        if (isnan(positions[l]))
+            assert_true(isnan(found[l]));
+        else
+            check_close(found[l], positions[l], 1e-15, 0);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(physical_scene),
+        cmocka_unit_test(contradictory_viscosity_is_refused),
+        cmocka_unit_test(moes_numbers),
+        cmocka_unit_test(given_hertz_pressure_wins),
+        cmocka_unit_test(pressure_beyond_the_law_is_refused),
+        cmocka_unit_test(isoviscous_contact),
+        cmocka_unit_test(grid_nodes),
+        cmocka_unit_test(exits_of_a_pressure),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A contact that changes with time, in units of its present state. */
+#include "common/settings/scene_contact.h"
+#include "common/time/frame.h"
+#include "tests/unit/check.h"
+#include "tests/unit/frames.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static scene physical_scene(const contact_kind *kind, double load, double speed, double radius,
+                            double modulus) {
+    scene given = sample_scene("barus", "incompressible", 10, 5);
+
+    snprintf(given.contact, sizeof given.contact, "%s", kind->name);
+    if (kind->dimensions > 1) {
+        given.grid.y_max = 2;
+        given.grid.half = 1;
+        given.grid.step = 0.1;
+    }
+    given.moes.M = given.moes.L = NAN;
+    given.physical.load = (kind->dimensions > 1 ? 20 : 1e5) * load;
+    given.physical.speed = 1.2 * speed;
+    given.physical.radius = 0.012 * radius;
+    given.physical.modulus = 2.2e11 * modulus;
+    given.physical.viscosity = 0.04;
+    return given;
+}
+
+static ehd_contact physical_contact(const contact_kind *kind, const double *factor) {
+    scene given = physical_scene(kind, factor[0], factor[1], factor[2], factor[3]);
+    ehd_contact contact;
+    ehd_error error = {""};
+
+    if (scene_contact(&contact, &given, &error)) fail_msg("%s", error.text);
+    return contact;
+}
+
+static void compare_frames(const contact_kind *kind) {
+    ehd_contact reference = physical_contact(kind, (double[]){1, 1, 1, 1});
+    for (size_t i = 0; i < NUM_FACTORS; i++) {
+        ehd_contact expected = physical_contact(kind, factors[i]), contact;
+        contact_frame frame = frame_of_case(kind, i);
+        frame_contact(&contact, &frame, &reference);
+        check_close(contact.half_width, expected.half_width, 1e-13, 0);
+        check_close(contact.radius, expected.radius, 1e-13, 0);
+        check_close(contact.load, expected.load, 1e-13, 0);
+        check_close(contact.hertz_pressure, expected.hertz_pressure, 1e-13, 0);
+        check_close(contact.alpha_p_H, expected.alpha_p_H, 1e-13, 0);
+        check_close(contact.moes_M, expected.moes_M, 1e-13, 0);
+        check_close(contact.moes_L, expected.moes_L, 1e-13, 0);
+        check_close(contact.lambda * contact.entrainment, expected.lambda, 1e-13, 0);
+        // U = a_ref u / (a u_ref)
+        check_close(contact.entrainment, reference.half_width * factors[i][1] / expected.half_width,
+                    1e-13, 0);
+        check_close(contact_film_scale(&contact), contact_film_scale(&expected), 1e-13, 0);
+        check_close(frame.film_scale,
+                    contact_film_scale(&expected) / contact_film_scale(&reference), 1e-13, 0);
+    }
+}
+
+/* A frame that stands still is the stationary contact of its load, speed, radius and modulus. */
+static void frame_is_the_contact_of_its_values(void **state) {
+    (void)state;
+    compare_frames(&contact_line);
+    compare_frames(&contact_point);
+}
+
+/* At rest M has no bound and is cut; everything stays finite. */
+static void frame_at_rest_is_finite(void **state) {
+    (void)state;
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
+    contact_frame frame = frame_of(&contact_line, 1.2, 0, 1, 1, NAN);
+    frame_contact(&contact, &frame, &reference);
+    check_close(contact.entrainment, 0, 0, 0);
+    check_close(contact.moes_M, 1e5, 0, 0);
+    assert_true(isfinite(contact.moes_L) && contact.lambda > 0);
+}
+
+/* Film at a place of the reference frame from formulas that know no frame: half widths and Hertz pressures
+ * are those of the reference, `length` is that of the kernel's logarithm. */
+static double film_by_hand(double x, const double *place, const double *pressure, size_t count,
+                           double step, const double *factor, double approach) {
+    double film = approach + x * x / (2 * factor[2]);
+
+    for (size_t k = 0; k < count; k++)
+        film += pressure[k] * contact_line.kernel(fabs(x - place[k]), 0, step) / factor[3];
+    return film;
+}
+
+/* Film, pressure, places, approach and load of a state are the same from within its frame and from the
+ * reference: scales, and the constant of the kernel. */
+static void scalars_of_a_frame_are_physical(void **state) {
+    (void)state;
+    enum { COUNT = 81 };
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});
+    for (size_t i = 0; i < NUM_FACTORS; i++) {
+        contact_frame frame = frame_of_case(&contact_line, i);
+        double a = sqrt(factors[i][0] * factors[i][2] / factors[i][3]), step = 0.03;
+        double hertz = sqrt(factors[i][0] * factors[i][3] / factors[i][2]);
+        double place[COUNT], pressure[COUNT], own = -0.7, sum = 0;
+        for (size_t k = 0; k < COUNT; k++) { // any pressure, in the frame
+            place[k] = step * ((double)k - 30);
+            pressure[k] = fmax(1 - 0.5 * place[k] * place[k] + 0.2 * sin(3 * place[k]), 0);
+            sum += pressure[k] * step;
+        }
+        contact_scalars current = {.rigid_approach = own,
+                                   .load = sum / M_PI_2,
+                                   .central_pressure = pressure[30],
+                                   .exit_position = 1.1};
+        current.central_film_thickness =
+            film_by_hand(0, place, pressure, COUNT, step, (double[]){1, 1, 1, 1}, own);
+        current.minimum_film_thickness = 0.25 * current.central_film_thickness;
+        contact_scalars scalars = frame_to_reference(&current, &frame, &reference);
+
+        double physical_place[COUNT], physical_pressure[COUNT];
+        for (size_t k = 0; k < COUNT; k++) {
+            physical_place[k] = a * place[k];
+            physical_pressure[k] = hertz * pressure[k];
+        }
+        double film = film_by_hand(0, physical_place, physical_pressure, COUNT, a * step,
+                                   factors[i], scalars.rigid_approach);
+        check_close(scalars.central_film_thickness, film, 1e-12, 1e-13);
+        check_close(scalars.minimum_film_thickness, 0.25 * film, 1e-12, 1e-13);
+        check_close(scalars.central_pressure, physical_pressure[30], 1e-13, 0);
+        check_close(scalars.exit_position, 1.1 * a, 1e-13, 0);
+        check_close(scalars.load, hertz * a * sum / M_PI_2, 1e-13, 0);
+    }
+}
+
+/* The dry contact: H0 = -(1/4 + ln 2 / 2) in every frame, so that only the scale and the shift by the
+ * logarithm of the half width make the approach. */
+static void approach_of_dry_contacts(void **state) {
+    (void)state;
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});
+    for (size_t i = 0; i < 2 * NUM_FACTORS; i++) {
+        const double *f = factors[i % NUM_FACTORS];
+        contact_frame frame = frame_of_case(&contact_line, i % NUM_FACTORS);
+        double a = sqrt(f[0] * f[2] / f[3]);
+        contact_scalars dry = {.rigid_approach = -(0.25 + log(2) / 2), .load = 1};
+        reference.approach_length = i < NUM_FACTORS ? 1 : 12;
+        check_close(frame_to_reference(&dry, &frame, &reference).rigid_approach,
+                    (-(0.25 + log(2) / 2) + 0.5 * log(a / reference.approach_length)) * a * a /
+                        f[2],
+                    1e-13, 1e-15);
+    }
+}
+
+/* What the closure by an approach asks for is what frame_to_reference reports. */
+static void approach_closure_is_the_reported_approach(void **state) {
+    (void)state;
+    ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1}), contact;
+    for (size_t i = 0; i < NUM_FACTORS; i++) {
+        const double *f = factors[i];
+        contact_frame frame = frame_of(&contact_line, f[0], f[1], f[2], f[3], -0.9);
+        contact_scalars current = {.load = 1.3};
+        frame_contact(&contact, &frame, &reference);
+        current.rigid_approach =
+            (contact.closure.value - contact.closure.by_load * current.load * M_PI_2) /
+            contact.closure.by_approach;
+        check_close(frame_to_reference(&current, &frame, &reference).rigid_approach, -0.9, 1e-13,
+                    0);
+        frame.approach = NAN;
+        frame_contact(&contact, &frame, &reference);
+        check_close(contact.closure.by_approach, 0, 0, 0);
+        check_close(contact.closure.value / contact.closure.by_load, M_PI_2, 1e-15, 0);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frame_is_the_contact_of_its_values),
+        cmocka_unit_test(frame_at_rest_is_finite),
+        cmocka_unit_test(scalars_of_a_frame_are_physical),
+        cmocka_unit_test(approach_of_dry_contacts),
+        cmocka_unit_test(approach_closure_is_the_reported_approach),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

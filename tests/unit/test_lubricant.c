@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Viscosity and density of the laws. How laws are found by name and read from scenes is in test_laws.c. */
+#include "common/physics/lubricant.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_lubricant sample_lubricant(const char *name) {
+    return sample_contact(name, "dowson-higginson", 10, 5, 0.1).lubricant;
+}
+
+static double log_viscosity(const ehd_lubricant *lubricant, double pressure) {
+    double slope;
+    return lubricant->viscosity->evaluate(lubricant, pressure, &slope);
+}
+
+static void viscosity_derivative(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(sample_lubricants[l]);
+        for (double p = 1e7; p < fmin(4.6e9, lubricant.pressure_limit); p *= 1.3) {
+            double h = 1e-3 * p, slope;
+            // fourth order
+            double difference =
+                (8 * (log_viscosity(&lubricant, p + h) - log_viscosity(&lubricant, p - h)) -
+                 (log_viscosity(&lubricant, p + 2 * h) - log_viscosity(&lubricant, p - 2 * h))) /
+                (12 * h);
+            lubricant.viscosity->evaluate(&lubricant, p, &slope);
+            check_close(slope, difference, 1e-8, 0);
+        }
+    }
+}
+
+static void density_derivative(void **state) {
+    (void)state;
+    const ehd_lubricant lubricant = sample_lubricant("barus");
+    for (double p = 1e7; p < 5e9; p *= 1.3) {
+        double h = 1e-4 * p, slope;
+        double difference =
+            (lubricant_density(&lubricant, p + h) - lubricant_density(&lubricant, p - h)) / (2 * h);
+        lubricant.density->evaluate(&lubricant, p, &slope);
+        check_close(slope, difference, 1e-6, 0);
+    }
+}
+
+static void density_values(void **state) {
+    (void)state;
+    const ehd_lubricant lubricant = sample_lubricant("barus");
+    check_close(lubricant_density(&lubricant, 0), 1, 0, 0);
+    check_close(lubricant_density(&lubricant, -1e9), 1, 0, 0);
+    check_close(lubricant_density(&lubricant, 5.9e8), 1.17, 1e-15, 0);
+    check_close(lubricant_density(&lubricant, 1e30), 1.34, 1e-15, 0);
+}
+
+static void viscosity_values(void **state) {
+    (void)state;
+    // ln of eta(1 GPa)/eta(0), worked out apart from this code from their formulas
+    static const double at_giga[] = {20, 12.909806659521264, 13.328407194322661, 9.51454678656911,
+                                     10.96611946095047};
+    for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(sample_lubricants[l]);
+        check_close(log_viscosity(&lubricant, 1e9), at_giga[l], 1e-12, 0);
+        check_close(log_viscosity(&lubricant, 0), 0, 0, 1e-14);
+    }
+}
+
+static void barus_is_exact(void **state) {
+    (void)state;
+    ehd_lubricant lubricant = sample_lubricant("barus");
+    for (double p = 0; p < 3e10; p += 1.7e8)
+        check_close(log_viscosity(&lubricant, p), 2e-8 * p, 1e-15, 0);
+    check_close(lubricant.alpha, 2e-8, 0, 0);
+    assert_true(isnan(lubricant.eta0));
+    assert_true(lubricant.pressure_limit > 1e12);
+}
+
+static void roelands_slope_at_zero(void **state) {
+    (void)state;
+    ehd_lubricant lubricant = sample_lubricant("roelands");
+    double slope;
+    lubricant.viscosity->evaluate(&lubricant, 0, &slope);
+    check_close(slope, 2e-8, 1e-14, 0);
+    check_close(lubricant.alpha, 2e-8, 0, 0);
+    check_close(lubricant.eta0, 0.04, 0, 0);
+}
+
+static void wlf_coefficients_and_limits(void **state) {
+    (void)state;
+    static const double alpha[] = {23.60e-9, 12.51e-9, 18.05e-9};
+    static const double limit[] = {11.5e9, 5.0e9, 4.76e9};
+    static const double eta0[] = {0.028282476174235197, 0.0016537118365797577, 0.20208749448341043};
+    for (int l = 0; l < 3; l++) {
+        ehd_lubricant lubricant = sample_lubricant(sample_lubricants[2 + l]);
+        check_close(lubricant.alpha, alpha[l], 0, 0.0051e-9);
+        check_close(lubricant.pressure_limit, limit[l], 0, 0.05e9);
+        check_close(lubricant.eta0, eta0[l], 1e-12, 0);
+    }
+}
+
+/* Below its limit a law rises with a finite slope; beyond, it is the value at the limit that counts. */
+static void viscosity_rises_to_its_limit(void **state) {
+    (void)state;
+    for (int l = 2; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(sample_lubricants[l]);
+        double limit = lubricant.pressure_limit, last = -1, slope;
+        for (int i = 0; i <= 1000; i++) {
+            double here = lubricant.viscosity->evaluate(&lubricant, i * limit / 1000, &slope);
+            assert_true(here > last && isfinite(here) && slope >= 0);
+            last = here;
+        }
+        double pressure[] = {limit / 1e9, 2 * limit / 1e9}, log_eta[2], by_p[2], rho[2],
+               rho_by_p[2];
+        lubricant_evaluate(log_eta, by_p, rho, rho_by_p, &lubricant, 1e9, pressure, 2);
+        check_close(log_eta[1], log_eta[0], 1e-12, 0);
+    }
+}
+
+static void negative_pressure_counts_as_zero(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        ehd_lubricant lubricant = sample_lubricant(sample_lubricants[l]);
+        double pressure[] = {-0.01, 0}, log_eta[2], by_p[2], rho[2], rho_by_p[2];
+        lubricant_evaluate(log_eta, by_p, rho, rho_by_p, &lubricant, 1e9, pressure, 2);
+        check_close(log_eta[0], log_eta[1], 0, 0);
+        check_close(by_p[0], by_p[1], 0, 0);
+        check_close(rho[0], 1, 0, 0);
+        check_close(rho_by_p[0], rho_by_p[1], 0, 0);
+    }
+}
+
+static void bad_lubricants_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *lubricant;
+        const char *key; // of the constant that is spoilt
+        double value;
+        const char *text; // of the error, in part
+    } cases[] = {
+        {"barus", "alpha", NAN, "alpha"},  {"barus", "alpha", -1e-8, "alpha"},
+        {"roelands", "alpha", 0, "alpha"}, {"roelands", "eta0", 1e-5, "eta0"},
+        {"roelands", "eta0", NAN, "eta0"}, {"no1", "temperature", -95, "glass transition"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        lubricant_settings settings =
+            sample_scene(cases[i].lubricant, "incompressible", 10, 5).lubricant;
+        ehd_lubricant lubricant;
+        ehd_error error = {0};
+        settings.viscosity.values[laws_slot(viscosity_laws, cases[i].key)].number = cases[i].value;
+        assert_int_equal(lubricant_init(&lubricant, &settings, &error), EHD_DATA);
+        assert_non_null(strstr(error.text, cases[i].text));
+    }
+}
+
+static void unknown_laws_are_refused(void **state) {
+    (void)state;
+    lubricant_settings good = sample_scene("no1", "incompressible", 10, 5).lubricant, bad;
+    ehd_lubricant lubricant;
+    bad = good;
+    strcpy(bad.viscosity.law, "eyring");
+    assert_int_equal(lubricant_init(&lubricant, &bad, NULL), EHD_DATA);
+    bad = good;
+    strcpy(bad.viscosity.values[laws_slot(viscosity_laws, "preset")].word, "no4");
+    assert_int_equal(lubricant_init(&lubricant, &bad, NULL), EHD_DATA);
+    bad = good;
+    strcpy(bad.density.law, "tait");
+    assert_int_equal(lubricant_init(&lubricant, &bad, NULL), EHD_DATA);
+    assert_int_equal(lubricant_init(&lubricant, &good, NULL), EHD_OK);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(viscosity_derivative),
+        cmocka_unit_test(density_derivative),
+        cmocka_unit_test(density_values),
+        cmocka_unit_test(viscosity_values),
+        cmocka_unit_test(barus_is_exact),
+        cmocka_unit_test(roelands_slope_at_zero),
+        cmocka_unit_test(wlf_coefficients_and_limits),
+        cmocka_unit_test(viscosity_rises_to_its_limit),
+        cmocka_unit_test(negative_pressure_counts_as_zero),
+        cmocka_unit_test(bad_lubricants_are_refused),
+        cmocka_unit_test(unknown_laws_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rows of the Reynolds equation and their derivatives. Those across a point contact's lines are in
+ * test_full_point.c. */
+#include "common/physics/reynolds.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const densities[] = {"incompressible", "dowson-higginson"};
+enum { NUM_DENSITIES = 2 };
+
+enum { NUM_NODES = 14 }; // of a small grid, boundary nodes included
+
+/* A small grid with all its stencils and fluid. */
+typedef struct small_problem {
+    ehd_contact contact;
+    double mobility[NUM_NODES], mobility_slope[NUM_NODES];
+    double density[NUM_NODES], density_slope[NUM_NODES];
+    reynolds_stencil stencils[NUM_NODES - 2];
+    double pressure[NUM_NODES], film[NUM_NODES];
+} small_problem;
+
+static void small_init(small_problem *small, const ehd_contact *contact) {
+    small->contact = *contact;
+    small->contact.grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        small->stencils[r] = reynolds_stencil_at(&small->contact.grid, r + 1);
+}
+
+static void small_rows(reynolds_row *rows, small_problem *small, double entrainment) {
+    int compressible = small->contact.lubricant.density != NULL;
+    reynolds_fluid fluid = {small->mobility, small->mobility_slope,
+                            compressible ? small->density : NULL,
+                            compressible ? small->density_slope : NULL};
+    reynolds_fluid_evaluate(&fluid, &small->contact, small->pressure, NUM_NODES);
+    reynolds_rows(rows, small->contact.grid.step, entrainment, NULL, small->stencils, NUM_NODES - 2,
+                  &fluid, small->pressure, small->film);
+}
+
+/* Derivative of the residuals with respect to `*value`, a pressure or film of `small`. */
+static void difference(double *derivative, small_problem *small, double *value) {
+    reynolds_row up[NUM_NODES - 2], down[NUM_NODES - 2];
+    double kept = *value, h = 1e-5 * kept;
+
+    *value = kept + h;
+    small_rows(up, small, 0.8);
+    *value = kept - h;
+    small_rows(down, small, 0.8);
+    *value = kept;
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        derivative[r] = (up[r].residual - down[r].residual) / (2 * h);
+}
+
+/* The analytic derivative with respect to the value at `node`; zero where it is not in the stencil. */
+static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
+    for (int a = 0; a < NUM_STENCIL; a++)
+        if (stencil->node[a] == node) return by[a];
+    return 0;
+}
+
+static double largest_of(const double *by) {
+    double largest = 0;
+    for (int a = 0; a < NUM_STENCIL; a++)
+        largest = fmax(largest, fabs(by[a]));
+    return largest;
+}
+
+static void check_row_derivatives(const ehd_contact *contact) {
+    small_problem small;
+    reynolds_row rows[NUM_NODES - 2];
+    double derivative[NUM_NODES - 2];
+
+    small_init(&small, contact);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.pressure[k] = 0.5 + 0.3 * sin(2. * (double)k);
+        small.film[k] = 0.4 + 0.1 * cos(3. * (double)k);
+    }
+    small_rows(rows, &small, 0.8);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        difference(derivative, &small, &small.pressure[k]);
+        for (size_t r = 0; r < NUM_NODES - 2; r++)
+            check_close(by_node(rows[r].by_pressure, &small.stencils[r], k), derivative[r], 1e-6,
+                        1e-7 * largest_of(rows[r].by_pressure));
+        difference(derivative, &small, &small.film[k]);
+        for (size_t r = 0; r < NUM_NODES - 2; r++)
+            check_close(by_node(rows[r].by_film, &small.stencils[r], k), derivative[r], 1e-6,
+                        1e-7 * largest_of(rows[r].by_film));
+    }
+}
+
+static void row_derivatives(void **state) {
+    (void)state;
+    for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++)
+        for (int d = 0; d < NUM_DENSITIES; d++) {
+            ehd_contact contact = sample_contact(sample_lubricants[l], densities[d], 5, 6, 0.1);
+            check_row_derivatives(&contact);
+        }
+}
+
+static void first_row_has_no_second_node_back(void **state) {
+    (void)state;
+    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
+    reynolds_stencil first = reynolds_stencil_at(&grid, 1), second = reynolds_stencil_at(&grid, 2);
+    assert_true(first.node[NODE_BACK2] == NO_NODE);
+    assert_int_equal(first.node[NODE_BACK], 0);
+    assert_int_equal(first.node[NODE_HERE], 1);
+    assert_int_equal(first.node[NODE_AHEAD], 2);
+    assert_int_equal(second.node[NODE_BACK2], 0);
+}
+
+/* Isoviscous, so that both terms can be written down exactly, discretisation included. */
+static void manufactured_rows(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "dowson-higginson", 10, 0, 0.1);
+    small_problem small;
+    reynolds_row rows[NUM_NODES - 2];
+    const double film_slope = 0.2, pressure_slope = 0.3, curvature = 0.7, h = 0.1;
+
+    small_init(&small, &contact);
+    double lambda = contact.lambda;
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.film[k] = 0.6;
+        small.pressure[k] = 1 + pressure_slope * grid_x(&small.contact.grid, k);
+    }
+    small_rows(rows, &small, 1);
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        check_close(rows[r].residual, 0, 0, 1e-11 / lambda);
+
+    // film linear: H^3 of the half nodes' means gives 3 H^2 H' + H'^3 h^2
+    for (size_t k = 0; k < NUM_NODES; k++)
+        small.film[k] = 0.6 + film_slope * grid_x(&small.contact.grid, k);
+    small_rows(rows, &small, 0.5);
+    for (size_t r = 0; r < NUM_NODES - 2; r++) {
+        double film = small.film[r + 1];
+        double flow = pressure_slope * (3 * film * film * film_slope + pow(film_slope, 3) * h * h);
+        check_close(rows[r].residual, flow / lambda - 0.5 * film_slope, 1e-11, 1e-10);
+    }
+
+    // film constant, pressure quadratic
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.film[k] = 0.6;
+        small.pressure[k] = 2 + curvature * pow(grid_x(&small.contact.grid, k), 2);
+    }
+    small_rows(rows, &small, 1);
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        check_close(rows[r].residual, 2 * curvature * pow(0.6, 3) / lambda, 1e-11, 0);
+}
+
+// ---- squeeze
+
+/* Rows of a small grid at some pressure and film, with a squeeze term. */
+static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
+                          const reynolds_squeeze *squeeze, const double *pressure,
+                          const double *film) {
+    double memory[4][NUM_NODES];
+    bool compressible = contact->lubricant.density != NULL;
+    reynolds_fluid fluid = {memory[0], memory[1], compressible ? memory[2] : NULL,
+                            compressible ? memory[3] : NULL};
+    reynolds_stencil stencils[NUM_NODES - 2];
+    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
+
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        stencils[r] = reynolds_stencil_at(&grid, r + 1);
+    reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_NODES);
+    reynolds_rows(rows, grid.step, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
+}
+
+/* rate rho H + earlier, at the row's own node only. */
+static void check_squeeze_derivatives(const ehd_contact *contact) {
+    double pressure[NUM_NODES], film[NUM_NODES], earlier[NUM_NODES - 2];
+    reynolds_row rows[NUM_NODES - 2], steady[NUM_NODES - 2], up[NUM_NODES - 2], down[NUM_NODES - 2];
+    const double h = 1e-5;
+
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        pressure[k] = 0.5 + 0.3 * sin(2. * (double)k);
+        film[k] = 0.4 + 0.1 * cos(3. * (double)k);
+    }
+    for (size_t r = 0; r < NUM_NODES - 2; r++)
+        earlier[r] = sin(5. * (double)r);
+    const reynolds_squeeze squeeze = {37, earlier};
+    squeezed_rows(rows, contact, &squeeze, pressure, film);
+    squeezed_rows(steady, contact, NULL, pressure, film);
+    for (size_t r = 0; r < NUM_NODES - 2; r++) {
+        double mass = film[r + 1] * lubricant_density(&contact->lubricant,
+                                                      pressure[r + 1] * contact->hertz_pressure);
+        check_close(rows[r].residual, steady[r].residual - 37 * mass - earlier[r], 1e-12,
+                    1e-12 * fabs(steady[r].residual));
+    }
+    for (size_t k = 1; k + 1 < NUM_NODES; k++)
+        for (int of_film = 0; of_film < 2; of_film++) {
+            double *value = of_film ? &film[k] : &pressure[k], kept = *value;
+            const reynolds_row *row = &rows[k - 1];
+            *value = kept + h;
+            squeezed_rows(up, contact, &squeeze, pressure, film);
+            *value = kept - h;
+            squeezed_rows(down, contact, &squeeze, pressure, film);
+            *value = kept;
+            double slope = (up[k - 1].residual - down[k - 1].residual) / (2 * h);
+            check_close(of_film ? row->by_film[NODE_HERE] : row->by_pressure[NODE_HERE], slope,
+                        1e-6, 1e-7);
+            // the neighbours' rows know nothing of it
+            for (int a = 0; a < NUM_STENCIL; a++)
+                if (a != NODE_HERE) {
+                    check_close(row->by_film[a], steady[k - 1].by_film[a], 0, 0);
+                    check_close(row->by_pressure[a], steady[k - 1].by_pressure[a], 0, 0);
+                }
+        }
+}
+
+static void squeeze_derivatives(void **state) {
+    (void)state;
+    ehd_contact compressible = sample_contact("roelands", "dowson-higginson", 5, 6, 0.1);
+    ehd_contact incompressible = sample_contact("barus", "incompressible", 5, 3, 0.1);
+    check_squeeze_derivatives(&compressible);
+    check_squeeze_derivatives(&incompressible);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(row_derivatives),
+        cmocka_unit_test(first_row_has_no_second_node_back),
+        cmocka_unit_test(manufactured_rows),
+        cmocka_unit_test(squeeze_derivatives),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
