@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts for Newton: the dry contact, and walks from an easier contact to a harder one. */
+/* Starts for Newton: the dry contact, and continuation from an easier contact to a harder one. */
 #include "fullrun/continuation.h"
 
 #include "common/program/program.h"
@@ -7,16 +7,17 @@
 #include <math.h>
 #include <string.h>
 
-/* Times the estimate: Newton comes down from a film that is too thick in a few steps, while one that is
- * too thin at the contact's edges is driven to zero there. Of 24 cold starts at the corners of M
- * and L (extremes_converge) 7 fail at half of the estimate and 8 at the estimate; at 2, 4, 10 and 20
- * times it all converge, in 432, 471, 536 and 594 iterations. */
+/* Of the start, over that of a film formula: Newton corrects a film that is too thick in a few
+ * steps, while one that is too thin at the contact's edges is driven to zero there. Of 24 cold starts
+ * at the corners of M and L (extremes_converge) 7 fail at half of the formula's film and 8 at the
+ * film itself; at 2, 4, 10 and 20 times it all converge, in 432, 471, 536 and 594 iterations. */
 static const double START_FILM = 2;
 
-static const double LEAST_STRIDE = 1. / 256;
-static const double LEAST_WARM_STRIDE = 1. / 2; // a cold start costs less than failed strides
+// continuation strides, as parts of the way, below which it is given up
+static const double MIN_STRIDE = 1. / 256;
+static const double MIN_WARM_STRIDE = 1. / 2; // a cold start costs less than failed strides
 
-/* No pressure at a node behind the dry contact: on a line, nor behind it. */
+/* Ends the pressurised zone of the dry contact at a node; of a point contact it loses that node. */
 static void end_zone(full_state *state, const ehd_grid *grid, size_t node) {
     if (grid->inner_lines > 1)
         state->ruptured[node] = true;
@@ -64,7 +65,7 @@ static void add_effort(full_info *total, const full_info *part) {
     total->seconds_linear = linear;
 }
 
-/* A place on the way: M geometrically and alpha p_H linearly between start and goal, s in 0 … 1. */
+/* A contact on the way: M geometrically, L and p_H linearly between start and goal, s in 0 … 1. */
 static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *goal, double s) {
     ehd_contact between = *goal;
 
@@ -78,17 +79,17 @@ static ehd_contact contact_between(const ehd_contact *start, const ehd_contact *
     return between;
 }
 
-/* Walks from a solved contact to the goal, with strides that halve on failure, down to the least one,
- * and double on success. `state` holds the solution at the start; on success that of the goal. */
-static ehd_status walk(full_info *info, full_state *state, full_solver *solver,
-                       const ehd_contact *start, const ehd_contact *goal, double least_stride,
-                       ehd_error *error) {
+/* Continuation from a solved contact to the goal: strides halve on failure, down to min_stride,
+ * and double on success. `state`: in, the solution at the start; out, that reached. */
+static ehd_status continue_to(full_info *info, full_state *state, full_solver *solver,
+                              const ehd_contact *start, const ehd_contact *goal, double min_stride,
+                              ehd_error *error) {
     double done = 0, stride = 1;
     full_state last;
     ehd_status status = full_state_init(&last, &goal->grid, error);
 
     if (!status) full_state_copy(&last, state, &goal->grid);
-    while (!status && done < 1 && stride >= least_stride) {
+    while (!status && done < 1 && stride >= min_stride) {
         ehd_contact here = contact_between(start, goal, fmin(done + stride, 1));
         full_info part;
         status = full_solve(&part, state, solver, &here, NULL, error);
@@ -107,7 +108,7 @@ static ehd_status walk(full_info *info, full_state *state, full_solver *solver,
     return status;
 }
 
-/* A contact that is easy to solve cold, with the lubricant and grid of the goal. */
+/* A contact that converges from a cold start, with the lubricant and grid of the goal. */
 static ehd_contact easy_contact(const ehd_contact *goal) {
     ehd_contact easy = *goal;
     double moes_L = fmin(goal->moes_L, 2);
@@ -119,7 +120,7 @@ static ehd_contact easy_contact(const ehd_contact *goal) {
     return easy;
 }
 
-/* Newton from the dry contact, and where that fails, a walk in M at small L, then in L. */
+/* Newton from the dry contact, and where that fails, continuation in M at small L, then in L. */
 static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver *solver,
                                  const ehd_contact *contact, ehd_error *error) {
     full_info part;
@@ -136,20 +137,20 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
     contact_set_moes(&corner, contact->moes_M, easy.moes_L);
     corner.hertz_pressure = easy.hertz_pressure * sqrt(contact->moes_M / easy.moes_M);
     corner.alpha_p_H = corner.lubricant.alpha * corner.hertz_pressure;
-    status = walk(info, state, solver, &easy, &corner, LEAST_STRIDE, error);
+    status = continue_to(info, state, solver, &easy, &corner, MIN_STRIDE, error);
     if (!status && info->status == EHD_OK)
-        status = walk(info, state, solver, &corner, contact, LEAST_STRIDE, error);
+        status = continue_to(info, state, solver, &corner, contact, MIN_STRIDE, error);
     return status;
 }
 
 ehd_grid full_coarser_grid(const ehd_grid *grid) {
-    size_t sides = grid->inner_lines / 2; // of a whole grid, as many lines on either side of y = 0
+    size_t sides = grid->inner_lines / 2; // of a whole grid: lines on either side of y = 0
 
     return grid_of(grid->x_min, 2 * grid->step, (grid->inner_x + 1) / 2,
                    grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1, grid->half);
 }
 
-/* Bilinear, at an inner node of the finer grid. */
+/* Bilinear interpolation at an inner node of the finer grid. */
 static double interpolated(const double *values, const ehd_grid *coarse, const ehd_grid *grid,
                            size_t node) {
     size_t width = grid_width(coarse), low = (node % grid_width(grid) + 1) / 2;
@@ -177,9 +178,8 @@ static void refine(full_state *state, const ehd_grid *grid, const full_state *fr
     state->rigid_approach = from->rigid_approach;
 }
 
-/* Solves on a grid of twice the step and interpolates its pressure and exit to this one, so that the
- * Newton count on the finest grid does not grow with its nodes. Leaves *started false where the
- * coarse problem did not converge. */
+/* Solves on a grid of twice the step and interpolates pressure and exit: the number of Newton
+ * iterations on the finest grid then does not grow with its nodes. *started: that converged. */
 static ehd_status start_coarse(bool *started, full_state *state, full_solver *solver,
                                const ehd_contact *contact, ehd_error *error) {
     full_settings settings = *full_solver_settings(solver);
@@ -190,7 +190,7 @@ static ehd_status start_coarse(bool *started, full_state *state, full_solver *so
 
     *started = false;
     coarse.grid = full_coarser_grid(&contact->grid);
-    // better would not help: the discretisation error is larger
+    // no better than the discretisation error, which a tighter tolerance would not reduce
     settings.tolerance = contact->kind->dimensions > 1 ? 1e-3 : 1e-6;
     ehd_status status =
         full_solver_create(&coarse_solver, contact->kind, &coarse.grid, &settings, error);
@@ -236,7 +236,7 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
 
     memset(info, 0, sizeof *info);
     info->status = EHD_NOT_CONVERGED;
-    ehd_status status = walk(info, state, solver, start, contact, LEAST_WARM_STRIDE, error);
+    ehd_status status = continue_to(info, state, solver, start, contact, MIN_WARM_STRIDE, error);
     if (!status && info->status != EHD_OK) {
         status = full_solve_cold(&part, state, solver, contact, error);
         add_effort(info, &part);

@@ -4,7 +4,7 @@
 
 #include "fullrun/full_solver.h"
 
-/* Hertz pressure, and the film that it leaves with `central_film` at X = 0. */
+/* The dry contact: Hertz pressure, and its film shifted such that it is `central_film` at X = 0. */
 void full_start_dry(
     // output:
     full_state *state,

@@ -47,7 +47,7 @@ void earlier_free(earlier_state *self) {
 }
 
 double earlier_bytes(const ehd_contact *reference, size_t num_states) {
-    const double of_spline = 6 * sizeof(double); // places, values, and what GSL makes of them
+    const double of_spline = 6 * sizeof(double); // abscissae, values and GSL's own
     const double of_state = sizeof(full_state) + 2 * sizeof(double),
                  of_carrier = 5 * sizeof(double);
     double splines = reference->lubricant.density ? 2 : 1;
@@ -56,8 +56,8 @@ double earlier_bytes(const ehd_contact *reference, size_t num_states) {
            ((double)num_states * (of_state + splines * of_spline) + of_carrier);
 }
 
-/* Y of all lines of the whole grid, on which a half grid has mirrored values. */
-static void place_lines(earlier_carrier *self) {
+/* Y of all lines of the whole grid, to which the values of a half grid are mirrored. */
+static void set_line_positions(earlier_carrier *self) {
     const ehd_grid whole = grid_whole(&self->reference.grid);
 
     for (size_t l = 0; l < self->num_across; l++)
@@ -89,7 +89,7 @@ ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *refere
     }
     for (size_t k = 0; k < width; k++)
         self->nodes[k] = grid_x(grid, k);
-    if (across) place_lines(self);
+    if (across) set_line_positions(self);
     return EHD_OK;
 }
 
@@ -118,7 +118,7 @@ static void fit_lines(gsl_spline **splines, const double *field, const earlier_c
 void earlier_prepare(earlier_state *self, earlier_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
 
-    // the gap is known everywhere, and what is left of the film bends little at the grid's ends
+    // natural splines of the film without gap, whose curvature at the grid's ends is small
     for (size_t k = 0; k < grid->num_nodes; k++)
         carrier->values[k] = self->state.film[k] - grid_gap(grid, k);
     fit_lines(self->deflection, carrier->values, carrier);
@@ -133,24 +133,24 @@ static bool is_on_grid(const earlier_carrier *self, double x, double y) {
     return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
 }
 
-/* Every line at the stretched X. */
+/* Interpolates every line at the stretched X. */
 static void resample_along(double *along, gsl_spline *const *splines, double stretch,
                            const earlier_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid);
 
     for (size_t l = 0; l < num_lines; l++) {
-        gsl_interp_accel place = {0};
+        gsl_interp_accel accelerator = {0};
         for (size_t i = 0; i < grid->inner_x; i++) {
             double x = stretch * self->nodes[i + 1];
             if (is_on_grid(self, x, 0))
-                along[l * grid->inner_x + i] = gsl_spline_eval(splines[l], x, &place);
+                along[l * grid->inner_x + i] = gsl_spline_eval(splines[l], x, &accelerator);
         }
     }
 }
 
-/* Values of column `i` on the lines of the whole grid: those of a half grid are the same on either side. */
-static void take_column(earlier_carrier *self, size_t i) {
+/* Values of column `i` on the lines of the whole grid; those of a half grid are mirrored. */
+static void gather_column(earlier_carrier *self, size_t i) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid), mirror = grid->half ? num_lines - 1 : 0;
 
@@ -161,7 +161,7 @@ static void take_column(earlier_carrier *self, size_t i) {
     }
 }
 
-/* A field at the places of the current frame's inner nodes, as far as these lie on the state's grid. */
+/* A field at the current frame's inner nodes, as far as these lie on the state's grid. */
 static void resample(double *inner, gsl_spline *const *splines, double stretch,
                      earlier_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
@@ -169,18 +169,18 @@ static void resample(double *inner, gsl_spline *const *splines, double stretch,
     resample_along(self->across ? self->along : inner, splines, stretch, self);
     for (size_t i = 0; self->across && i < grid->inner_x; i++) {
         double x = stretch * self->nodes[i + 1];
-        gsl_interp_accel place = {0};
+        gsl_interp_accel accelerator = {0};
         if (!is_on_grid(self, x, 0)) continue;
-        take_column(self, i);
+        gather_column(self, i);
         gsl_spline_init(self->across, self->lines, self->across_values, self->num_across);
         for (size_t r = i; r < grid->num_inner; r += grid->inner_x) {
             double y = stretch * grid_y(grid, grid_node_of_row(grid, r));
-            if (is_on_grid(self, x, y)) inner[r] = gsl_spline_eval(self->across, y, &place);
+            if (is_on_grid(self, x, y)) inner[r] = gsl_spline_eval(self->across, y, &accelerator);
         }
     }
 }
 
-/* H0 and deflection at a place beyond the grid. */
+/* H0 and deflection at a point beyond the grid. */
 static double deflection_beyond(const earlier_state *self, const ehd_contact *reference, double x,
                                 double y) {
     const ehd_grid *grid = &reference->grid;
@@ -190,7 +190,7 @@ static double deflection_beyond(const earlier_state *self, const ehd_contact *re
         double pressure = self->state.pressure[k], along = fabs(x - grid_x(grid, k));
         if (pressure == 0) continue;
         double kernel = reference->kind->kernel(along, fabs(y - grid_y(grid, k)), grid->step);
-        if (grid_weight(grid, k) > 1) // what lies on the other side of the mirror
+        if (grid_weight(grid, k) > 1) // the mirrored node
             kernel += reference->kind->kernel(along, fabs(y + grid_y(grid, k)), grid->step);
         sum += pressure * kernel;
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Earlier states of the full model, carried over into the current frame by cubic splines (paper, eq. 15;
- * model.md, section 4): along the lines of the grid and, of a point contact, from line to line. */
+/* Earlier states of the full model, carried over into the current frame (Maier et al. (2015),
+ * eq. 15; common/time/README.md) by cubic splines along the grid's lines and, of a point contact,
+ * from line to line. */
 #ifndef EHD_EARLIER_H
 #define EHD_EARLIER_H
 
@@ -14,10 +15,10 @@ typedef struct earlier_state {
     full_state state;
     size_t num_lines;
     gsl_spline **deflection; // [num_lines] film without gap, along each line
-    gsl_spline **pressure;   // NULL when incompressible: the film is then all that is carried over
+    gsl_spline **pressure;   // NULL when incompressible: rho H is then the film
 } earlier_state;
 
-/* What carrying over needs beside the states. */
+/* Memory for carrying states over. */
 typedef struct earlier_carrier {
     ehd_contact reference;
     double *nodes;           // [width of the grid] X along a line
@@ -37,14 +38,14 @@ void earlier_carrier_free(earlier_carrier *self);
 ehd_status earlier_init(earlier_state *self, const ehd_contact *reference, ehd_error *error);
 void earlier_free(earlier_state *self);
 
-/* Bytes of a carrier and of so many states. */
+/* Bytes of a carrier and of num_states states. */
 double earlier_bytes(const ehd_contact *reference, size_t num_states);
 
-/* Prepares the splines, once frame and state are set. */
+/* Makes the splines of a state that is set. */
 void earlier_prepare(earlier_state *self, earlier_carrier *carrier);
 
-/* rho H of an earlier state at the inner nodes of frame `now`. Where a contact that grows looks beyond
- * the grid there is no pressure, and gap and deflection are evaluated there directly. */
+/* rho H of an earlier state at the inner nodes of frame `now`. Beyond the state's grid,
+ * where a contact that has grown has nodes, P is zero and gap and deflection are evaluated. */
 void earlier_mass(
     // output:
     double *mass, // [num_inner]

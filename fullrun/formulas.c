@@ -11,11 +11,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Seconds of one evaluation, from the numbers of the contact on. */
+/* Seconds of one evaluation. */
 static double seconds_of(const film_formula *formula, const film_numbers *numbers) {
     enum { TIMES = 2000 };
     const double before = program_seconds();
-    volatile double film; // or the loop is left out
+    volatile double film; // keeps the compiler from dropping the loop
 
     for (int i = 0; i < TIMES; i++)
         film = formula->film(formula, numbers);
@@ -58,7 +58,7 @@ static int compare_deviations(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* What the deviation does not exceed for the part `quantile` of the time; `values` ascend. */
+/* The deviation that is not exceeded for the part `quantile` of the time; `values` ascend. */
 static double quantile_in_time(const weighted *values, size_t count, double quantile) {
     double total = 0, sum = 0;
     size_t i = 0;
@@ -70,8 +70,8 @@ static double quantile_in_time(const weighted *values, size_t count, double quan
     return values[i].deviation;
 }
 
-/* The contact at one of the times, as it would be if nothing had gone before, and the film scale of its
- * frame. Where the approach is given the load is the result's. */
+/* The contact at one of the times, taken as stationary, and the film scale of its frame. The load
+ * is the result's, which is an outcome where the approach is given. */
 static film_numbers numbers_at(double *film_scale, const time_series *series, size_t i,
                                const ehd_histories *histories, const ehd_contact *reference) {
     double values[NUM_VARY];

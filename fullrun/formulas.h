@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the published film formulas say of a contact that was solved: printed, a line each. */
+/* Prints published film formulas beside the solution of a contact, a line each. */
 #ifndef EHD_FORMULAS_H
 #define EHD_FORMULAS_H
 
@@ -7,13 +7,11 @@
 #include "common/program/status.h"
 #include "common/settings/scene.h"
 
-/* Film, its deviation from the solution's (central or smallest, as the formula is for), time of one
- * evaluation and source. */
+/* Film, its deviation from the solution's, time of one evaluation and source. */
 void formulas_print(const contact_scalars *solution, const ehd_contact *contact);
 
-/* The same for a finished transient result: the formulas are applied to the contact as it is at each time,
- * as if it were stationary; printed are the worst deviation, 95 % and median over time. EHD_MEMORY, and what
- * reading the result and the scene's histories gives. */
+/* The same for a finished transient result, the contact of each time taken as stationary: worst
+ * deviation, 95 % and median over time. EHD_MEMORY; errors of reading result and histories. */
 ehd_status formulas_print_in_time(const char *path, const scene *given,
                                   const ehd_contact *reference, ehd_error *error);
 

@@ -10,21 +10,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the pressure at the grid's end, in Hertz pressures over a half width. With it the central film is 0.15 %
- * off, measured under loads that vary by half, on grids that end at 1.15 to 2, against one to 4. The squeeze
- * after a sudden load that is half as large again comes to half of it, for a moment. */
-static const double STEEPEST_END = 0.3;
+/* Largest pressure gradient at the grid's end, Hertz pressures over a half width. With it the
+ * central film is 0.15 % off: measured under loads that vary by half, on grids to X = 1.15 … 2
+ * against one to 4. After a load step by half the gradient briefly reaches half of it. */
+static const double MAX_END_GRADIENT = 0.3;
 
 struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    earlier_state states[BDF_EARLIER + 1]; // in the places of the ring
+    earlier_state states[BDF_EARLIER + 1]; // indexed by the ring
     bdf_ring ring;
     earlier_carrier carrier;
-    bool *noisy;               // [num_nodes] where the local error says nothing
+    bool *noisy;               // [num_nodes] left out of the local error
     double *mass[BDF_EARLIER]; // [num_nodes] rho H of earlier states at the inner nodes
-    double *earlier;           // [num_nodes] their sum by the formula
+    double *earlier;           // [num_nodes] their sum with the formula's weights
     full_march_effort effort;
     char reason[JUDGE_REASON];
 };
@@ -132,10 +132,10 @@ static double reference_approach(const full_march *self, const full_state *state
     return frame_to_reference(&scalars, frame, &self->reference).rigid_approach;
 }
 
-/* From the stationary solution of a load to that of an approach, in strides; the frame follows the load. */
-static ehd_status walk_to_approach(full_info *info, full_march *self, contact_frame *frame,
-                                   ehd_error *error) {
-    const double least_stride = 1. / 1024, settled = 1e-8;
+/* Continuation from the solution of a given load to that of a given approach; the frame follows. */
+static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
+                                       ehd_error *error) {
+    const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;
     double done = 0, stride = 0.25, load = 1;
@@ -143,7 +143,7 @@ static ehd_status walk_to_approach(full_info *info, full_march *self, contact_fr
     ehd_status status = EHD_OK;
 
     full_state_copy(last, state, &self->reference.grid);
-    while (!status && stride >= least_stride && (done < 1 || fabs(load - 1) > settled)) {
+    while (!status && stride >= min_stride && (done < 1 || fabs(load - 1) > settled)) {
         ehd_contact contact;
         double next = fmin(done + stride, 1);
         contact_frame here = *frame;
@@ -170,7 +170,7 @@ static ehd_status walk_to_approach(full_info *info, full_march *self, contact_fr
     return status;
 }
 
-/* A stationary start is held to what a stationary result is (judge.h). */
+/* A stationary start has to meet the criteria of a stationary result (judge.h). */
 static void judge_start(full_info *info, full_march *self, const earlier_state *first) {
     ehd_contact contact;
 
@@ -191,7 +191,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
     first->frame = *frame;
     if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
-        status = walk_to_approach(&info, self, &first->frame, error);
+        status = continue_to_approach(&info, self, &first->frame, error);
     if (status) return status;
     add_effort(self, &info);
     judge_start(&info, self, first);
@@ -208,7 +208,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
 // ---- a step
 
-/* Pressure and approach go on as polynomials in time, in their frames; the zone stays where it was. */
+/* Extrapolates pressure and approach in time, each in its own frame; the pressurised zone stays. */
 static void predict(full_march *self, const bdf_formula *formula) {
     full_state *state = &state_before(self, 0)->state;
 
@@ -237,11 +237,11 @@ static void carry_over(full_march *self, const bdf_formula *formula, const conta
     }
 }
 
-/* Marks on a line of nodes what lies within `margin` of one that is marked. */
-static void spread(bool *noisy, size_t count, size_t stride, size_t margin) {
+/* Marks on a line of nodes those within `margin` of one that is marked. */
+static void dilate(bool *noisy, size_t count, size_t stride, size_t margin) {
     size_t since = margin, left = 0;
 
-    // first by the distance to the last mark before, then by that to the next one behind
+    // forwards from each mark, then backwards
     for (size_t k = 0; k < count; k++) {
         since = noisy[k * stride] ? 0 : since + 1;
         noisy[k * stride] = since < margin;
@@ -256,8 +256,8 @@ static void spread(bool *noisy, size_t count, size_t stride, size_t margin) {
     }
 }
 
-/* Marks the nodes near which the film is not smooth in time on the grid's scale: where one of the states that
- * the step looks at has no pressure. */
+/* Marks the nodes where, or near which, one of the step's states has no pressure: there the film is
+ * not smooth in time on the scale of the grid. */
 static void mark_noisy(full_march *self, const full_state *state) {
     const ehd_grid *grid = &self->reference.grid;
     size_t width = grid_width(grid), first = grid_first_line(grid) * width;
@@ -270,13 +270,12 @@ static void mark_noisy(full_march *self, const full_state *state) {
             self->noisy[k] = self->noisy[k] || !full_has_pressure(&state_before(self, i)->state, k);
     }
     for (size_t l = 0; l < grid->inner_lines; l++)
-        spread(self->noisy + first + l * width + 1, grid->inner_x, 1, margin);
+        dilate(self->noisy + first + l * width + 1, grid->inner_x, 1, margin);
     for (size_t i = 1; grid->inner_lines > 1 && i <= grid->inner_x; i++)
-        spread(self->noisy + first + i, grid->inner_lines, width, margin);
+        dilate(self->noisy + first + i, grid->inner_lines, width, margin);
 }
 
-/* Largest local error of rho H away from where the film ruptures (march_exit_margin), relative to the central
- * film. */
+/* Largest local error of rho H over the central film, away from the ruptured film. */
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double central_film) {
     const ehd_grid *grid = &contact->grid;
@@ -297,11 +296,11 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
     return formula->error * largest / central_film;
 }
 
-/* Where a film is squeezed, the pressure goes on to the grid's end, and little is lost of it there. Not so
- * where it falls off at once. */
+/* Whether the grid's end cuts a pressure of consequence off. The pressure of a squeezed film may
+ * reach the end, but is small there. */
 static bool is_cut(const full_state *state, const ehd_grid *grid) {
     for (size_t r = grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
-        if (state->pressure[grid_node_of_row(grid, r)] > STEEPEST_END * grid->step) return true;
+        if (state->pressure[grid_node_of_row(grid, r)] > MAX_END_GRADIENT * grid->step) return true;
     return false;
 }
 
@@ -369,12 +368,12 @@ full_march_effort full_march_effort_of(const full_march *self) {
 
 enum { NUM_STATE_SCALARS = 2 };
 
-static const double RUPTURED = -1; // in place of a pressure, which is never so low
+static const double RUPTURED = -1; // stands for a pressure, which never is that low
 
 /* Rigid approach, exit, pressure and film. */
-static void save_state(double *target, contact_frame *frame, const void *solver, size_t place) {
+static void save_state(double *target, contact_frame *frame, const void *solver, size_t index) {
     const full_march *self = solver;
-    const earlier_state *earlier = &self->states[place];
+    const earlier_state *earlier = &self->states[index];
     size_t num_nodes = self->reference.grid.num_nodes;
 
     *frame = earlier->frame;
@@ -386,10 +385,10 @@ static void save_state(double *target, contact_frame *frame, const void *solver,
     memcpy(target + num_nodes, earlier->state.film, num_nodes * sizeof(double));
 }
 
-static ehd_status restore_state(void *solver, size_t place, const contact_frame *frame,
+static ehd_status restore_state(void *solver, size_t index, const contact_frame *frame,
                                 const double *source, ehd_error *error) {
     full_march *self = solver;
-    earlier_state *earlier = &self->states[place];
+    earlier_state *earlier = &self->states[index];
     size_t num_nodes = self->reference.grid.num_nodes;
 
     if (!(source[1] > 1 && source[1] < (double)num_nodes))

@@ -8,7 +8,7 @@
 
 typedef struct full_march full_march;
 
-/* What it takes, about, in bytes. */
+/* Bytes of memory, about. */
 double full_march_bytes(const ehd_contact *reference);
 
 /* `reference`: the contact at all factors 1; must outlive it. EHD_MEMORY. */
@@ -17,13 +17,13 @@ ehd_status full_march_create(
     full_march **self, // free with full_march_free
     // input:
     const ehd_contact *reference, const full_settings *settings,
-    double
-        start_film, // dimensionless, of a dry start; NaN: the central film at a hundredth of the speed
+    double start_film, // central film of a dry start, dimensionless; NaN: that at a hundredth of
+                       // the speed
     ehd_error *error);
 full_march *full_march_free(full_march *self); // accepts and returns NULL
 
-/* Starts, saves and restores as march_solver says. Where the speed is zero the start is the dry contact
- * with the central film `start_film` of full_march_create. */
+/* As a solver for march_run. Where the speed is zero the start is the dry contact with the central
+ * film `start_film` of full_march_create. */
 march_solver full_march_solver(full_march *self);
 
 /* The last accepted state, and its frame. */

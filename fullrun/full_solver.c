@@ -22,9 +22,9 @@ struct full_solver {
     double *step_film;          // [num_nodes]
     double *fluid_memory;       // [4, num_nodes]
     size_t num_unknowns;        // as in full_system
-    size_t *unknown, *place;    // [num_nodes]
-    unsigned char *flips; // [num_nodes] how often a node has lost or got pressure in this solve
-    reynolds_fluid fluid; // views of fluid_memory
+    size_t *unknown, *index;    // [num_nodes]
+    unsigned char *flips;       // [num_nodes] how often a node has lost or gained pressure
+    reynolds_fluid fluid;       // views of fluid_memory
 };
 
 /* Near field and linear tolerance, measured on six lines of 1201 nodes: 30, 26, 22, 18, 14, 10 and
@@ -51,7 +51,7 @@ full_solver *full_solver_free(full_solver *self) {
         free(self->step_film);
         free(self->fluid_memory);
         free(self->unknown);
-        free(self->place);
+        free(self->index);
         free(self->flips);
         free(self);
     }
@@ -62,8 +62,8 @@ double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 25 * sizeof(double);
     const double of_deflection =
         9 * sizeof(double);        // kernel, and two fields of four times the nodes
-    const double of_factors = 100; // a node and doubling of their number, measured with UMFPACK
-    const double coarser = 4. / 3; // the grid, and those of twice its step and so on
+    const double of_factors = 100; // fill by node and log2 of their number, measured with UMFPACK
+    const double coarser = 4. / 3; // the grid and all coarser ones of a cold start
     double nodes = (double)grid->num_inner;
 
     return coarser * nodes * (gmres_workspace_bytes(grid) + of_solver + of_deflection) +
@@ -92,11 +92,11 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->step_film = malloc(num_nodes * sizeof(double));
     self->fluid_memory = malloc(4 * num_nodes * sizeof(double));
     self->unknown = malloc(num_nodes * sizeof *self->unknown);
-    self->place = malloc(num_nodes * sizeof *self->place);
+    self->index = malloc(num_nodes * sizeof *self->index);
     self->flips = malloc(num_nodes * sizeof *self->flips);
     if (!self->deflection || !self->workspace || !self->stencils || !self->rows ||
         !self->row_scale || !self->step || !self->step_film || !self->fluid_memory ||
-        !self->unknown || !self->place || !self->flips) {
+        !self->unknown || !self->index || !self->flips) {
         full_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
     }
@@ -180,7 +180,7 @@ void full_film(full_state *state, full_solver *self) {
 
 // ---- rows
 
-/* Residual of the closure, scaled so that the load row has ones and, off a mirror line, twos. */
+/* Residual of the closure, scaled such that the load row has ones (twos off a mirror line). */
 static double closure_residual(const full_solver *self, const full_state *state,
                                const contact_closure *closure) {
     const ehd_grid *grid = &self->grid;
@@ -209,7 +209,7 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                   self->grid.num_inner, &self->fluid, state->pressure, state->film);
 }
 
-/* Largest entry of a row of the Jacobian: the film's influence counts through the kernel. */
+/* Largest entry of a row of the Jacobian, the film's derivative times the kernel included. */
 static double row_magnitude(const full_solver *self, size_t r) {
     const reynolds_row *row = &self->rows[r];
     double largest = 0, approach = 0;
@@ -237,9 +237,11 @@ static double scale_rows(full_solver *self, const full_state *state,
 
 // ---- exit boundary
 
-static const double MAX_STRIDE = 0.1; // of the exit downstream in one iteration, half widths
+// of the exit downstream in one iteration, half widths: by single nodes it took most iterations
+// where it lies far out, at M below 5
+static const double MAX_STRIDE = 0.1;
 
-/* A state whose exit is looked for. */
+/* The state whose exit is determined. */
 typedef struct exit_query {
     const full_solver *solver;
     const full_state *state;
@@ -272,7 +274,7 @@ static double multiplier_at(void *context, size_t node) {
     return scaled_multiplier(query->solver, node);
 }
 
-/* Where the exit of a stationary line contact should be, behind the contact's centre. */
+/* Next exit of a stationary line contact by its flux, behind the contact's centre. */
 static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
     const ehd_grid *grid = &self->grid;
     const double noise = 0.1 * self->settings.tolerance;
@@ -294,8 +296,8 @@ static size_t adapt_exit(const full_solver *self, const full_state *state, doubl
     return exit_by_flux(&line, state->exit);
 }
 
-/* Watches the exit's moves: when it keeps stepping to and fro between two neighbours, the discrete
- * problem is undecided by less than a node, and the side without negative pressure is kept. */
+/* The exit's last moves, to detect a limit cycle between two neighbouring nodes: the exit lies
+ * between them, and the one without negative pressure is kept. */
 typedef struct exit_watch {
     size_t before, current;
     int reversals;
@@ -313,48 +315,48 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 
 // ---- Newton
 
-/* Damping. Measured on 24 cold starts at the corners of M and L (extremes_converge): 2026, 741,
- * 432, 486 and 756 iterations with pressure changes of 0.03, 0.1, 0.3, 1 and 3; 432 with any part
- * of the film from 0.01 to 0.2, 570 with 0.9. */
-static const double MOST_PRESSURE_CHANGE = 0.3; // of the Hertz pressure, in one step
-static const double LEAST_FILM_LEFT = 0.2;      // of the smallest film, in one step
-static const double LEAST_FACTOR = 1e-6;        // below it Newton only squeezes the film to nothing
+/* Limits of a step. Measured on 24 cold starts at the corners of M and L (extremes_converge): 2026,
+ * 741, 432, 486 and 756 iterations with pressure changes of 0.03, 0.1, 0.3, 1 and 3; 432 with any
+ * part of the film from 0.01 to 0.2, 570 with 0.9. */
+static const double MAX_PRESSURE_CHANGE = 0.3; // of the Hertz pressure
+static const double MIN_FILM_LEFT = 0.2;       // of the smallest film
+static const double MIN_FACTOR = 1e-6;         // below it the film is driven to zero
 
-/* Damping factor (model.md, section 3). */
+/* Damping factor (fullrun/README.md, Newton). */
 static double damping(full_solver *self, const full_system *system, const full_state *state) {
     size_t num_nodes = self->grid.num_nodes;
-    double largest = 0, least_film = INFINITY, factor = 1;
+    double largest = 0, smallest_film = INFINITY, factor = 1;
 
     for (size_t k = 0; k < num_nodes; k++) {
         largest = fmax(largest, fabs(system->step[k]));
-        least_film = fmin(least_film, state->film[k]);
+        smallest_film = fmin(smallest_film, state->film[k]);
     }
-    if (largest > MOST_PRESSURE_CHANGE) factor = MOST_PRESSURE_CHANGE / largest;
+    if (largest > MAX_PRESSURE_CHANGE) factor = MAX_PRESSURE_CHANGE / largest;
     deflection_apply(self->step_film, self->deflection, system->step);
     for (size_t k = 0; k < num_nodes; k++) {
         double change = self->step_film[k] + system->step_approach;
         if (change < 0)
-            factor = fmin(factor, (state->film[k] - LEAST_FILM_LEFT * least_film) / -change);
+            factor = fmin(factor, (state->film[k] - MIN_FILM_LEFT * smallest_film) / -change);
     }
     return factor;
 }
 
 /* Measured on two point contacts of 128 cells: 86 GMRES iterations in 10 of Newton; 109 in 10 at
  * 1e-4, 84 in 11 at 0.1. With the forcing's factor below at 0.001 123 in 10, at 10 82 in 12. */
-static const double LOOSEST_LINEAR = 0.01;
+static const double MAX_FORCING = 0.01;
 
-/* How well a Newton step has to be solved (inexact Newton; Eisenstat and Walker, SIAM J. Sci. Comput. 17,
- * 1996): far from the solution its error is not what holds Newton up, and at the end not better than the
- * tolerance asks for. On a line, where a system costs little, always as well as can be. */
+/* Relative tolerance of the linear system of an inexact Newton step (Eisenstat and Walker, SIAM J.
+ * Sci. Comput. 17, 1996): loose far from the solution, and at the end as Newton's tolerance needs.
+ * On a line, where a system costs little, always linear_tolerance. */
 static double linear_tolerance(const full_solver *self, double residual) {
     const full_settings *settings = &self->settings;
 
     if (self->kind->dimensions == 1) return settings->linear_tolerance;
     double forcing = 0.1 * fmax(residual, settings->tolerance / residual);
-    return fmin(fmax(forcing, settings->linear_tolerance), LOOSEST_LINEAR);
+    return fmin(fmax(forcing, settings->linear_tolerance), MAX_FORCING);
 }
 
-/* One damped step. EHD_NOT_CONVERGED, with info->reason, where there is none to take. */
+/* One damped step. EHD_NOT_CONVERGED, with info->reason: there is none. */
 static ehd_status newton_step(double *factor, full_info *info, full_state *state, full_solver *self,
                               const contact_closure *closure, ehd_error *error) {
     size_t iterations = 0;
@@ -362,7 +364,7 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
                           .deflection = self->deflection,
                           .num_unknowns = self->num_unknowns,
                           .unknown = self->unknown,
-                          .place = self->place,
+                          .index = self->index,
                           .stencils = self->stencils,
                           .rows = self->rows,
                           .row_scale = self->row_scale,
@@ -379,17 +381,17 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
     if (status) return status;
 
     *factor = damping(self, &system, state);
-    if (!(*factor > LEAST_FACTOR) || !isfinite(system.step_approach)) {
+    if (!(*factor > MIN_FACTOR) || !isfinite(system.step_approach)) {
         info->reason = "film driven to zero, as by too coarse a grid";
         return EHD_NOT_CONVERGED;
     }
-    for (size_t k = 1; k < state->exit; k++) // without pressure there is no step
+    for (size_t k = 1; k < state->exit; k++) // the step is zero where there is no pressure
         state->pressure[k] += *factor * system.step[k];
     state->rigid_approach += *factor * system.step_approach;
     return EHD_OK;
 }
 
-/* Largest violation of P >= 0 and Lambda >= 0 (scaled as the rows). */
+/* Largest violation of P >= 0 and of the scaled Lambda >= 0. */
 static double complementarity(const full_solver *self, const full_state *state) {
     double worst = 0;
 
@@ -401,16 +403,16 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
-static const unsigned char MOST_FLIPS = 4;
-// of the Hertz pressure, scaled multipliers being alike
+static const unsigned char MAX_FLIPS = 4;
+// pressures (of p_H) and scaled multipliers below which a sign is not significant
 static const double IN_TIME_NOISE = 1e-7, POINT_NOISE = 1e-9;
-// scaled residual of a point contact below which a node that changes is undecided, not on its way
+// scaled residual of a point contact below which flips are counted; counted from the start, a
+// multiplier could stay negative (M = 1000, L = 5)
 static const double NEAR_SOLUTION = 0.01;
 
-/* Where the flux is not one number, with a film that varies in time or flows around the contact, the
- * pressurised zone may have any shape: each node goes by the sign of its pressure or multiplier (primal-dual
- * active set). One that keeps changing is undecided by less than the grid can tell, and stays without
- * pressure. */
+/* Primal-dual active set: each node goes by the sign of its pressure or multiplier. For films that
+ * vary in time or flow around the contact, whose flux is not one number and whose pressurised zone
+ * may have any shape. A node in a limit cycle stays without pressure. */
 static bool adapt_nodes(full_solver *self, full_state *state, double noise, bool count_flips) {
     const ehd_grid *grid = &self->grid;
     size_t last = 0;
@@ -421,21 +423,21 @@ static bool adapt_nodes(full_solver *self, full_state *state, double noise, bool
         bool open = full_has_pressure(state, k), wanted = open;
         if (open)
             wanted = state->pressure[k] >= -noise;
-        else if (self->flips[k] < MOST_FLIPS)
+        else if (self->flips[k] < MAX_FLIPS)
             wanted = scaled_multiplier(self, k) < -noise;
         if (wanted != open) {
             self->flips[k] += count_flips;
             changed = true;
         }
-        self->place[k] = wanted; // the old zone is still asked for the nodes that follow
+        self->index[k] = wanted; // kept apart: the next nodes still need the old zone
         if (wanted) last = k;
     }
     if (!changed) return false;
     state->exit = grid->inner_lines > 1 ? grid->num_nodes - 1 : last + 1;
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        state->ruptured[k] = k < state->exit && !self->place[k];
-        if (!self->place[k]) state->pressure[k] = 0;
+        state->ruptured[k] = k < state->exit && !self->index[k];
+        if (!self->index[k]) state->pressure[k] = 0;
     }
     return true;
 }
@@ -458,7 +460,7 @@ static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full
     return true;
 }
 
-/* The equations also have solutions that mean nothing, which too long a time step may lead to. */
+/* The equations also have unphysical solutions, to which too long a time step may lead. */
 static bool film_is_positive(const full_solver *self, const full_state *state) {
     for (size_t k = 0; k < self->grid.num_nodes; k++)
         if (!(state->film[k] > 0)) return false;
@@ -469,7 +471,7 @@ static void list_unknowns(full_solver *self, const full_state *state) {
     self->num_unknowns = 0;
     for (size_t k = 0; k < self->grid.num_nodes; k++) {
         bool open = full_has_pressure(state, k);
-        self->place[k] = open ? self->num_unknowns : NO_NODE;
+        self->index[k] = open ? self->num_unknowns : NO_NODE;
         if (open) self->unknown[self->num_unknowns++] = k;
     }
 }
@@ -480,13 +482,13 @@ static void evaluate(full_info *info, full_solver *self, const ehd_contact *cont
     info->residual = scale_rows(self, state, &contact->closure);
 }
 
-// scaled residual of a point contact that rounding alone may leave on a fine grid
-static const double MOST_ROUNDING = 1e-10;
+// scaled residual of a point contact that rounding may leave: above 1e-12 on 513 by 513 nodes
+static const double MAX_ROUNDING = 1e-10;
 
-/* Whether the residual is below the tolerance or, on a grid too fine for that, no longer becomes smaller. */
+/* Whether the residual is below the tolerance or, on a grid too fine for that, has stalled. */
 static bool is_solved(const full_solver *self, double residual, double last_residual) {
     if (residual < self->settings.tolerance) return true;
-    return self->kind->dimensions > 1 && residual < MOST_ROUNDING && residual > 0.5 * last_residual;
+    return self->kind->dimensions > 1 && residual < MAX_ROUNDING && residual > 0.5 * last_residual;
 }
 
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
@@ -505,7 +507,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             info->reason = "residual not finite";
             return EHD_OK;
         }
-        // the zone follows the linearised pressure, so only once there was a step
+        // the zone follows the pressure of a step, so not before the first one
         if (iteration > 0 &&
             adapt_zone(&watch, &settled, self, state, contact, squeeze, info->residual)) {
             evaluate(info, self, contact, squeeze, state);

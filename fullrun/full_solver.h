@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Full-order solver: Newton on pressure and rigid approach, active set for the exit boundary, GMRES
- * with FFT deflection and a factorised near field (model.md, section 3). */
+ * with FFT deflection and a factorised near field (fullrun/README.md). */
 #ifndef EHD_FULL_SOLVER_H
 #define EHD_FULL_SOLVER_H
 
@@ -17,8 +17,8 @@ typedef struct full_state {
     double *film;     // [num_nodes]
     double rigid_approach;
     size_t exit; // node where the film ruptures: behind it none has pressure, at most num_nodes - 1
-    // [num_nodes] nodes before the exit without pressure: on a line there are some only in time, where the
-    // contact shrinks faster than it entrains; a point contact has all of its own here, with boundary nodes
+    // [num_nodes] nodes before `exit` without pressure: of a line contact only in time, where it
+    // shrinks faster than it entrains; of a point contact all, boundary nodes included
     bool *ruptured;
 } full_state;
 
@@ -32,22 +32,21 @@ typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED
     size_t newton_iterations; // on the contact's own grid, all stages of a continuation together
     size_t gmres_iterations;
-    double residual; // largest scaled residual of passive rows and closure
-    double
-        complementarity; // how far the exit conditions are violated: max(-P), max(-Lambda) scaled
+    double residual;        // largest scaled residual of passive rows and closure
+    double complementarity; // violation of the exit conditions: max(-P), scaled max(-Lambda)
     double seconds;
-    double seconds_rows, seconds_linear; // of it: rows and deflection; linear systems
+    double seconds_rows, seconds_linear; // parts: rows and deflection; linear systems
     const char *reason;                  // why it did not converge, or ""
 } full_info;
 
 typedef struct full_system full_system;
 
-/* Solves system->jacobian dz = -residual to the relative tolerance and writes dz to
- * system->step. Entry of full_settings, so that tests can put a dense factorisation in. */
+/* Solves J dz = -residual to a relative tolerance and writes dz to system->step and step_approach.
+ * Entry of full_settings, so that tests can use a dense factorisation. */
 typedef ehd_status full_linear_solver(full_system *system, double tolerance, size_t *iterations,
                                       ehd_error *error);
 
-/* Told before each Newton iteration, on coarser grids too. */
+/* Called before each Newton iteration, on coarser grids too. */
 typedef void full_watcher(void *context, const ehd_grid *grid, size_t iteration, double residual);
 
 typedef struct full_settings {
@@ -57,7 +56,7 @@ typedef struct full_settings {
                                       // point contact at most 1
     double linear_tolerance;          // GMRES, relative; 1e-8
     full_linear_solver *solve_linear; // full_solve_gmres
-    full_watcher *watcher;            // NULL: nobody watches
+    full_watcher *watcher;            // NULL: none
     void *watcher_context;
 } full_settings;
 
@@ -67,16 +66,16 @@ full_settings full_default_settings(void);
 struct full_system {
     const ehd_grid *grid;
     ehd_deflection *deflection;
-    size_t num_unknowns;   // nodes with pressure
-    const size_t *unknown; // [num_unknowns] they themselves, ascending
-    const size_t *place;   // [num_nodes] their places in `unknown`, NO_NODE for all others
+    size_t num_unknowns;              // nodes with pressure
+    const size_t *unknown;            // [num_unknowns] the nodes, ascending
+    const size_t *index;              // [num_nodes] of a node in `unknown`, NO_NODE for all others
     const reynolds_stencil *stencils; // [num_inner], of grid_node_of_row
-    const reynolds_row *rows;         // [num_inner], those of the unknowns' nodes count
+    const reynolds_row *rows;         // [num_inner], used at the unknowns' nodes
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
-    // the closure, scaled like the rows: closure_approach H0 + closure_load sum weight P + residual = 0
+    // scaled closure: closure_approach H0 + closure_load sum weight P + closure_residual = 0
     double closure_approach, closure_load, closure_residual;
     size_t near_field;
-    double *step; // [num_nodes], out: change of P at 0 … num_nodes-1 (zero where not unknown)
+    double *step;         // [num_nodes], out: change of P, zero where it is not unknown
     double step_approach; // out: change of H0
     void *workspace;      // of the linear solver
 };
@@ -85,8 +84,8 @@ full_linear_solver full_solve_gmres;
 
 typedef struct full_solver full_solver;
 
-/* Bytes that a solution of a point contact takes at its peak, about: counted, but for the factors, whose fill
- * grows as N log N. */
+/* Peak memory of a point contact's solution in bytes, about: counted, but for the factors, whose
+ * fill was measured to grow as N log N. */
 double full_solver_bytes(const ehd_grid *grid);
 
 /* Grid-sized memory and FFT plans; one object a thread. EHD_MEMORY. */
@@ -101,10 +100,10 @@ const full_settings *full_solver_settings(const full_solver *solver);
 
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
-/* Gives all inner nodes pressure: the zone from which Newton starts where nothing is known. */
+/* Pressurises all inner nodes: the zone from which Newton starts where nothing is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
-/* Sets the zone from the pressure: of a line the nodes before `exit`, of a point contact those whose
- * pressure is not zero. */
+/* Sets the zone from the pressure: of a line the nodes before `exit`, of a point contact those
+ * whose pressure is not zero. */
 void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
 
@@ -120,13 +119,13 @@ ehd_status full_solve(
     const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of the inner nodes
     ehd_error *error);
 
-/* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film; where
- * that fails, continuation in M at small L, then in L. */
+/* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film;
+ * where that fails, continuation in M at small L, then in L. */
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* Newton from the solution of another contact on the same grid and with the same lubricant; where that
- * fails, in smaller strides from there, then from a cold start. */
+/* Newton from the solution of another contact on the same grid and with the same lubricant; where
+ * that fails, in smaller strides from there, then from a cold start. */
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *start, const ehd_contact *contact, ehd_error *error);
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The linear systems of Newton: the exact Jacobian by rows and FFT, preconditioned by UMFPACK on a
- * sparse Jacobian in which the kernel is its shifted near field (model.md, section 3).
+/* Linear systems of Newton by GMRES: products with the exact Jacobian by rows and FFT,
+ * preconditioned by UMFPACK's factors of a sparse Jacobian, in which the kernel is its shifted near
+ * field (fullrun/README.md, Linear systems).
  *
- * The sparse Jacobian is a band B, bordered by the column c of H0 and the row that closes it. Only the
- * band is factorised, for with a full row in it UMFPACK's analysis takes O(n^2); the border follows
- * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero), which
- * keeps the band away from singular. */
+ * The sparse Jacobian is a band B, bordered by the column c of H0 and the closure's row. Only the
+ * band is factorised, since with a full row UMFPACK's analysis takes O(n^2); the border follows
+ * from w = B^-1 c. The shifted near field is positive definite (even, convex, falling to zero),
+ * which keeps the band from being singular. */
 #include "fullrun/gmres.h"
 
 #include "common/program/program.h"
@@ -17,19 +18,19 @@
 #include <string.h>
 #include <umfpack.h>
 
-enum { MOST_ITERATIONS = 80 };
+enum { MAX_ITERATIONS = 80 };
 
 struct gmres_workspace {
-    size_t size; // most unknowns
+    size_t size; // largest number of unknowns
     size_t num_nodes;
-    double *krylov;   // [MOST_ITERATIONS + 1, size]
+    double *krylov;   // [MAX_ITERATIONS + 1, size]
     double *vector;   // [size]
     double *spread;   // [num_nodes] a vector on all grid nodes
     double *response; // [num_nodes] its deflection
     double *approach; // [size] c, the column of H0
     double *border;   // [size] w = B^-1 c
     double border_pivot;
-    // B by rows, which UMFPACK sees as the columns of the transpose
+    // B by rows, to UMFPACK the columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
     double *value;  // [capacity]
@@ -58,13 +59,13 @@ gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
     return NULL;
 }
 
-/* What reach_of says. */
+/* Most entries of a row, as reach_of limits them. */
 static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
     return grid->inner_lines > 1 ? 4 * 3 : 2 * near_field + 4;
 }
 
 double gmres_workspace_bytes(const ehd_grid *grid) {
-    const double vectors = MOST_ITERATIONS + 1 + 11;
+    const double vectors = MAX_ITERATIONS + 1 + 11;
 
     return vectors * sizeof(double) +
            (double)entries_of_row(grid, 1) * (sizeof(double) + sizeof(int));
@@ -76,7 +77,7 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     size_t size = self->size = grid->num_inner + 1;
     size_t window = entries_of_row(grid, near_field);
     self->capacity = size * window;
-    self->krylov = malloc((MOST_ITERATIONS + 1) * size * sizeof(double));
+    self->krylov = malloc((MAX_ITERATIONS + 1) * size * sizeof(double));
     self->vector = malloc(size * sizeof(double));
     self->spread = calloc(grid->num_nodes, sizeof(double));
     self->response = malloc(grid->num_nodes * sizeof(double));
@@ -122,9 +123,9 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
     y[num_passive] = system->closure_approach * x[num_passive] + system->closure_load * sum;
 }
 
-/* Columns and lines around a row's node that count in the band: those that its stencil reaches, on a line
- * widened by the near field. Across lines a wider row would cost more in the factors than it saves in
- * iterations. */
+/* Columns and lines around a row's node that have entries in the band: those of its stencil, of a
+ * line contact widened by the near field. Of a point contact wider rows cost more in the factors
+ * than they save in iterations. */
 typedef struct reach {
     ptrdiff_t first_column, last_column, first_line, last_line;
 } reach;
@@ -144,7 +145,7 @@ static reach reach_of(const ehd_grid *grid, size_t node, ptrdiff_t near_field) {
                    wanted.last_line > last_line ? last_line : wanted.last_line};
 }
 
-/* Adds by_film times the shifted near field of the cells of a line, seen from a node `apart` lines away. */
+/* Adds by_film times the shifted near field of a line's cells at a node `apart` lines away. */
 static void add_near_line(double *window, const reach *at, double by_film, ptrdiff_t column,
                           ptrdiff_t apart, const full_system *system) {
     const ptrdiff_t m = (ptrdiff_t)system->near_field;
@@ -159,7 +160,7 @@ static void add_near_line(double *window, const reach *at, double by_film, ptrdi
         window[c - at->first_column] += by_film * (of_line[labs(c - column)] - far);
 }
 
-/* The band's row of a node, stencil and near field, and of the column of H0. Returns the band's entries. */
+/* The band's row of a node, and its entry of the column of H0. Returns the number of entries. */
 static int fill_near_row(int *column, double *value, double *approach, const full_system *system,
                          size_t row_node) {
     const ehd_grid *grid = system->grid;
@@ -194,9 +195,9 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
     }
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++)
         for (ptrdiff_t c = at.first_column; c <= at.last_column; c++) {
-            size_t place = system->place[l * width + c];
-            if (place == NO_NODE) continue;
-            column[count] = (int)place;
+            size_t index = system->index[l * width + c];
+            if (index == NO_NODE) continue;
+            column[count] = (int)index;
             value[count++] = window[(l - at.first_line) * columns + c - at.first_column];
         }
     return count;
@@ -222,8 +223,8 @@ static void *factorise(const full_system *system, double *control) {
     void *symbolic = NULL, *numeric = NULL;
 
     umfpack_di_defaults(control);
-    // the natural order of a line's band has the least fill, and a preconditioner can do with weak
-    // pivoting, which keeps it
+    // a line's band has the least fill in its natural order, which weak pivoting, enough for a
+    // preconditioner, keeps
     control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
     if (system->grid->inner_lines == 1) control[UMFPACK_ORDERING] = UMFPACK_ORDERING_NONE;
     control[UMFPACK_PIVOT_TOLERANCE] = 1e-3;
@@ -241,12 +242,12 @@ static void *factorise(const full_system *system, double *control) {
 /* y = B^-1 x on the passive rows; false when UMFPACK cannot. */
 static bool solve_band(double *y, const double *x, gmres_workspace *work, void *numeric,
                        const double *control) {
-    // the rows were stored, so UMFPACK's matrix is the transpose
+    // B is stored by rows, so that UMFPACK's matrix is the transpose
     return umfpack_di_wsolve(UMFPACK_Aat, work->row_start, work->column, work->value, y, x, numeric,
                              control, NULL, work->solve_index, work->solve_work) == UMFPACK_OK;
 }
 
-/* What the load balance makes of a vector of pressures. */
+/* Sum of pressures with the weights of the load balance. */
 static double weighted_sum(const double *vector, const full_system *system) {
     double sum = 0;
 
@@ -255,7 +256,7 @@ static double weighted_sum(const double *vector, const full_system *system) {
     return sum;
 }
 
-/* w = B^-1 c and what the closure makes of it; false when singular. */
+/* w = B^-1 c and the closure's pivot; false when singular. */
 static bool solve_border(const full_system *system, void *numeric, const double *control) {
     gmres_workspace *work = system->workspace;
 
@@ -281,9 +282,9 @@ static void precondition(double *y, const double *x, const full_system *system, 
 
 /* The small least-squares problem of GMRES, kept triangular by Givens rotations. */
 typedef struct hessenberg {
-    double column[MOST_ITERATIONS][MOST_ITERATIONS + 1]; // column[k] holds R's column k
-    double cosine[MOST_ITERATIONS], sine[MOST_ITERATIONS];
-    double right[MOST_ITERATIONS + 1];
+    double column[MAX_ITERATIONS][MAX_ITERATIONS + 1]; // column[k] holds R's column k
+    double cosine[MAX_ITERATIONS], sine[MAX_ITERATIONS];
+    double right[MAX_ITERATIONS + 1];
 } hessenberg;
 
 static void hessenberg_rotate(hessenberg *h, size_t k) {
@@ -339,7 +340,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     double start = cblas_dnrm2((int)size, first, 1);
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
     h.right[0] = start;
-    while (k < MOST_ITERATIONS && fabs(h.right[k]) > tolerance * start && !program_interrupted()) {
+    while (k < MAX_ITERATIONS && fabs(h.right[k]) > tolerance * start && !program_interrupted()) {
         precondition(work->vector, work->krylov + k * work->size, system, numeric, control);
         apply_jacobian(work->krylov + (k + 1) * work->size, work->vector, system);
         extend_krylov(work, &h, k, size);
@@ -347,7 +348,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
         k++;
     }
     *iterations = k;
-    if (program_interrupted()) { // a system that is not solved makes a step of other bits
+    if (program_interrupted()) { // its step would not be reproducible
         umfpack_di_free_numeric(&numeric);
         return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
     }

@@ -7,7 +7,7 @@
 
 typedef struct gmres_workspace gmres_workspace;
 
-/* Memory for any exit on the grid; NULL when there is none. */
+/* Memory for any exit on the grid; NULL: no memory. */
 gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field);
 /* Bytes of the workspace for a node of a point contact, without factors. */
 double gmres_workspace_bytes(const ehd_grid *grid);

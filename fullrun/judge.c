@@ -33,7 +33,7 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
                           "found the exit boundary outside the domain, expected it before X = %g "
                           "(grid.x_max)",
                           grid_x(grid, grid->inner_x));
-    // also of an iteration that failed, because this is then likely why
+    // after a failed iteration too: it is then the likely cause
     if (full_beyond_law(state, contact))
         length += snprintf(reason + length, JUDGE_REASON - (size_t)length,
                            "%sfound a pressure of %.4g GPa, expected at most %.4g GPa, the limit "

@@ -7,8 +7,8 @@
 
 enum { JUDGE_REASON = 256 }; // bytes, with the closing zero
 
-/* EHD_OK, or EHD_NOT_CONVERGED with the reason: the solver's own, an exit boundary that is not inside
- * the domain, or a pressure beyond the viscosity law's limit. */
+/* EHD_OK, or EHD_NOT_CONVERGED with the reason: the solver's own, an exit boundary that is not
+ * inside the domain, or a pressure beyond the viscosity law's limit. */
 ehd_status full_judge(
     // output:
     char reason[JUDGE_REASON],

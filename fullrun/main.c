@@ -86,10 +86,10 @@ static void print_settings(void) {
 
 // ---- the start
 
-/* The state and contact of a stored result. Its lubricant may have been another one: then the state is
- * no solution of the contact that stands for it, only a start. */
-static ehd_status take_start(full_state *state, ehd_contact *start, const stored_result *stored,
-                             const char *path, ehd_error *error) {
+/* State and contact of a stored result. Where its lubricant was another one, the state does not
+ * solve this contact and is only a start. */
+static ehd_status set_start(full_state *state, ehd_contact *start, const stored_result *stored,
+                            const char *path, ehd_error *error) {
     const ehd_grid *grid = &start->grid;
     size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1, exit = grid->num_nodes - 1;
 
@@ -119,13 +119,13 @@ static ehd_status take_start(full_state *state, ehd_contact *start, const stored
     return EHD_OK;
 }
 
-/* `film`: that of the result at X = 0 */
+/* *film: central film of the stored result. */
 static ehd_status load_start(full_state *state, ehd_contact *start, double *film, const char *path,
                              ehd_error *error) {
     stored_result stored;
     ehd_status status = result_read(&stored, path, start->kind, true, error);
 
-    if (!status) status = take_start(state, start, &stored, path, error);
+    if (!status) status = set_start(state, start, &stored, path, error);
     *film = stored.central_film_thickness;
     result_free(&stored);
     return status;
@@ -168,8 +168,8 @@ static int compare_seconds(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Solves as often as wanted, each time from `first`, the solution at the start, or cold where start is NULL;
- * *info is the run of median time. */
+/* Solves `repeats` times, from `first`, the solution of contact `start`, or cold where start is
+ * NULL; *info is the run of median time. */
 static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
                               const full_state *first, const ehd_contact *start,
                               const ehd_contact *contact, size_t repeats, ehd_error *error) {
@@ -190,20 +190,20 @@ static ehd_status solve_again(full_info *info, full_state *state, full_solver *s
     return status;
 }
 
-/* What stands on stderr while a long solution goes on. */
+/* Progress of a solution of a point contact, which may take long, on stderr. */
 typedef struct long_work {
     progress shown;
     const ehd_grid *grid; // of the contact
 } long_work;
 
-/* Part of the work behind the solver on a grid, the next coarser one, and so on. */
+/* Part of the whole work that is done when a grid and all coarser ones are solved. */
 static double work_up_to(const ehd_grid *grid, const ehd_grid *finest) {
-    const double growth = 1.4; // measured, of time with the nodes
+    const double growth = 1.4; // measured: time over number of nodes
     return pow((double)grid->num_inner / (double)finest->num_inner, growth);
 }
 
 static void show_work(void *context, const ehd_grid *grid, size_t iteration, double residual) {
-    const double usual = 8; // iterations on a grid
+    const double usual = 8; // Newton iterations on a grid
     const ehd_grid coarser = full_coarser_grid(grid);
     long_work *self = context;
     double before = work_up_to(&coarser, self->grid), after = work_up_to(grid, self->grid);
@@ -225,7 +225,7 @@ static ehd_status solve(full_info *info, full_state *state, const program *calle
     full_state first = {0};
 
     progress_start(&work.shown, caller, WORK_PARTS);
-    work.shown.last_shown = work.shown.started; // nothing where it is done soon
+    work.shown.last_shown = work.shown.started; // nothing is shown of a short solution
     settings.watcher = contact->kind->dimensions > 1 ? show_work : NULL;
     settings.watcher_context = &work;
     ehd_status status =
@@ -266,7 +266,7 @@ static ehd_status put_resolution(artefact *file, const full_resolution *resoluti
     return status;
 }
 
-static const double NOTED_EFFECT = 0.01; // of H_c
+static const double NOTED_EFFECT = 0.01; // on H_c, from which a note is printed
 
 static void note_resolution(const program *self, const full_resolution *resolution,
                             const ehd_grid *grid) {
@@ -289,9 +289,9 @@ static void note_resolution(const program *self, const full_resolution *resoluti
                      path, grid->step, 100 * resolution->step_effect);
 }
 
-/* What the grid does to a solution: into the file, unless NULL, and a note where it is much. */
-static ehd_status tell_resolution(artefact *file, const program *self, const full_state *state,
-                                  const ehd_contact *contact, ehd_error *error) {
+/* Effects of the grid on a solution: into the file, unless NULL, and a note where they are large. */
+static ehd_status report_resolution(artefact *file, const program *self, const full_state *state,
+                                    const ehd_contact *contact, ehd_error *error) {
     const double before = program_seconds();
     full_resolution resolution;
     ehd_status status = full_resolution_estimate(&resolution, state, contact, error);
@@ -311,7 +311,7 @@ static void print_start(const char *path, double film, const run_result *result)
            film / result->central_film_thickness - 1);
 }
 
-/* Of a point contact where the pressure ends on each line, to be freed; NULL of a line contact. EHD_MEMORY. */
+/* X of the exit on each line, to be freed; NULL for a line contact. EHD_MEMORY. */
 static ehd_status make_exits(double **exits, const full_state *state, const ehd_contact *contact,
                              ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
@@ -359,7 +359,7 @@ static ehd_status run_stationary(const program *self, const fullrun_options *opt
     program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
                    info.gmres_iterations);
     if (!result.status && given->output.resolution != 0)
-        status = tell_resolution(file, self, &state, contact, error);
+        status = report_resolution(file, self, &state, contact, error);
     if (!status && file) status = result_write(&file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The line Y = 0 of a solution: of a line contact all of it. */
+/* A solution at Y = 0; of a line contact the whole. */
 typedef struct central_line {
     const double *pressure, *film; // [num_nodes], boundary nodes included
     size_t num_nodes;
@@ -29,8 +29,8 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
 
 // ---- the inlet
 
-/* Viscous pressure, the integral of dP / viscosity ratio from the inlet on: between two nodes the
- * logarithm of the viscosity is linear in P, for it may grow by decades from one to the next. */
+/* Viscous pressure, the integral of dP / viscosity ratio from the inlet on. Between two nodes, over
+ * which the viscosity may grow by decades, its logarithm is taken as linear in P. */
 static void viscous_pressure(double *viscous, const double *log_viscosity, const double *pressure,
                              size_t num_nodes) {
     viscous[0] = 0;
@@ -42,9 +42,9 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Pressure that an inlet from minus infinity would have at x_min, where the grid's is zero: the integral
- * of lambda (H - H_exit) / H^3. The film there is the gap and the deflection by the load as a whole, which
- * is -ln|X| / 2 and a constant. With X = x_min / s, by the midpoint rule in s. */
+/* Pressure at x_min of an inlet from minus infinity, where the grid's is zero: the integral of
+ * lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and a constant,
+ * as film. X = x_min / s, midpoint rule in s. */
 static double missing_pressure(const central_line *line, const ehd_contact *contact) {
     const int num_intervals = 200;
     double start = grid_x(&contact->grid, 0), flux = line->film[line->exit], sum = 0;
@@ -57,8 +57,8 @@ static double missing_pressure(const central_line *line, const ehd_contact *cont
     return sum / num_intervals;
 }
 
-/* The film is what lets the inlet build up the viscous pressure of the centre, and follows from
- * lambda over it with the exponent 8/11 (Ertel and Grubin); what the inlet lacks counts as missing there. */
+/* The film follows the viscous pressure that the inlet builds up with the exponent 8/11 (Ertel and
+ * Grubin), of which an inlet that begins at x_min lacks missing_pressure. */
 static double inlet_effect(const central_line *line, const ehd_contact *contact,
                            const double *viscous) {
     const double film_exponent = 8. / 11;
@@ -103,7 +103,7 @@ static size_t count_spike(const central_line *line) {
     size_t valley = peak;
     while (valley > 0 && pressure[valley - 1] <= pressure[valley])
         valley--;
-    if (valley == 0) return 0; // that was the only maximum
+    if (valley == 0) return 0; // the only maximum: no spike
     double half = (pressure[peak] + pressure[valley]) / 2;
     for (size_t k = valley; k < line->exit; k++)
         count += pressure[k] > half;
@@ -120,8 +120,8 @@ static size_t count_outlet(const central_line *line) {
 
 // ---- the step
 
-/* Node of a grid at the place of an inner node of one whose step is `stride` times as long; NO_NODE where that reaches
- * farther to the side. */
+/* Node of a grid where an inner node of one with `stride` times its step lies; NO_NODE where the
+ * coarse grid reaches farther to the side. */
 static size_t node_of_coarse(const ehd_grid *grid, const ehd_grid *coarse, size_t node,
                              size_t stride) {
     size_t column = node % grid_width(coarse), line = 0;
@@ -142,8 +142,7 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
     coarse->rigid_approach = solution->rigid_approach;
 }
 
-/* H_c of the same contact on a grid whose step is `stride` times the solution's, NaN where that does not
- * converge. */
+/* H_c of the contact on a grid with `stride` times the solution's step; NaN: not converged. */
 static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const full_state *solution,
                                const ehd_grid *fine, size_t stride, ehd_error *error) {
     full_settings settings = full_default_settings();
@@ -153,7 +152,7 @@ static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const fu
 
     *film = NAN;
     settings.tolerance = 1e-8;
-    settings.max_iterations = 20; // a grid that wants more is too coarse to tell
+    settings.max_iterations = 20; // more are needed only where the grid is too coarse
     ehd_status status = full_solver_create(&solver, coarse->kind, &coarse->grid, &settings, error);
     if (!status) status = full_state_init(&state, &coarse->grid, error);
     if (!status) {
@@ -167,9 +166,8 @@ static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const fu
     return status;
 }
 
-/* Richardson's estimate. Where the order cannot be seen it is the scheme's, 2; at light loads the exit and
- * the ends of the domain, which are known to a step, make it 1. `film` is H_c on grids of the steps
- * h, 2h, 4h. */
+/* Richardson's estimate from H_c at the steps h, 2h and 4h. The observed order is kept between 1,
+ * which exit and ends of the domain cause at light loads, and 2, the scheme's; 2 if there is none. */
 static void extrapolate(full_resolution *self, const double film[3]) {
     double order = log2((film[2] - film[1]) / (film[1] - film[0]));
     double used = isfinite(order) ? fmin(fmax(order, 1), 2) : 2;

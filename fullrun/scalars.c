@@ -3,14 +3,15 @@
 
 #include <math.h>
 
-/* Value at X = 0 of a line: nodal where a node lies there, else by the cubic through the four nodes around. */
+/* Value at X = 0 of a line: a node's where one lies there, else that of the cubic through the four
+ * nodes around. */
 static double central_value(const double *values, const ehd_grid *grid) {
-    double place = -grid->x_min / grid->step + 1; // in nodes
-    double nearest = round(place);
+    double column = -grid->x_min / grid->step + 1;
+    double nearest = round(column);
 
-    if (fabs(place - nearest) < 1e-6) return values[(size_t)nearest];
-    size_t k = (size_t)floor(place);
-    double t = place - (double)k;
+    if (fabs(column - nearest) < 1e-6) return values[(size_t)nearest];
+    size_t k = (size_t)floor(column);
+    double t = column - (double)k;
     return -t * (t - 1) * (t - 2) / 6 * values[k - 1] +
            (t + 1) * (t - 1) * (t - 2) / 2 * values[k] - (t + 1) * t * (t - 2) / 2 * values[k + 1] +
            (t + 1) * t * (t - 1) / 6 * values[k + 2];
@@ -19,11 +20,11 @@ static double central_value(const double *values, const ehd_grid *grid) {
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     size_t line = grid_central_line(grid), exit = state->exit;
-    double least = INFINITY, sum = 0;
+    double smallest = INFINITY, sum = 0;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        least = fmin(least, state->film[k]);
+        smallest = fmin(smallest, state->film[k]);
         sum += grid_weight(grid, k) * state->pressure[k];
     }
     if (grid->inner_lines > 1)
@@ -31,7 +32,7 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
              exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
     contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
-                               .minimum_film_thickness = least,
+                               .minimum_film_thickness = smallest,
                                .central_pressure = central_value(state->pressure + line, grid),
                                .rigid_approach = state->rigid_approach,
                                .exit_position = grid_x(grid, exit),

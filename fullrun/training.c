@@ -84,7 +84,7 @@ static ehd_status begin_worker(void **result, void *shared, ehd_error *error) {
     *result = self;
     if (!self) return ehd_fail(error, EHD_MEMORY, "solver: found no memory");
 
-    // the last modes of a basis weigh 1e-10 of the first: solutions must be better than that
+    // the last modes have singular values of 1e-10 of the first: solutions must be better than that
     settings.tolerance = 1e-12;
     ehd_status status =
         full_solver_create(&self->solver, first->kind, &first->grid, &settings, error);
@@ -166,7 +166,7 @@ ehd_status training_check_memory(const training_set *set, const program *caller,
 
     if (num_marches > 0)
         of_marches = (double)num_marches * full_march_bytes(&set->trajectories[0].contact);
-    // one after the other
+    // points are solved before trajectories
     return grid_check_memory(caller, plan_path, first, kept + fmax(of_points, of_marches),
                              of_points > of_marches ? num_solvers : num_marches, error);
 }

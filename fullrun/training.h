@@ -33,11 +33,11 @@ typedef struct trained_point {
 typedef struct training {
     const program *program; // for messages and progress
     const training_set *set;
-    trained_point *points; // [num_points of the set]; those of an earlier run are done before
-    const bool *wanted;    // [num_points], the others stay as they are; NULL: all
+    trained_point *points; // [num_points of the set]
+    const bool *wanted;    // [num_points] to solve; NULL: all
     size_t num_failed;     // done, but not EHD_OK
     size_t num_done;
-    /* Takes a finished point away. Called by one thread at a time. */
+    /* Stores a finished point. Called by one thread at a time. */
     ehd_status (*store)(void *sink, const training_set *set, size_t point, const snapshot *solution,
                         ehd_error *error);
     void *sink;
@@ -45,8 +45,8 @@ typedef struct training {
     size_t num_before; // points done by an earlier run
 } training;
 
-/* Says what solving the points and trajectories of a plan, num_jobs at a time, takes of memory before it is taken: the
- * solvers, and the pressures that further points start from. EHD_MEMORY: more than there is, of point contacts. */
+/* Reports the memory that a plan needs with num_jobs points or trajectories at a time: solvers, and
+ * pressures kept as starts. EHD_MEMORY: more than there is, for point contacts. */
 ehd_status training_check_memory(const training_set *set, const program *caller,
                                  const char *plan_path, size_t num_jobs, ehd_error *error);
 
@@ -54,13 +54,13 @@ ehd_status training_init(training *self, const program *caller, const training_s
                          ehd_error *error); // free with training_free
 void training_free(training *self);
 
-/* Marks a point as done by an earlier run. `pressure`: [num_inner], NULL when it did not converge. */
+/* Marks a point as done by an earlier run. `pressure`: [num_inner]; NULL: not converged. */
 ehd_status training_restore(training *self, size_t point, const double *pressure,
                             double rigid_approach, size_t exit, ehd_error *error);
 
-/* Solves all wanted points that are not done. A point that does not converge is a warning and counted; the
- * points below it start cold. The solution of a point depends on the set alone, not on num_workers or
- * on what was done before. EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, or what `store` returns. */
+/* Solves all wanted points that are not done. One that does not converge is counted, with a
+ * warning, and its children start cold. A point's solution depends on the set alone, neither on
+ * num_workers nor on earlier runs. EHD_INTERRUPTED, EHD_MEMORY, EHD_INTERNAL, errors of `store`. */
 ehd_status training_run(training *self, size_t num_workers, ehd_error *error);
 
 #endif

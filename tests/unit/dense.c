@@ -59,8 +59,8 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
         const size_t r = row_of(system, i);
         for (int a = 0; a < NUM_STENCIL; a++) {
             size_t node = system->stencils[r].node[a];
-            if (node == NO_NODE || system->place[node] == NO_NODE) continue;
-            matrix[system->place[node] * size + i] +=
+            if (node == NO_NODE || system->index[node] == NO_NODE) continue;
+            matrix[system->index[node] * size + i] +=
                 system->rows[r].by_pressure[a] * system->row_scale[r];
         }
     }
