@@ -166,8 +166,8 @@ static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const fu
     return status;
 }
 
-/* Richardson's estimate from H_c at the steps h, 2h and 4h. The observed order is kept between 1,
- * which exit and ends of the domain cause at light loads, and 2, the scheme's; 2 if there is none. */
+/* Richardson's estimate from H_c at the steps h, 2h and 4h. The observed order, 2 if there is none,
+ * is kept between 1, by exit and ends of the domain at light loads, and 2, the scheme's. */
 static void extrapolate(full_resolution *self, const double film[3]) {
     double order = log2((film[2] - film[1]) / (film[1] - film[0]));
     double used = isfinite(order) ? fmin(fmax(order, 1), 2) : 2;
