@@ -40,8 +40,8 @@ typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
-    double accuracy;   // of the central film, to choose the sizes by; 0: not given
-    ehdrom_sizes most; // fallback sizes: the most accurate ones
+    double accuracy;       // of the central film, to choose the sizes by; 0: not given
+    ehdrom_sizes fallback; // where the result of `sizes` is not accurate enough
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
@@ -168,7 +168,7 @@ static int compare_seconds(const void *a, const void *b) {
     return (p > q) - (p < q);
 }
 
-/* Solves as often as wanted; *result is the run of median time. */
+/* Solves `repeats` times; *result is the run of median time. */
 static ehd_status solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         size_t repeats, ehd_error *error) {
     ehdrom_result *runs = calloc(repeats, sizeof *runs);
@@ -210,7 +210,7 @@ static run_result make_result(const ehdrom_result *solution, const double *press
     return result;
 }
 
-/* The exit code that the outcome asks for, and its line. */
+/* Exit code and message of the outcome. */
 static ehd_status judge(const run_result *result, const romrun_options *options, const char *path,
                         ehd_error *error) {
     if (result->status == EHD_UNTRUSTED && options->allow_untrusted) return EHD_OK;
@@ -236,7 +236,7 @@ static ehd_status print_verification(ehdrom_solver *solver, const ehdrom_result 
     return EHD_OK;
 }
 
-/* The settings of the scene, and what else of the command line the solution depends on. */
+/* The settings of the scene and the command line's options on which the solution depends. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   ehd_error *error) {
     const ehdrom_sizes *sizes = &options->sizes;
@@ -253,12 +253,12 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
     return ehd_fail(error, EHD_MEMORY, "settings: found no memory");
 }
 
-/* A scene, the part of a model that it is solved with, and its solution. */
+/* The part of a model that a scene is solved with, and the solution. */
 typedef struct attempt {
     ehdrom_model *model;
     ehdrom_solver *solver;
     ehdrom_result solution;
-    double first_seconds; // of an attempt before, at the sizes chosen first
+    double first_seconds; // of an earlier attempt, at the sizes chosen first
 } attempt;
 
 static void attempt_free(attempt *self) {
@@ -278,35 +278,36 @@ static ehd_status attempt_at(attempt *self, const ehdrom_sizes *sizes,
     return status ? status : ehdrom_solve(&self->solution, self->solver, contact, error);
 }
 
-/* With the sizes chosen and, where the result is not accurate enough, once more with the fallback sizes,
- * which the options then say. */
+/* Solves with options->sizes and, where the result is not accurate enough, with the fallback sizes,
+ * to which options->sizes is then set. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_at(self, &options->sizes, options, contact, error);
-    if (status || options->most.pressure_modes == 0) return status;
+    if (status || options->fallback.pressure_modes == 0) return status;
     run_result result = make_result(&self->solution, NULL, NULL);
     accuracy_judge(&result, options->accuracy);
-    if (!result.status || memcmp(&options->sizes, &options->most, sizeof options->most) == 0)
+    if (!result.status ||
+        memcmp(&options->sizes, &options->fallback, sizeof options->fallback) == 0)
         return EHD_OK;
 
     const double first = self->solution.seconds;
     char name[TRADE_NAME];
-    trade_name(name, &options->most);
+    trade_name(name, &options->fallback);
     program_note(caller, "--accuracy %g: found %s, again with %s", options->accuracy, result.reason,
                  name);
-    options->sizes = options->most;
+    options->sizes = options->fallback;
     attempt_free(self);
     status = attempt_at(self, &options->sizes, options, contact, error);
     self->first_seconds = first;
     return status;
 }
 
-/* A stationary scene on its way from the command line to the result. */
+/* The run of a stationary scene. */
 typedef struct stationary_run {
     const program *caller;
     romrun_options *options;
     const ehd_contact *contact;
-    stored_result against; // where there is one
+    stored_result against; // of --against
     attempt attempt;
     double *pressure, *film; // [nodes of the grid], NULL unless fields are wanted
     double *exits;           // [inner lines of the whole grid]
@@ -335,7 +336,7 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
 }
 
 /* The solution as a result, with its exits and, where wanted, fields. */
-static ehd_status take_result(stationary_run *self, bool with_fields, ehd_error *error) {
+static ehd_status fill_result(stationary_run *self, bool with_fields, ehd_error *error) {
     const ehd_grid *grid = &self->contact->grid;
     attempt *done = &self->attempt;
     ehd_status status = EHD_OK;
@@ -357,7 +358,7 @@ static ehd_status take_result(stationary_run *self, bool with_fields, ehd_error 
     return status;
 }
 
-/* What a person reads on stdout. */
+/* Prints the result to stdout. */
 static ehd_status show(const stationary_run *self, ehd_error *error) {
     const romrun_options *options = self->options;
     const attempt *done = &self->attempt;
@@ -387,7 +388,7 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         status = result_create(&file, caller, self->contact, self->text, inputs, error);
     if (!status && options->repeats > 1)
         status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
-    if (!status) status = take_result(self, with_fields, error);
+    if (!status) status = fill_result(self, with_fields, error);
     if (!status && file) status = result_write(&file, &self->result, self->contact, error);
     if (!status) status = show(self, error);
     if (!status) status = judge(&self->result, options, caller->arguments[0], error);
@@ -452,7 +453,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     return status;
 }
 
-/* By --accuracy, from the table of the calibrated model. */
+/* Chooses the sizes for --accuracy from the table of the calibrated model. */
 static ehd_status choose_sizes(romrun_options *options, const program *self, bool in_time,
                                ehd_error *error) {
     trade_table table;
@@ -464,14 +465,14 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
             accuracy_choose(&choice, &table, options->accuracy, in_time, options->model, error);
     if (!status) {
         options->sizes = choice.fastest;
-        options->most = choice.most;
+        options->fallback = choice.most_accurate;
         program_note(self, "--accuracy %g: %s", options->accuracy, choice.note);
     }
     trade_free(&table);
     return status;
 }
 
-/* What the command line asks for has to go together. */
+/* Refuses options that exclude each other. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
     const bool solves = !options->calibrate && !options->trade;
@@ -518,7 +519,7 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
     return EHD_OK;
 }
 
-/* What belongs to scenes of one regime only. */
+/* Refuses options that the scene's regime does not have. */
 static ehd_status check_regime(const romrun_options *options, bool transient, ehd_error *error) {
     if (options->resume && !transient)
         return ehd_fail(error, EHD_USAGE,

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Why the fastest sizes are what they are. */
+/* Describes the chosen sizes and their measured accuracy. */
 static void explain(accuracy_choice *choice, const trade_table *table,
                     const trade_position *position, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
@@ -22,7 +22,7 @@ static void explain(accuracy_choice *choice, const trade_table *table,
 
 ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, double accuracy,
                            bool in_time, const char *name, ehd_error *error) {
-    const double up = 1.006; // what is shown with three digits can be asked for
+    const double rounding = 1.006; // allowance: the printed three digits are then accepted
     size_t num_measured = in_time ? table->num_trajectories : table->num_scenes;
     size_t chosen = trade_cheapest(table, accuracy, in_time);
     size_t best = trade_most_accurate(table, in_time);
@@ -37,21 +37,22 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
                         "--accuracy: found no size of %s that solved enough of the %zu %s of its "
                         "calibration, expected one",
                         name, num_measured, what);
-    const trade_position *most = &table->positions[best];
-    trade_name(sizes, &most->sizes);
+    const trade_position *most_accurate = &table->positions[best];
+    trade_name(sizes, &most_accurate->sizes);
     if (chosen == table->num_positions)
         return ehd_fail(error, EHD_DATA,
                         "--accuracy: found %g, expected at least %.3g, the best that %s was "
                         "measured to give (%s)",
-                        accuracy, up * trade_price_of(most, in_time).deviation, name, sizes);
+                        accuracy, rounding * trade_price_of(most_accurate, in_time).deviation, name,
+                        sizes);
     choice->fastest = table->positions[chosen].sizes;
-    choice->most = most->sizes;
+    choice->most_accurate = most_accurate->sizes;
     explain(choice, table, &table->positions[chosen], in_time);
     return EHD_OK;
 }
 
 double accuracy_tolerance(double accuracy) {
-    const double full_convergence = 1e-8, part = 0.02; // of what is asked for
+    const double full_convergence = 1e-8, part = 0.02; // of the accuracy
 
     return fmax(full_convergence, part * accuracy);
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What --accuracy asks for: sizes of a calibrated model, how far their solutions are converged, and whether one
- * keeps the promise. */
+/* --accuracy: choice of a calibrated model's sizes, their tolerance, and the check of a result. */
 #ifndef EHD_ACCURACY_H
 #define EHD_ACCURACY_H
 
@@ -9,24 +8,23 @@
 
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
-    ehdrom_sizes fastest;     // that were measured to be good enough
-    ehdrom_sizes most;        // the most accurate ones, for scenes that those do not do for
-    char note[ACCURACY_NOTE]; // which the fastest are, and why
+    ehdrom_sizes fastest;       // of those measured to be accurate enough
+    ehdrom_sizes most_accurate; // fallback sizes, where the result of the fastest is not
+    char note[ACCURACY_NOTE];   // the fastest sizes and their measured accuracy
 } accuracy_choice;
 
-/* Chooses the sizes for a relative deviation of the central film. `name`: of the model, for errors. EHD_DATA: not
- * calibrated on scenes of this regime, or to nothing as accurate. */
+/* Chooses the sizes for a relative deviation of the central film. `name`: of the model, for errors.
+ * EHD_DATA: not calibrated in this regime, or no sizes are that accurate. */
 ehd_status accuracy_choose(
     // output:
     accuracy_choice *choice,
     // input:
     const trade_table *table, double accuracy, bool in_time, const char *name, ehd_error *error);
 
-/* How far a solution is converged of which no more is asked, for ehdrom_solver_set_tolerance. */
+/* Tolerance for ehdrom_solver_set_tolerance: a fiftieth of the accuracy, at least 1e-8. */
 double accuracy_tolerance(double accuracy);
 
-/* A calibrated model keeps its promise, or says that it may not: EHD_UNTRUSTED where the result is indicated to
- * deviate by more. */
+/* Sets EHD_UNTRUSTED where the result is indicated to deviate by more than the accuracy. */
 void accuracy_judge(run_result *result, double accuracy);
 
 #endif

@@ -12,7 +12,7 @@ static void print_deviation(const char *name, double reduced, double full) {
                (reduced / full - 1) * 1e3);
 }
 
-/* Largest difference of a field on the nodes of a grid and one on the inner nodes of the whole of it. */
+/* Largest difference of a field at a grid's nodes from one at the whole grid's inner nodes. */
 static double field_difference(const double *nodes, const double *inner, const ehd_grid *grid) {
     size_t num_inner = grid_whole(grid).num_inner;
     double largest = 0;

@@ -13,15 +13,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is known of the scenes before any reduced solution. */
+/* The scenes and their full solutions. */
 typedef struct validation {
     training_set set;
     training solutions;       // by the full model
     contact_scalars *scalars; // [set.num_points]
     solved_scene *scenes;     // [num_scenes] those that converged
     size_t num_scenes;
-    recording *recordings; // [set.num_trajectories], those to repeat first
-    size_t num_recordings; // that reached their end inside the trained range
+    recording *recordings; // [set.num_trajectories], the usable ones first
+    size_t num_recordings; // usable: ended, and inside the trained range
     size_t num_failed;     // points and trajectories that the full model did not solve
 } validation;
 
@@ -136,7 +136,7 @@ static ehd_status solve_points(validation *self, const program *caller, size_t n
     return status;
 }
 
-/* Brings those that are of use to the front. */
+/* Moves the usable recordings to the front. */
 static void keep_recordings(validation *self, const trained_range *range, const program *caller,
                             const char *plan_path) {
     size_t num_outside = 0;
@@ -232,7 +232,7 @@ static ehd_status make_ladder(trade_table *table, const char *model_path, ehd_er
 
 static const char separator[] = "# calibrated on\n";
 
-/* The model's settings, but for an earlier calibration, and the plan. */
+/* The model's settings, without those of an earlier calibration, and the plan. */
 static char *join_settings(const char *of_model, const char *of_plan) {
     const char *end = strstr(of_model, separator);
     size_t length = end ? (size_t)(end - of_model) : strlen(of_model);
@@ -250,7 +250,7 @@ static ehd_status create_output(artefact **output, artefact **model, const progr
     char *of_model = NULL, *settings = NULL;
     ehd_status status = artefact_open(model, model_path, kinds, error);
 
-    // a foreign model need not tell its settings
+    // optional in models of other programs
     if (!status && artefact_has(*model, "settings"))
         status = artefact_get_text(*model, "settings", &of_model, error);
     settings = join_settings(of_model ? of_model : "", set->text);

@@ -9,7 +9,7 @@
 
 enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
 
-/* Samples of the scenes that were solved, and memory for fields. */
+/* Measurements on the scenes that were solved, and memory for fields. */
 typedef struct samples {
     size_t count;                            // of scenes
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
@@ -17,7 +17,7 @@ typedef struct samples {
     double *indicated;                       // [count + failures]
     double *effectivity;                     // [count]
     double *seconds;                         // [count * REPEATS]
-    double iterations, most_iterations;      // sum and largest
+    double iterations, max_iterations;       // sum and largest
     double *pressure, *film;                 // [num_nodes]
 } samples;
 
@@ -74,7 +74,7 @@ static void add_sample(samples *self, const ehdrom_result *result, const solved_
                  fabs(self->pressure[k] - solved->pressure[k]));
     self->bound[self->count] = result->bound;
     self->iterations += (double)result->iterations;
-    self->most_iterations = fmax(self->most_iterations, (double)result->iterations);
+    self->max_iterations = fmax(self->max_iterations, (double)result->iterations);
     self->count++;
 }
 
@@ -97,7 +97,7 @@ static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_
     return status;
 }
 
-/* Before the deviations are sorted. */
+/* To be called before the deviations are sorted, while they match the bounds. */
 static void fit_indicator(trade_position *position, samples *self) {
     const double *deviation = self->deviation[TRADE_CENTRAL_FILM];
     const size_t num_scenes = self->count + position->num_failures;
@@ -123,29 +123,31 @@ static void evaluate(trade_position *position, samples *self) {
                 trade_quantile_of(self->deviation[q], self->count, trade_quantiles[i]);
     position->seconds = trade_quantile_of(self->seconds, self->count * REPEATS, 0.5);
     position->mean_iterations = self->count ? self->iterations / (double)self->count : NAN;
-    position->most_iterations = self->count ? self->most_iterations : NAN;
+    position->max_iterations = self->count ? self->max_iterations : NAN;
 }
 
 ehd_status calibration_measure(trade_position *position, const ehdrom_model *model,
                                const solved_scene *scenes, size_t num_scenes, ehd_error *error) {
     ehdrom_solver *solver = NULL;
-    samples taken = {0};
+    samples measured = {0};
     ehd_status status = ehdrom_solver_create(&solver, model, error);
 
     position->num_failures = 0;
-    if (!status) status = samples_init(&taken, num_scenes, ehdrom_describe(model).num_nodes, error);
+    if (!status)
+        status = samples_init(&measured, num_scenes, ehdrom_describe(model).num_nodes, error);
     for (size_t i = 0; i < num_scenes && !status; i++)
-        status = program_interrupted() ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")
-                                       : measure_scene(position, &taken, solver, &scenes[i], error);
-    if (!status) evaluate(position, &taken);
-    samples_free(&taken);
+        status = program_interrupted()
+                     ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")
+                     : measure_scene(position, &measured, solver, &scenes[i], error);
+    if (!status) evaluate(position, &measured);
+    samples_free(&measured);
     ehdrom_solver_free(solver);
     return status;
 }
 
 // ---- in time
 
-/* What the steps of all trajectories came to. */
+/* Measurements on the steps of all trajectories. */
 typedef struct repetition {
     double worst[TRADE_PRESSURE];
     double iterations, seconds;
@@ -180,7 +182,7 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
     return EHD_OK;
 }
 
-/* *lost: a step did not converge or was not to be trusted. */
+/* Repeats a trajectory. *lost: a step did not converge or was not trusted. */
 static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
                          const recording *wanted, ehd_error *error) {
     ehdrom_transient *in_time = NULL;
@@ -197,7 +199,7 @@ static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
         if (program_interrupted()) status = ehd_fail(error, EHD_INTERRUPTED, "%s", "");
         if (status || outcome.status) break;
         add_step(&here, &outcome, &wanted->steps[i], wanted->reference);
-        if (i == 0) continue; // not a step
+        if (i == 0) continue; // the start
         here.seconds += seconds;
         here.iterations += (double)outcome.iterations;
         here.num_steps++;

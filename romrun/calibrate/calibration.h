@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures one position of a model on scenes whose full solutions are known. */
+/* Measures a model at one of its sizes on scenes whose full solutions are known. */
 #ifndef EHD_CALIBRATION_H
 #define EHD_CALIBRATION_H
 
 #include "romrun/calibrate/recording.h"
 #include "romrun/calibrate/trade.h"
 
-/* A scene and what the full model says of it. */
+/* A scene and its full solution. */
 typedef struct solved_scene {
     const ehd_contact *contact;
     const double *pressure; // [num_nodes] of the contact's grid
     contact_scalars scalars;
 } solved_scene;
 
-/* Solves each scene some times as romrun does, from its own guess, on one thread. `model` is open at the sizes
- * of the position. Errors of ehdrom_solve; EHD_INTERRUPTED with an empty text. */
+/* Solves each scene, repeatedly for the time, as romrun does, on one thread. `model` is open at the
+ * sizes of the position. Errors of ehdrom_solve; EHD_INTERRUPTED with an empty text. */
 ehd_status calibration_measure(
     // output:
-    trade_position *position, // what belongs to scenes
+    trade_position *position, // its members for scenes
     // input:
     const ehdrom_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
 
-/* Repeats trajectories with the same steps, prepares the model for it. Errors as before. */
+/* Repeats trajectories with the same steps; prepares the model for that. Errors as before. */
 ehd_status calibration_measure_in_time(
     // output:
-    trade_position *position, // what belongs to trajectories
+    trade_position *position, // its members for trajectories
     // in and out:
     ehdrom_model *model,
     // input:

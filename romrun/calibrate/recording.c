@@ -12,16 +12,16 @@ typedef struct recorder {
     const program *caller;
     const training_set *set;
     recording *recordings;     // [num_trajectories]
-    ehd_histories **histories; // [num_trajectories], read before the threads start: HDF5 is for one
+    ehd_histories **histories; // [num_trajectories], read before the threads start, for HDF5
     size_t num_done;
     progress progress;
 } recorder;
 
-/* One trajectory under way. */
-typedef struct take {
+/* The march of one trajectory. */
+typedef struct trajectory_run {
     recording *target;
-    march run;
-} take;
+    march march;
+} trajectory_run;
 
 void recording_free(recording *self) {
     free(self->steps);
@@ -31,7 +31,7 @@ void recording_free(recording *self) {
 // ---- one trajectory
 
 static ehd_status store_step(void *sink, const march_step *step, size_t index, ehd_error *error) {
-    take *self = sink;
+    trajectory_run *self = sink;
     recording *target = self->target;
 
     if (target->num_steps == target->room) {
@@ -44,28 +44,28 @@ static ehd_status store_step(void *sink, const march_step *step, size_t index, e
     }
     target->steps[target->num_steps++] = (recorded_step){
         .frame = step->frame,
-        .loaded = isnan(step->frame.approach)
-                      ? step->frame
-                      : frame_of_load(target->reference->kind, &step->frame, step->scalars.load),
+        .load_frame = isnan(step->frame.approach) ? step->frame
+                                                  : frame_of_load(target->reference->kind,
+                                                                  &step->frame, step->scalars.load),
         .step = step->step,
-        // what the march has then forgotten
-        .jump = index > 0 && self->run.state.last_step == 0,
+        // the march resets it at a jump
+        .jump = index > 0 && self->march.state.last_step == 0,
         .scalars = frame_to_reference(&step->scalars, &step->frame, target->reference)};
     return EHD_OK;
 }
 
-static ehd_status record(take *self, ehd_error *error) {
+static ehd_status record(trajectory_run *self, ehd_error *error) {
     recording *target = self->target;
     march_step first;
-    ehd_status outcome = EHD_OK, status = march_begin(&first, &self->run, error);
+    ehd_status outcome = EHD_OK, status = march_begin(&first, &self->march, error);
 
     if (!status && first.status == EHD_NOT_CONVERGED) {
         snprintf(target->reason, MARCH_REASON, "start: %s", first.reason);
         return EHD_OK;
     }
     if (!status) status = store_step(self, &first, 0, error);
-    if (!status) status = march_run(&outcome, &self->run, error);
-    if (!status && outcome) memcpy(target->reason, self->run.reason, MARCH_REASON);
+    if (!status) status = march_run(&outcome, &self->march, error);
+    if (!status && outcome) memcpy(target->reason, self->march.reason, MARCH_REASON);
     return status;
 }
 
@@ -76,7 +76,7 @@ static ehd_status record_trajectory(void *shared, void *worker, size_t number, s
     const ehd_histories *histories = owner->histories[number];
     full_settings settings = full_default_settings();
     full_march *full = NULL;
-    take self = {.target = &owner->recordings[number]};
+    trajectory_run self = {.target = &owner->recordings[number]};
     (void)worker, (void)parent;
 
     settings.tolerance = 1e-12; // as for training
@@ -84,7 +84,7 @@ static ehd_status record_trajectory(void *shared, void *worker, size_t number, s
     ehd_status status = full_march_create(&full, &given->contact, &settings,
                                           given->scene.transient.start_film, error);
     if (status) return status;
-    self.run =
+    self.march =
         (march){.reference = &given->contact,
                 .histories = histories,
                 .settings = march_settings_of(&given->scene, histories, given->scene.approach),
@@ -140,8 +140,8 @@ ehd_status recordings_make(recording *recordings, const program *caller, const t
 
 const char *recording_check(const recording *self, const trained_range *range) {
     for (size_t i = 0; i < self->num_steps; i++) {
-        const contact_frame *now = &self->steps[i].loaded;
-        double rate = i > 0 ? frame_rate(now, &self->steps[i - 1].loaded) : 0;
+        const contact_frame *now = &self->steps[i].load_frame;
+        double rate = i > 0 ? frame_rate(now, &self->steps[i - 1].load_frame) : 0;
         ehd_contact contact;
         frame_contact(&contact, now, self->reference);
         const char *reason = trained_range_check(range, contact.moes_M, contact.alpha_p_H, rate);

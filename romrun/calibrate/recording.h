@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Trajectories of the full model, step by step, for a reduced model to repeat with the same steps. */
+/* Trajectories of the full model, recorded for a reduced model to repeat with the same steps. */
 #ifndef EHD_RECORDING_H
 #define EHD_RECORDING_H
 
@@ -12,11 +12,11 @@
 
 /* An accepted step. */
 typedef struct recorded_step {
-    contact_frame frame;     // that it was solved in
-    contact_frame loaded;    // the same, scaled by the load that it came to
-    double step;             // 0 at the start
-    bool jump;               // conditions jump after it
-    contact_scalars scalars; // in the reference frame
+    contact_frame frame;      // solved in
+    contact_frame load_frame; // scaled by the load of the solution
+    double step;              // 0 at the start
+    bool jump;                // conditions jump after it
+    contact_scalars scalars;  // in the reference frame
 } recorded_step;
 
 typedef struct recording {
@@ -28,15 +28,15 @@ typedef struct recording {
 
 void recording_free(recording *self);
 
-/* Runs the trajectories of a set with the full model. One that does not reach its end is a warning, and has a
- * reason. EHD_INTERRUPTED, EHD_MEMORY, and what reading their histories returns. */
+/* Runs the trajectories of a set with the full model. One that does not reach its end gets a
+ * warning and a reason. EHD_INTERRUPTED, EHD_MEMORY, errors of reading histories. */
 ehd_status recordings_make(
     // output:
     recording *recordings, // [set->num_trajectories], zero before; free each with recording_free
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 
-/* Why a step lies outside of what a model was trained on, or NULL. */
+/* Why a step lies outside of a model's trained range, or NULL. */
 const char *recording_check(const recording *self, const trained_range *range);
 
 #endif

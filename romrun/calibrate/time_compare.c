@@ -5,22 +5,22 @@
 #include <math.h>
 #include <string.h>
 
-/* Times that differ by no more are the same. */
+/* Relative difference up to which times are the same. */
 static const double SAME_TIME = 1e-12;
 
-static double value_at(double time, const gsl_spline *spline, gsl_interp_accel *place) {
-    size_t k = gsl_interp_accel_find(place, spline->x, spline->size, time);
+static double value_at(double time, const gsl_spline *spline, gsl_interp_accel *accelerator) {
+    size_t k = gsl_interp_accel_find(accelerator, spline->x, spline->size, time);
 
-    // nothing to interpolate: fixed steps are compared number by number
+    // at the same times, as with fixed steps, there is nothing to interpolate
     for (size_t i = k; i <= k + 1 && i < spline->size; i++)
         if (fabs(time - spline->x[i]) <= SAME_TIME * fmax(fabs(time), 1)) return spline->y[i];
-    return gsl_spline_eval(spline, time, place);
+    return gsl_spline_eval(spline, time, accelerator);
 }
 
 ehd_status time_compare(time_deviation *deviation, const double *time, const double *values,
                         size_t num_times, const double *other_time, const double *other_values,
                         size_t num_other, ehd_error *error) {
-    gsl_interp_accel place = {0};
+    gsl_interp_accel accelerator = {0};
     double length = 0, last = 0;
     size_t count = 0;
 
@@ -32,7 +32,7 @@ ehd_status time_compare(time_deviation *deviation, const double *time, const dou
     gsl_spline_init(spline, other_time, other_values, num_other);
     for (size_t i = 0; i < num_times; i++) {
         if (time[i] < other_time[0] || time[i] > other_time[num_other - 1]) continue;
-        double relative = fabs(values[i] / value_at(time[i], spline, &place) - 1);
+        double relative = fabs(values[i] / value_at(time[i], spline, &accelerator) - 1);
         if (!(relative <= deviation->largest)) {
             deviation->largest = relative;
             deviation->at = time[i];

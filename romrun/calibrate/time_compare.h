@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Two runs of a transient scene against each other. */
+/* Comparison of two runs of a transient scene. */
 #ifndef EHD_TIME_COMPARE_H
 #define EHD_TIME_COMPARE_H
 
 #include "common/program/status.h"
 #include <stddef.h>
 
-/* Largest relative deviation of one quantity over the times of the first run that the second one covers,
- * which is interpolated by a cubic spline where its times are others. */
+/* Relative deviation of one quantity, over the times of the first run that the second one covers.
+ * The second is interpolated by a cubic spline where its times are others. */
 typedef struct time_deviation {
     double largest; // 1
     double at;      // T

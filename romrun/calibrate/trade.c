@@ -6,20 +6,19 @@
 
 // ---- the ladder
 
-static const double LEAST_MODES = 10;
+static const double MIN_MODES = 10;
 static const double STRIDE = 1.4142; // from one number of modes to the next
-static const size_t HALVED =
-    2; // the last strides have a position amid, where the accurate sizes are
+static const size_t HALVED = 2;      // the last strides are halved, among the accurate sizes
 static const double ROWS_PER_MODE[] = {1.2, 1.5, 2, 3, INFINITY}; // up to what is stored
 enum { NUM_ROWS_PER_MODE = sizeof ROWS_PER_MODE / sizeof *ROWS_PER_MODE };
 
-static size_t num_strides(size_t most_modes) {
-    double strides = round(log((double)most_modes / LEAST_MODES) / log(STRIDE));
+static size_t num_strides(size_t max_modes) {
+    double strides = round(log((double)max_modes / MIN_MODES) / log(STRIDE));
 
-    return (double)most_modes <= LEAST_MODES ? 0 : (size_t)fmax(strides, 1);
+    return (double)max_modes <= MIN_MODES ? 0 : (size_t)fmax(strides, 1);
 }
 
-/* Adds the positions of a number of pressure modes. */
+/* Adds the positions with a number of pressure modes. */
 static void add_positions(trade_table *table, size_t modes, const ehdrom_properties *whole) {
     double part = (double)modes / (double)whole->pressure_modes;
     size_t deformation = (size_t)ceil(part * (double)whole->deformation_modes), last = 0;
@@ -34,14 +33,14 @@ static void add_positions(trade_table *table, size_t modes, const ehdrom_propert
 
 ehd_status trade_ladder(trade_table *table, const ehdrom_properties *whole, ehd_error *error) {
     size_t strides = num_strides(whole->pressure_modes), last = 0;
-    double most = (double)whole->pressure_modes;
+    double max_modes = (double)whole->pressure_modes;
 
     *table = (trade_table){0};
     table->positions = calloc((2 * strides + 1) * NUM_ROWS_PER_MODE, sizeof *table->positions);
     if (!table->positions) return ehd_fail(error, EHD_MEMORY, "positions: found no memory");
     for (size_t half = 0; half < 2 * strides; half++) {
         double part = 0.5 * (double)half / (double)strides;
-        size_t modes = (size_t)lround(LEAST_MODES * pow(most / LEAST_MODES, part));
+        size_t modes = (size_t)lround(MIN_MODES * pow(max_modes / MIN_MODES, part));
         if ((half % 2 == 1 && half / 2 + HALVED < strides) || modes == last) continue;
         if (modes < whole->pressure_modes) add_positions(table, modes, whole);
         last = modes;
@@ -66,7 +65,7 @@ double trade_quantile_of(double *values, size_t count, double quantile) {
 }
 
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count) {
-    const double margin = 2; // scenes of a kind that was not measured
+    const double margin = 2; // for kinds of scenes that were not measured
     double largest = 0;
 
     for (size_t i = 0; i < count; i++)
@@ -87,7 +86,7 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->num_failures};
 }
 
-bool trade_is_beaten(const trade_table *table, size_t position, bool in_time) {
+bool trade_is_dominated(const trade_table *table, size_t position, bool in_time) {
     const trade_price self = trade_price_of(&table->positions[position], in_time);
 
     if (self.num_failures > 0) return true;
@@ -128,7 +127,7 @@ size_t trade_most_accurate(const trade_table *table, bool in_time) {
     return best;
 }
 
-// ---- for people
+// ---- printing
 
 void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes) {
     if (sizes->deformation_modes > 0)
@@ -145,7 +144,7 @@ static const char *const quantities[NUM_TRADE_QUANTITIES] = {"central film", "mi
 static void print_sizes(const trade_table *table, size_t i, bool in_time, FILE *stream) {
     const ehdrom_sizes *sizes = &table->positions[i].sizes;
 
-    fprintf(stream, "%c %5zu%6zu%6zu", trade_is_beaten(table, i, in_time) ? ' ' : '*',
+    fprintf(stream, "%c %5zu%6zu%6zu", trade_is_dominated(table, i, in_time) ? ' ' : '*',
             sizes->pressure_modes, sizes->deformation_modes, sizes->rows);
 }
 
@@ -165,7 +164,7 @@ static void print_scenes(const trade_table *table, FILE *stream) {
             fprintf(stream, "  %7.1e %7.1e %7.1e", position->deviation[q][TRADE_MEDIAN],
                     position->deviation[q][TRADE_95], position->deviation[q][TRADE_WORST]);
         fprintf(stream, "  %5.1f %4.0f  %6.3f  %zu\n", position->mean_iterations,
-                position->most_iterations, position->seconds * 1e3, position->num_failures);
+                position->max_iterations, position->seconds * 1e3, position->num_failures);
     }
 }
 

@@ -6,9 +6,9 @@
 
 #include <math.h>
 
-/* Newton steps of the full model; none: the residual of the state alone. */
-static ehd_status take_steps(full_info *info, full_state *state, const ehd_contact *contact,
-                             size_t num_steps, ehd_error *error) {
+/* Makes Newton steps of the full model; none: evaluates the residual alone. */
+static ehd_status newton_steps(full_info *info, full_state *state, const ehd_contact *contact,
+                               size_t num_steps, ehd_error *error) {
     full_settings settings = full_default_settings();
     full_solver *solver = NULL;
 
@@ -40,10 +40,10 @@ ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_res
 
     if (!status) status = load_state(&state, solver, result, contact, error);
     double before = program_seconds();
-    if (!status) status = take_steps(&info, &state, contact, 0, error);
+    if (!status) status = newton_steps(&info, &state, contact, 0, error);
     double between = program_seconds();
     if (!status) outcome->residual = info.residual;
-    if (!status) status = take_steps(&info, &state, contact, 1, error);
+    if (!status) status = newton_steps(&info, &state, contact, 1, error);
     if (!status) {
         const contact_scalars scalars = full_evaluate_scalars(&state, contact);
         outcome->tolerance = full_default_settings().tolerance;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the full model says of a reduced solution, without solving it. */
+/* romrun --verify: the full model's residual and one of its Newton steps at a reduced solution. */
 #ifndef EHD_VERIFY_H
 #define EHD_VERIFY_H
 
@@ -7,16 +7,16 @@
 
 typedef struct verification {
     double residual;         // largest scaled one of all rows before the exit and of the closure
-    double tolerance;        // below which fullrun stops
+    double tolerance;        // of fullrun
     double residual_seconds; // O(n log n)
-    /* What one Newton step of the full model, at this exit, adds to the central film, relative: the deviation
-     * to first order, its sign turned. NaN: no step could be made. */
+    // relative change of the central film by one Newton step of the full model at this exit: to
+    // first order minus the deviation; NaN: no step could be made
     double film_change;
     double step_seconds;
 } verification;
 
-/* Of the last solution of `solver`, which solved `contact`, stationary, with `result`. Nothing of theirs
- * changes. Errors of ehdrom_fields and of full_solve. */
+/* Verifies the last solution of `solver`, `result` of the stationary `contact`, and changes none of
+ * them. Errors of ehdrom_fields and of full_solve. */
 ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_result *result,
                   const ehd_contact *contact, ehd_error *error);
 

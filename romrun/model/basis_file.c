@@ -53,13 +53,13 @@ static size_t node_of(const ehd_grid *grid, size_t k, bool inner) {
 ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
                        size_t num_modes, bool inner, ehd_error *error) {
     size_t length = inner ? grid->num_inner : grid->num_nodes;
-    double *turned = malloc(length * num_modes * sizeof *turned);
-    if (!turned) return no_memory(file, error);
+    double *transposed = malloc(length * num_modes * sizeof *transposed);
+    if (!transposed) return no_memory(file, error);
     for (size_t j = 0; j < num_modes; j++)
         for (size_t k = 0; k < length; k++)
-            turned[j * length + k] = modes[node_of(grid, k, inner) * num_modes + j];
-    ehd_status status = artefact_put(file, field, turned, error);
-    free(turned);
+            transposed[j * length + k] = modes[node_of(grid, k, inner) * num_modes + j];
+    ehd_status status = artefact_put(file, field, transposed, error);
+    free(transposed);
     return status;
 }
 
@@ -77,15 +77,15 @@ static ehd_status get_finite(double *values, artefact *file, const char *field, 
 ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,
                       size_t num_modes, bool inner, ehd_error *error) {
     size_t length = inner ? grid->num_inner : grid->num_nodes;
-    double *turned = malloc(length * num_modes * sizeof *turned);
+    double *transposed = malloc(length * num_modes * sizeof *transposed);
     *modes = calloc(grid->num_nodes * num_modes, sizeof(double));
-    ehd_status status = turned && *modes ? EHD_OK : no_memory(file, error);
+    ehd_status status = transposed && *modes ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = get_finite(turned, file, field, length * num_modes, error);
+    if (!status) status = get_finite(transposed, file, field, length * num_modes, error);
     for (size_t j = 0; j < num_modes && !status; j++)
         for (size_t k = 0; k < length; k++)
-            (*modes)[node_of(grid, k, inner) * num_modes + j] = turned[j * length + k];
-    free(turned);
+            (*modes)[node_of(grid, k, inner) * num_modes + j] = transposed[j * length + k];
+    free(transposed);
     return status;
 }
 
@@ -103,7 +103,7 @@ static void copy_coordinates(double *part, const reduced_states *states, size_t 
     }
 }
 
-/* Which states are stationary and how fast the contact changes, where trajectories were trained. */
+/* With trajectories in training: which states are stationary, and the contact's rate of change. */
 static ehd_status put_trajectory_marks(artefact *file, const reduced_states *states, int64_t *work,
                                        ehd_error *error) {
     bool all_stationary = true;
@@ -130,8 +130,8 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return status;
 }
 
-/* Place among a state's exits, which boundary lines have too, of the file's i-th one, which has none. */
-static size_t place_of_exit(const ehd_grid *grid, const reduced_states *states, size_t i) {
+/* Index in states->exit, which has boundary lines too, of the file's i-th exit, which has not. */
+static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
            i % grid->inner_lines;
 }
@@ -155,7 +155,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
             status = artefact_put(file, parts[i].field, part, error);
         }
     for (size_t i = 0; i < num_exits && !status; i++)
-        exits[i] = (int64_t)states->exit[place_of_exit(grid, states, i)] - 1; // x starts at node 1
+        exits[i] = (int64_t)states->exit[exit_index(grid, states, i)] - 1; // x starts at node 1
     if (!status) status = artefact_put_integers(file, "state_exit_node", exits, error);
     if (!status) status = artefact_put(file, "state_moes_M", states->moes_M, error);
     if (!status) status = artefact_put(file, "state_alpha_p_H", states->alpha_p_H, error);
@@ -176,9 +176,9 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     } parts[] = {{"state_pressure", 0, num_pressure},
                  {"state_deformation", num_pressure, num_deformation},
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
-    // on a line contact the pressure ends behind the centre, with room for a row's stencil in between
+    // on a line contact the exit lies behind the centre, with room for a row's stencil in between
     bool on_line = grid->inner_lines == 1;
-    int64_t least_exit = on_line ? (int64_t)(-grid->x_min / grid->step) + 3 : 0;
+    int64_t min_exit = on_line ? (int64_t)(-grid->x_min / grid->step) + 3 : 0;
     size_t num_states = artefact_length(file, "state");
     size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
     double *part = malloc(num_states * num_unknowns * sizeof *part);
@@ -197,12 +197,12 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
     for (size_t i = 0; i < num_states * grid_lines(grid) && !status; i++)
         states->exit[i] = 1; // none of the boundary lines has pressure
     for (size_t i = 0; i < num_exits && !status; i++) {
-        if (exits[i] < least_exit || exits[i] > (int64_t)grid->inner_x)
+        if (exits[i] < min_exit || exits[i] > (int64_t)grid->inner_x)
             status = ehd_fail(
                 error, EHD_DATA, "%s: state_exit_node: found %lld, expected %lld to %zu",
-                artefact_path(file), (long long)exits[i], (long long)least_exit, grid->inner_x);
+                artefact_path(file), (long long)exits[i], (long long)min_exit, grid->inner_x);
         else
-            states->exit[place_of_exit(grid, states, i)] = (size_t)exits[i] + 1;
+            states->exit[exit_index(grid, states, i)] = (size_t)exits[i] + 1;
     }
     if (!status) status = get_finite(states->moes_M, file, "state_moes_M", num_states, error);
     if (!status) status = get_finite(states->alpha_p_H, file, "state_alpha_p_H", num_states, error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* basis.h5 in memory and back. */
+/* Reading and writing basis.h5. */
 #ifndef EHD_BASIS_FILE_H
 #define EHD_BASIS_FILE_H
 
@@ -8,7 +8,7 @@
 #include "common/program/program.h"
 #include "romrun/model/reduced_model.h"
 
-/* What a basis file says beyond the basis itself. */
+/* What a basis file holds beyond the basis itself. */
 typedef struct basis_origin {
     const double *pressure_singular_values; // [num_pressure_values]
     size_t num_pressure_values;
@@ -23,8 +23,8 @@ ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
                        const program *caller, const char *settings_text, const char *const *inputs,
                        ehd_error *error);
 
-/* Reads a basis and its identity. EHD_DATA also for a basis that is not finite, states whose exit lies
- * outside of the grid, and a contact that is not known. */
+/* Reads a basis and its identity. EHD_DATA also for values that are not finite, exits outside of
+ * the grid and an unknown kind of contact. */
 ehd_status basis_read(
     // output:
     reduced_basis *basis, // free with reduced_basis_free
@@ -32,20 +32,19 @@ ehd_status basis_read(
     // input:
     const char *path, ehd_error *error);
 
-/* Axes film_x and, of a point contact, film_y of fields that boundary nodes have too. */
+/* Axes film_x and, of a point contact, film_y of fields that include boundary nodes. */
 ehd_status film_axes_write(artefact *file, const ehd_grid *grid, ehd_error *error);
 
 /* The attribute `deformation` of an open file. */
 ehd_status deformation_read(deformation_kind *kind, artefact *file, ehd_error *error);
 
-/* Training solutions in the coordinates of the basis, as basis and model hold them. */
+/* Training solutions in the coordinates of the basis, in basis and model files. */
 ehd_status states_write(artefact *file, const reduced_states *states, size_t num_pressure,
                         size_t num_deformation, const ehd_grid *grid, ehd_error *error);
 ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressure,
                        size_t num_deformation, const ehd_grid *grid, ehd_error *error);
 
-/* Node-major [num_nodes, num_modes] to and from the file's [mode, node], of the inner nodes alone or of the
- * boundary nodes too. */
+/* Modes [num_nodes, num_modes] to and from the file's [mode, node], of all or of `inner` nodes. */
 ehd_status modes_write(artefact *file, const char *field, const double *modes, const ehd_grid *grid,
                        size_t num_modes, bool inner, ehd_error *error);
 ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What writing and reading a model file share: the names in it. For these two files alone. */
+/* Names in a model file that its writer and its reader share. */
 #ifndef EHD_MODEL_FIELDS_H
 #define EHD_MODEL_FIELDS_H
 
@@ -14,7 +14,7 @@ typedef struct row_fields {
 } row_fields;
 extern const row_fields selected_fields, control_fields;
 
-/* What a file has of the band on each line of a point contact. */
+/* Members of band_line that the file of a point contact holds. */
 enum { NUM_BAND_FIELDS = 4 };
 extern const char *const band_fields[NUM_BAND_FIELDS];
 size_t *band_value(band_line *line, int field);

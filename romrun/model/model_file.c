@@ -52,7 +52,7 @@ static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error
     return status;
 }
 
-/* Node numbers as a file's indices: `inner` ones count the inner nodes alone. */
+/* Writes nodes as indices; `inner`: those of inner nodes, which count these alone. */
 static ehd_status put_nodes(artefact *file, const char *field, const size_t *nodes, size_t count,
                             const ehd_grid *grid, bool inner, ehd_error *error) {
     int64_t *indices = malloc((count + 1) * sizeof *indices);
@@ -131,9 +131,9 @@ static ehd_status put_attributes(artefact *file, const reduced_model *model,
     const struct {
         const char *name;
         size_t value;
-    } places[] = {{"band_begin", model->band.lines[0].begin},
-                  {"least_exit", model->band.lines[0].min_exit},
-                  {"most_exit", model->band.lines[0].max_exit}};
+    } columns[] = {{"band_begin", model->band.lines[0].begin},
+                   {"least_exit", model->band.lines[0].min_exit},
+                   {"most_exit", model->band.lines[0].max_exit}};
     const struct {
         const char *name;
         double value;
@@ -145,7 +145,7 @@ static ehd_status put_attributes(artefact *file, const reduced_model *model,
         artefact_put_text(file, "deformation", deformation_names[model->deformation], error);
 
     for (size_t i = 0; i < 3 && !status; i++)
-        status = artefact_put_integer(file, places[i].name, (int64_t)places[i].value, error);
+        status = artefact_put_integer(file, columns[i].name, (int64_t)columns[i].value, error);
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_real(file, reals[i].name, reals[i].value, error);
     if (!status) status = artefact_put_text(file, "method", origin->method, error);

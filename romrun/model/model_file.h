@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* model.h5 in memory and back. */
+/* Reading and writing model.h5. */
 #ifndef EHD_MODEL_FILE_H
 #define EHD_MODEL_FILE_H
 
@@ -7,38 +7,37 @@
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/sizes.h"
 
-/* What a model file says about its rows. */
+/* What a model file holds beyond the model: how its rows were selected and weighted. */
 typedef struct model_origin {
     const char *method;
     const char *basis_identity; // SHA-256 of the basis file
     double sigma_min_residual, sigma_min_jacobian;
     double sigma_min_over_exits;
-    double stability;                // 1/sigma_min at the worst exit, where all rows have 1
+    double stability;                // 1/sigma_min at the worst exit; all rows together have 1
     const double *sigma_min_by_exit; // [num_states]
-    // what other weights than the stored ones follow from; weights NULL: not known
-    const char *weights;       // name of the weighting
-    const double *factors;     // [num_rows] that it gave, of which row_weight is D times
-    size_t num_jacobian_modes; // sampled
-    const double
-        *jacobian_modes; // [num_rows, num_jacobian_modes] at the rows, orthonormal over all
+    // for the weights of a part of the model; weights NULL: not known
+    const char *weights;          // name of the weighting
+    const double *factors;        // [num_rows] by the weighting; row_weight is D times these
+    size_t num_jacobian_modes;    // modes of the Jacobian products
+    const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
 } model_origin;
 
-/* Writes and finishes caller->output. The basis gives what is needed for full fields. */
+/* Writes and finishes caller->output. The basis is for full fields. */
 ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
-/* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. A part of a model
- * gets the weights that its own rows and modes ask for, where the file says what these follow from, else
- * those of the whole. EHD_DATA also for sizes larger than what is stored and fewer rows than modes. */
+/* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. The rows of
+ * a part are weighted anew where the file holds what that needs, else they keep the weights of the
+ * whole. EHD_DATA also for sizes larger than what is stored and for fewer rows than modes. */
 ehd_status model_read(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
     const char *path, const ehdrom_sizes *sizes, ehd_error *error);
 
-/* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and, with an
- * independent basis and where asked for, [num_nodes, num_deformation] (else NULL). */
+/* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and,
+ * of an independent basis, [num_nodes, num_deformation] (else NULL). */
 ehd_status model_read_modes(
     // output:
     double **pressure_basis,    // free with free()

@@ -14,7 +14,7 @@ static ehd_status no_memory(const artefact *file, ehd_error *error) {
     return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 }
 
-/* What is stored, against which the wanted sizes are checked. */
+/* Sizes of the stored model. */
 typedef struct stored_sizes {
     size_t pressure, deformation, rows, band;
     size_t jacobian; // modes of the Jacobian products
@@ -71,15 +71,15 @@ static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, cons
     return status;
 }
 
-/* Places in a stored list of nodes of those that the chosen rows need. */
-static ehd_status match_nodes(size_t **places, arena *memory, const size_t *nodes, size_t count,
+/* Indices of `nodes` in a stored list, which has to be ascending and to hold them all. */
+static ehd_status match_nodes(size_t **indices, arena *memory, const size_t *nodes, size_t count,
                               const ehd_grid *grid, artefact *file, const char *field,
                               size_t num_stored, ehd_error *error) {
     size_t *stored = NULL, at = 0;
     ehd_status status = read_nodes(&stored, memory, file, field, num_stored, false, grid, error);
 
-    *places = arena_array(memory, count, sizeof **places);
-    if (!status && !*places) status = no_memory(file, error);
+    *indices = arena_array(memory, count, sizeof **indices);
+    if (!status && !*indices) status = no_memory(file, error);
     for (size_t i = 0; i < count && !status; i++) {
         while (at < num_stored && stored[at] < nodes[i])
             at++;
@@ -89,14 +89,14 @@ static ehd_status match_nodes(size_t **places, arena *memory, const size_t *node
                               "ascending",
                               artefact_path(file), field, nodes[i]);
         else
-            (*places)[i] = at;
+            (*indices)[i] = at;
     }
     return status;
 }
 
-/* The factors of the first rows and modes alone, in place of those of the whole. */
-static ehd_status weigh_again(reduced_model *model, artefact *file, const stored_sizes *stored,
-                              const weighting *weights, ehd_error *error) {
+/* Replaces the factors of the whole model by those of its first rows and modes. */
+static ehd_status reweigh(reduced_model *model, artefact *file, const stored_sizes *stored,
+                          const weighting *weights, ehd_error *error) {
     size_t num_rows = model->rows.num_rows;
     size_t num_modes =
         model->num_unknowns < stored->jacobian ? model->num_unknowns : stored->jacobian;
@@ -121,7 +121,7 @@ static ehd_status weigh_again(reduced_model *model, artefact *file, const stored
     return status;
 }
 
-/* Weights belong to a list of rows and to the modes it was weighed for, so that a part has its own. */
+/* Weights belong to a list of rows and modes, so that a part of a model has its own. */
 static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_sizes *stored,
                              ehd_error *error) {
     bool whole = model->rows.num_rows == stored->rows && model->num_pressure == stored->pressure &&
@@ -138,7 +138,7 @@ static ehd_status weigh_part(reduced_model *model, artefact *file, const stored_
                           "%s: weights: found %.40s, expected one that is known, for a part of the "
                           "rows or modes",
                           artefact_path(file), name);
-    if (!status) status = weigh_again(model, file, stored, weights, error);
+    if (!status) status = reweigh(model, file, stored, weights, error);
     free(name);
     return status;
 }
@@ -156,7 +156,8 @@ static ehd_status read_line(size_t *value, artefact *file, const char *name,
     return status;
 }
 
-/* Each line's exits inside of its band with room for the rows there, and the lines together all band nodes. */
+/* Exits have to lie inside of their line's band, with room for a row's stencil, and the lines have
+ * to make up all band nodes. */
 static ehd_status check_lines(const reduced_model *model, const artefact *file, ehd_error *error) {
     size_t width = grid_width(&model->grid), count = 0;
 
@@ -206,24 +207,24 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
 }
 
 /* The band of a line contact. */
-static ehd_status read_places(reduced_model *model, artefact *file, ehd_error *error) {
+static ehd_status read_band_line(reduced_model *model, artefact *file, ehd_error *error) {
     band_line *line = &model->band.lines[0];
     struct {
         const char *name;
         size_t *value;
-    } places[] = {{"band_begin", &line->begin},
-                  {"least_exit", &line->min_exit},
-                  {"most_exit", &line->max_exit}};
+    } columns[] = {{"band_begin", &line->begin},
+                   {"least_exit", &line->min_exit},
+                   {"most_exit", &line->max_exit}};
 
     for (size_t i = 0; i < 3; i++) {
         int64_t value = 0;
-        ehd_status status = artefact_get_integer(file, places[i].name, &value, error);
+        ehd_status status = artefact_get_integer(file, columns[i].name, &value, error);
         if (status) return status;
         if (value < 3 || (size_t)value >= model->grid.num_nodes)
             return ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 3 to %zu",
-                            artefact_path(file), places[i].name, (long long)value,
+                            artefact_path(file), columns[i].name, (long long)value,
                             model->grid.num_nodes - 1);
-        *places[i].value = (size_t)value;
+        *columns[i].value = (size_t)value;
     }
     line->end = line->begin + model->band.num_nodes;
     if (line->begin + 2 <= line->min_exit && line->min_exit <= line->max_exit &&
@@ -239,10 +240,10 @@ static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *err
         arena_array(&model->memory, model->band.num_lines, sizeof *model->band.lines);
     if (!model->band.lines) return no_memory(file, error);
     return model->band.num_lines > 1 ? read_lines(model, file, error)
-                                     : read_places(model, file, error);
+                                     : read_band_line(model, file, error);
 }
 
-/* The cut table for an exit where the band begins and the left sides, from what the file holds. */
+/* The cut table for an exit where the band begins, and the left sides. */
 static ehd_status read_cut(reduced_model *model, artefact *file, const stored_sizes *stored,
                            ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -274,7 +275,7 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
     return status;
 }
 
-/* Width of the film's basis: in the model, and as stored. */
+/* Number of columns of the film's basis, in the model and as stored. */
 static size_t film_width(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED ? model->num_pressure : model->num_deformation;
 }
@@ -283,22 +284,22 @@ static size_t stored_film_width(const reduced_model *model, const stored_sizes *
     return model->deformation == DEFORMATION_COUPLED ? stored->pressure : stored->deformation;
 }
 
-/* The bases at the nodes that the first set->num_rows rows need, which a file may have for more. */
+/* The bases at the nodes that the first set->num_rows rows need; the file may hold more nodes. */
 static ehd_status read_needed(reduced_model *model, row_set *set, const row_fields *fields,
                               artefact *file, const stored_sizes *stored, ehd_error *error) {
-    size_t num_stored = artefact_length(file, fields->needed_axis), *places;
+    size_t num_stored = artefact_length(file, fields->needed_axis), *indices;
     arena memory = {0};
     ehd_status status = reduced_model_list_needed(model, set, error);
 
     if (!status)
-        status = match_nodes(&places, &memory, set->needed_node, set->num_needed, &model->grid,
+        status = match_nodes(&indices, &memory, set->needed_node, set->num_needed, &model->grid,
                              file, fields->needed, num_stored, error);
     if (!status)
         status = read_part(&set->pressure, &model->memory, file, fields->pressure, num_stored,
-                           stored->pressure, places, set->num_needed, model->num_pressure, error);
+                           stored->pressure, indices, set->num_needed, model->num_pressure, error);
     if (!status)
         status = read_part(&set->film, &model->memory, file, fields->film[model->deformation],
-                           num_stored, stored_film_width(model, stored), places, set->num_needed,
+                           num_stored, stored_film_width(model, stored), indices, set->num_needed,
                            film_width(model), error);
     arena_free(&memory);
     return status;

@@ -6,24 +6,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double EXIT_MARGIN = 0.1;     // beyond the trained exits, half widths
-static const double LINES_MARGIN = 0.3;    // where there are several, of which each wanders farther
-static const double MINIMUM_MARGIN = 0.05; // before the trained film minima, half widths
+// margins of the band, half widths
+static const double EXIT_MARGIN = 0.1;     // beyond the trained exits of a line contact
+static const double LINES_MARGIN = 0.3;    // of a point contact, whose single lines vary more
+static const double MINIMUM_MARGIN = 0.05; // before the trained film minima
 
-/* Film minimum of a training state, as a node: the deflection of its pressure, from the bases. */
+/* Node of a training state's film minimum, from the deflection of its pressure. */
 static size_t film_minimum(const reduced_basis *basis, const double *deflection,
                            const size_t *exit) {
     const ehd_grid *grid = &basis->grid;
     size_t width = grid_width(grid), num_lines = grid_lines(grid), best = exit[0];
     size_t centre = (size_t)(-grid->x_min / grid->step) + 1;
-    double least = INFINITY;
+    double smallest = INFINITY;
 
     for (size_t l = 0; l < num_lines; l++)
         for (size_t c = centre; c <= exit[l] && c < width; c++) {
             size_t k = l * width + c;
             double film = deflection[k] + grid_gap(grid, k);
-            if (film < least) {
-                least = film;
+            if (film < smallest) {
+                smallest = film;
                 best = k;
             }
         }
@@ -45,8 +46,8 @@ static void deflect_state(double *deflections, const reduced_basis *basis, size_
     deflection_apply(deflections, deflection, deflections);
 }
 
-/* The extremes of training on each line, in place of where the exit may lie, and in `begin` the first film minimum
- * on it or near it. */
+/* Sets on each line the first and last exit of training and, as `begin`, the first film minimum on
+ * the line or near it. */
 static void find_extremes(reduced_model *model, const reduced_basis *basis,
                           ehd_deflection *deflection, double *work) {
     const reduced_states *states = &basis->states;
@@ -76,14 +77,14 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Where the exit may lie on each line. A row at the exit needs the two nodes before it. */
+/* Widens the exit's range on each line by the margin, leaving two nodes before it (stencil). */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
                (size_t)ceil((model->band.num_lines > 1 ? LINES_MARGIN : EXIT_MARGIN) / grid->step),
            width = grid_width(grid);
     // on a line contact it lies behind the centre
-    size_t foremost = model->band.num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
+    size_t first_column = model->band.num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
 
     for (size_t l = 0; l < model->band.num_lines; l++) {
         band_line *line = &model->band.lines[l];
@@ -92,17 +93,17 @@ static void widen_exits(reduced_model *model) {
             continue;
         }
         line->min_exit =
-            line->min_exit > foremost + margin + 2 ? line->min_exit - margin : foremost + 2;
+            line->min_exit > first_column + margin + 2 ? line->min_exit - margin : first_column + 2;
         line->max_exit = line->max_exit + margin < width - 2 ? line->max_exit + margin : width - 2;
     }
 }
 
-/* Columns of each line: from before the first film minimum, and what rows at the exits of the lines beside it need,
- * to behind the last exit of these. */
-static void place_band(reduced_model *model) {
+/* The band's columns of each line: from before the first film minimum, and from where rows at the
+ * exits of neighbouring lines need nodes, to behind the last of these exits. */
+static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t before = (size_t)ceil(MINIMUM_MARGIN / grid->step) + 2;
-    size_t foremost = model->band.num_lines > 1 ? 1 : (size_t)(-grid->x_min / grid->step) + 2;
+    size_t first_column = model->band.num_lines > 1 ? 1 : (size_t)(-grid->x_min / grid->step) + 2;
 
     model->band.num_nodes = 0;
     for (size_t l = 0; l < model->band.num_lines; l++) {
@@ -110,14 +111,14 @@ static void place_band(reduced_model *model) {
         size_t first = line->begin, last = line->max_exit;
         line->offset = model->band.num_nodes;
         if (!grid_is_inner_line(grid, l)) continue;
-        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->band.num_lines;
-             beside++) {
-            if (!grid_is_inner_line(grid, beside)) continue;
-            const band_line *other = &model->band.lines[beside];
+        for (size_t neighbour = l > 0 ? l - 1 : 0;
+             neighbour <= l + 1 && neighbour < model->band.num_lines; neighbour++) {
+            if (!grid_is_inner_line(grid, neighbour)) continue;
+            const band_line *other = &model->band.lines[neighbour];
             first = other->min_exit < first ? other->min_exit : first;
             last = other->max_exit > last ? other->max_exit : last;
         }
-        line->begin = first > foremost + before ? first - before : foremost;
+        line->begin = first > first_column + before ? first - before : first_column;
         line->end = last + 2;
         model->band.num_nodes += line->end - line->begin;
     }
@@ -135,7 +136,7 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
     }
     find_extremes(model, basis, deflection, work);
     widen_exits(model);
-    place_band(model);
+    set_band(model);
     free(work);
     return EHD_OK;
 }

@@ -9,7 +9,7 @@ static ehd_status no_memory(ehd_error *error) {
     return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory");
 }
 
-/* Whether a node lies before the band, where there is always pressure. */
+/* Whether a node lies before the band and hence before any exit. */
 static bool is_before_band(const reduced_model *model, size_t node) {
     return reduced_model_column(model, node) <
            model->band.lines[reduced_model_line(model, node)].begin;
@@ -52,8 +52,8 @@ static double *gather_band(reduced_model *model, const double *source, size_t wi
     return target;
 }
 
-/* The cut table for an exit where the band begins. Coupled: deflections at the needed nodes. Independent:
- * V_delta^T K V_p. Last row: the load balance. */
+/* The cut table for an exit where the band begins. Coupled: deflections at the needed nodes.
+ * Independent: V_delta^T K V_p. Last row: the load balance. */
 static void fill_cut_base(reduced_model *model, const reduced_basis *basis, const double *coupled) {
     size_t num_pressure = model->num_pressure, last = model->cut.num_rows - 1;
     double *load = model->cut.base + last * num_pressure;
@@ -73,8 +73,8 @@ static void fill_cut_base(reduced_model *model, const reduced_basis *basis, cons
     }
 }
 
-/* Left sides of the independent basis, but for the load: row i is V_delta^T K e_i = K^T V_delta at node i. K is
- * symmetric where every node counts as often as the cells it stands for: K^T = W K W^-1 on a half grid. */
+/* Left sides of the independent basis without the load: row i is V_delta^T K e_i = K^T V_delta at
+ * node i. K^T = W K W^-1 with the quadrature weights W, which differ from 1 on a half grid. */
 static void fill_left_independent(reduced_model *model, const reduced_basis *basis,
                                   ehd_deflection *deflection, double *work) {
     const ehd_grid *grid = &basis->grid;
@@ -87,15 +87,15 @@ static void fill_left_independent(reduced_model *model, const reduced_basis *bas
         for (size_t l = 0; l < model->band.num_lines; l++) {
             const band_line *line = &model->band.lines[l];
             for (size_t c = line->begin; c < line->end; c++) {
-                size_t node = l * grid_width(grid) + c, place = line->offset + c - line->begin;
-                model->cut.left[place * model->cut.num_rows + j] =
+                size_t node = l * grid_width(grid) + c, index = line->offset + c - line->begin;
+                model->cut.left[index * model->cut.num_rows + j] =
                     grid_weight(grid, node) * work[node];
             }
         }
     }
 }
 
-/* Rows of the grid with D of the basis; the selection has been checked. */
+/* Lists rows, weighted by D of the basis; the selection has been checked. */
 static ehd_status list_rows(reduced_model *model, row_set *set, const reduced_basis *basis,
                             const size_t *rows, size_t num_rows, ehd_error *error) {
     set->num_rows = num_rows;
@@ -118,7 +118,7 @@ static ehd_status check_rows(const reduced_model *model, const size_t *rows, siz
 
     if (status) return status;
     for (size_t r = 0; rows && r < num_rows; r++) {
-        const grid_place at = reduced_model_place(model, rows[r]);
+        const grid_position at = reduced_model_position(model, rows[r]);
         if (at.column < 1 || at.column > grid->inner_x || rows[r] >= grid->num_nodes ||
             !grid_is_inner_line(grid, at.line))
             return ehd_fail(error, EHD_DATA, "rows: found node %zu, expected 1 to %zu", rows[r],
@@ -127,7 +127,7 @@ static ehd_status check_rows(const reduced_model *model, const size_t *rows, siz
     return EHD_OK;
 }
 
-/* Bases at the nodes that rows need: of the film the coupled deflections or the deformation modes. */
+/* The bases at the rows' needed nodes; `film`: coupled deflections or deformation modes. */
 static ehd_status gather_needed(reduced_model *model, row_set *set, const reduced_basis *basis,
                                 const double *film, size_t film_width, ehd_error *error) {
     set->pressure = gather_rows(&model->memory, basis->pressure, set->needed_node, set->num_needed,
@@ -157,7 +157,7 @@ static ehd_status fill_cut(reduced_model *model, const reduced_basis *basis,
     return EHD_OK;
 }
 
-/* The tables of a set of rows, and of the selected ones those of the exit too. */
+/* The tables of a set of rows; for the selected rows those of the exit too. */
 static ehd_status fill_tables(reduced_model *model, row_set *set, const reduced_basis *basis,
                               ehd_deflection *deflection, ehd_error *error) {
     size_t num_nodes = basis->grid.num_nodes, num_pressure = basis->num_pressure;

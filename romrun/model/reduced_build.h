@@ -6,8 +6,8 @@
 #include "common/physics/deflection.h"
 #include "romrun/model/reduced_model.h"
 
-/* The band: on each line from before the first trained film minimum to behind the last trained
- * exit. EHD_MEMORY. */
+/* Sets the band: on each line from before the first film minimum to behind the last exit of
+ * training. EHD_MEMORY. */
 ehd_status reduced_model_find_band(
     // in and out:
     reduced_model *model,

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double CHECKPOINT_DISTANCE = 0.02;     // half widths
-static const size_t CHECKPOINT_MEMORY = 400u << 20; // bytes, of a point contact
+static const double CHECKPOINT_DISTANCE = 0.02;     // of a line contact, half widths
+static const size_t CHECKPOINT_MEMORY = 400u << 20; // bound of a point contact's tables, bytes
 
 // ---- from one exit line to another
 
@@ -58,10 +58,10 @@ void reduced_model_change_cut(double *cut, const reduced_model *model, const cut
     if (rank > 0) add_to_cut(cut, model, left, right, rank);
 }
 
-/* What a change of the exit makes of the deflections of the modes at `num_at` neighbouring nodes from `at` on,
- * [num_at, num_pressure]. */
+/* Adds the effect of a change of the exit on the modes' deflections at `num_at` neighbouring nodes
+ * from `at` on, [num_at, num_pressure]. */
 static void change_films(double *films, const reduced_model *model, const cut_run *runs,
-                         size_t num_runs, grid_place at, size_t num_at) {
+                         size_t num_runs, grid_position at, size_t num_at) {
     size_t num_pressure = model->num_pressure;
 
     for (size_t a = 0; a < num_at; a++, at.column++)
@@ -79,7 +79,7 @@ static void change_films(double *films, const reduced_model *model, const cut_ru
 
 // ---- checkpoints
 
-static size_t exits_apart(const reduced_model *model, const size_t *a, const size_t *b) {
+static size_t exit_distance(const reduced_model *model, const size_t *a, const size_t *b) {
     size_t sum = 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
@@ -89,13 +89,13 @@ static size_t exits_apart(const reduced_model *model, const size_t *a, const siz
 
 /* The nearest of the first `count` checkpoints. */
 static size_t nearest_checkpoint(const reduced_model *model, const size_t *exit, size_t count) {
-    size_t best = 0, least = SIZE_MAX;
+    size_t best = 0, smallest = SIZE_MAX;
 
     for (size_t c = 0; c < count; c++) {
-        size_t apart =
-            exits_apart(model, exit, model->checkpoints.exit + c * model->band.num_lines);
-        if (apart >= least) continue;
-        least = apart;
+        size_t distance =
+            exit_distance(model, exit, model->checkpoints.exit + c * model->band.num_lines);
+        if (distance >= smallest) continue;
+        smallest = distance;
         best = c;
     }
     return best;
@@ -107,7 +107,7 @@ size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit) 
     return nearest_checkpoint(model, exit, model->checkpoints.num);
 }
 
-/* Of a line contact every some nodes. */
+/* Checkpoints of a line contact, CHECKPOINT_DISTANCE apart. */
 static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
     model->checkpoints.stride = (size_t)(CHECKPOINT_DISTANCE / model->grid.step) + 1;
     model->checkpoints.num = (model->band.lines[0].max_exit - model->band.lines[0].min_exit) /
@@ -122,29 +122,30 @@ static ehd_status space_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Of a point contact the exit lines of training, the one farthest from all before next, as long as there are
- * different ones and the tables stay within their memory. */
+/* Checkpoints of a point contact: exit lines of training, next always the one farthest from those
+ * before (farthest-point sampling), until none is left or CHECKPOINT_MEMORY is used. */
 static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     const reduced_states *states = &model->states;
     size_t table =
         (model->cut.num_rows + model->band.num_nodes) * model->num_pressure * sizeof(double);
-    size_t most = CHECKPOINT_MEMORY / table + 1, num_lines = model->band.num_lines, next = 0;
+    size_t max_num = CHECKPOINT_MEMORY / table + 1, num_lines = model->band.num_lines, next = 0;
 
-    if (most > states->num_states) most = states->num_states;
+    if (max_num > states->num_states) max_num = states->num_states;
     model->checkpoints.exit =
-        arena_array(&model->memory, most * num_lines, sizeof *model->checkpoints.exit);
+        arena_array(&model->memory, max_num * num_lines, sizeof *model->checkpoints.exit);
     if (!model->checkpoints.exit)
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
-    for (model->checkpoints.num = 0; model->checkpoints.num < most;) {
+    for (model->checkpoints.num = 0; model->checkpoints.num < max_num;) {
         size_t farthest = 0;
         memcpy(model->checkpoints.exit + model->checkpoints.num++ * num_lines,
                states->exit + next * num_lines, num_lines * sizeof *states->exit);
         for (size_t s = 0; s < states->num_states; s++) {
             const size_t *exit = states->exit + s * num_lines;
             size_t near = nearest_checkpoint(model, exit, model->checkpoints.num);
-            size_t apart = exits_apart(model, exit, model->checkpoints.exit + near * num_lines);
-            if (apart <= farthest) continue;
-            farthest = apart;
+            size_t distance =
+                exit_distance(model, exit, model->checkpoints.exit + near * num_lines);
+            if (distance <= farthest) continue;
+            farthest = distance;
             next = s;
         }
         if (farthest == 0) break;
@@ -152,13 +153,13 @@ static ehd_status spread_checkpoints(reduced_model *model, ehd_error *error) {
     return EHD_OK;
 }
 
-/* A table that depends on the exit, kept for all checkpoints. */
+/* A table that depends on the exit, for all checkpoints. */
 typedef struct kept_table {
     double *kept;       // [num_checkpoints, size]
     const double *base; // [size] for an exit where the band begins
     size_t size;
     void (*change)(double *table, const reduced_model *model, const cut_run *runs, size_t num_runs,
-                   double *work); // brings it to another exit
+                   double *work); // updates it to another exit
 } kept_table;
 
 /* Deflections at the band's nodes. */
@@ -168,7 +169,7 @@ static void change_band(double *band, const reduced_model *model, const cut_run 
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
         change_films(band + line->offset * model->num_pressure, model, runs, num_runs,
-                     (grid_place){l, line->begin}, line->end - line->begin);
+                     (grid_position){l, line->begin}, line->end - line->begin);
     }
 }
 
@@ -180,10 +181,10 @@ static void change_control(double *films, const reduced_model *model, const cut_
     (void)work;
     for (size_t q = 0; q < control->num_needed; q++)
         change_films(films + q * model->num_pressure, model, runs, num_runs,
-                     reduced_model_place(model, control->needed_node[q]), 1);
+                     reduced_model_position(model, control->needed_node[q]), 1);
 }
 
-/* Each checkpoint from the nearest one before it, the first from where the band begins. */
+/* Fills each checkpoint's tables from the nearest one filled before, the first from the base. */
 static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                                    const reduced_model *model, ehd_error *error) {
     cut_run *runs = malloc(model->band.num_lines * sizeof *runs);

@@ -25,23 +25,23 @@ size_t reduced_model_column(const reduced_model *model, size_t node) {
     return model->band.num_lines > 1 ? node % grid_width(&model->grid) : node;
 }
 
-grid_place reduced_model_place(const reduced_model *model, size_t node) {
-    return (grid_place){reduced_model_line(model, node), reduced_model_column(model, node)};
+grid_position reduced_model_position(const reduced_model *model, size_t node) {
+    return (grid_position){reduced_model_line(model, node), reduced_model_column(model, node)};
 }
 
 bool reduced_model_has_band(const reduced_model *model, size_t line) {
     return model->band.lines[line].end > model->band.lines[line].begin;
 }
 
-size_t reduced_model_band_place(const reduced_model *model, size_t node) {
+size_t reduced_model_band_index(const reduced_model *model, size_t node) {
     const band_line *line = &model->band.lines[reduced_model_line(model, node)];
 
     return line->offset + reduced_model_column(model, node) - line->begin;
 }
 
-void reduced_model_deflect(double *film, const reduced_model *model, grid_place at, size_t num_at,
-                           size_t line, size_t first, size_t count, const double *pressure,
-                           double sign) {
+void reduced_model_deflect(double *film, const reduced_model *model, grid_position at,
+                           size_t num_at, size_t line, size_t first, size_t count,
+                           const double *pressure, double sign) {
     size_t width = grid_width(&model->grid);
     const double *kernel = model->kernel + index_distance(at.line, line) * width;
     bool has_mirrored = model->grid.half && line > 0;
@@ -59,11 +59,11 @@ void reduced_model_deflect(double *film, const reduced_model *model, grid_place 
 
 // ---- the nodes that rows need
 
-/* Nodes around X = 0 (Y = 0) and their weights: one node where it lies there, else cubic interpolation. */
+/* Nodes around X = 0 (Y = 0) with weights of cubic interpolation; 1 for a node that lies there. */
 static void find_centre(size_t nodes[4], double weights[4], const ehd_grid *grid) {
-    double place = -grid->x_min / grid->step + 1;
-    size_t k = (size_t)floor(place + 1e-6);
-    double t = place - (double)k;
+    double column = -grid->x_min / grid->step + 1;
+    size_t k = (size_t)floor(column + 1e-6);
+    double t = column - (double)k;
     size_t before = grid_central_line(grid);
 
     for (size_t i = 0; i < 4; i++)
@@ -77,7 +77,7 @@ static void find_centre(size_t nodes[4], double weights[4], const ehd_grid *grid
             weights[i] = i == 1 ? 1 : 0;
 }
 
-/* Marks the nodes that rows need. */
+/* Marks the nodes of the rows' stencils. */
 static void mark_stencils(bool *needed, const ehd_grid *grid, const size_t *rows, size_t num_rows) {
     for (size_t r = 0; r < num_rows; r++) {
         reynolds_stencil stencil = reynolds_stencil_at(grid, rows[r]);
@@ -104,8 +104,8 @@ ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_err
     return set->needed_node ? EHD_OK : no_memory(error);
 }
 
-/* Place of a node in an ascending list that has it; NO_NODE stays what it is. */
-static size_t place_in(const size_t *nodes, size_t count, size_t node) {
+/* Index of a node in an ascending list that contains it; NO_NODE stays NO_NODE. */
+static size_t index_in(const size_t *nodes, size_t count, size_t node) {
     size_t low = 0, high = count;
 
     if (node == NO_NODE) return NO_NODE;
@@ -128,7 +128,7 @@ static ehd_status complete_rows(reduced_model *model, row_set *set, ehd_error *e
         reynolds_stencil *stencil = &set->stencils[r];
         *stencil = reynolds_stencil_at(&model->grid, set->node[r]);
         for (int a = 0; a < NUM_STENCIL; a++)
-            stencil->node[a] = place_in(set->needed_node, set->num_needed, stencil->node[a]);
+            stencil->node[a] = index_in(set->needed_node, set->num_needed, stencil->node[a]);
     }
     for (size_t q = 0; q < set->num_needed; q++)
         set->gap[q] = grid_gap(&model->grid, set->needed_node[q]);
@@ -137,7 +137,7 @@ static ehd_status complete_rows(reduced_model *model, row_set *set, ehd_error *e
 
 // ---- what follows from the stored tables
 
-/* Left sides of the coupled basis, but for the load: row i is K at the needed nodes from band node i. */
+/* Left sides of the coupled basis without the load: row i is K from band node i to needed nodes. */
 static void fill_left_coupled(reduced_model *model) {
     const double unit = 1;
 
@@ -148,13 +148,13 @@ static void fill_left_coupled(reduced_model *model) {
             memset(left, 0, model->rows.num_needed * sizeof(double));
             for (size_t q = 0; q < model->rows.num_needed; q++)
                 reduced_model_deflect(left + q, model,
-                                      reduced_model_place(model, model->rows.needed_node[q]), 1, l,
-                                      c, 1, &unit, 1);
+                                      reduced_model_position(model, model->rows.needed_node[q]), 1,
+                                      l, c, 1, &unit, 1);
         }
     }
 }
 
-/* And of either basis what a band node adds to the load. */
+/* Left sides of either basis: what a band node adds to the load. */
 static void fill_left_load(reduced_model *model) {
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
@@ -185,8 +185,8 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
     if (status) return status;
     find_centre(centre, model->centre.weight, &model->grid);
     for (size_t i = 0; i < 4; i++)
-        model->centre.place[i] =
-            place_in(model->rows.needed_node, model->rows.num_needed, centre[i]);
+        model->centre.index[i] =
+            index_in(model->rows.needed_node, model->rows.num_needed, centre[i]);
     if (model->deformation == DEFORMATION_COUPLED) fill_left_coupled(model);
     fill_left_load(model);
     return reduced_model_make_checkpoints(model, error);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced model: bases at the few nodes that the selected Reynolds rows need, and what the exit
- * boundary takes away from them (model.md, section 5; paper, section 3).
- *
- * One structure serves level i (all rows) and level n (selected rows): only the list of rows differs. */
+/* The reduced model (romrun/README.md; Maier et al. (2015), section 3): bases at the nodes that the
+ * selected Reynolds rows need, and tables that cut them at the exit. Level i (all rows) and level n
+ * (selected rows) differ in the list of rows only. */
 #ifndef EHD_REDUCED_MODEL_H
 #define EHD_REDUCED_MODEL_H
 
@@ -15,7 +14,7 @@
 
 /* How the deflection depends on the reduced unknowns. */
 typedef enum deformation_kind {
-    DEFORMATION_INDEPENDENT, // own basis, elasticity equation projected (paper, eq. 26)
+    DEFORMATION_INDEPENDENT, // own basis, projected elasticity equation (eq. 26)
     DEFORMATION_COUPLED      // Delta = K V_p a, no unknowns of its own
 } deformation_kind;
 
@@ -27,12 +26,12 @@ typedef struct reduced_states {
     size_t num_unknowns; // n_p + n_delta + 1
     double *coordinates; // [num_states, num_unknowns]: pressure, deformation, rigid approach
     size_t num_lines;    // of the grid, boundary lines of a point contact included
-    size_t *exit;   // [num_states, num_lines] first column without pressure on each line, counted
-                    // with the boundary nodes; of a line contact that is a grid node
-    double *moes_M; // [num_states]
-    double *alpha_p_H;              // [num_states]
+    size_t *exit;        // [num_states, num_lines] first column without pressure, boundary nodes
+                         // included; of a line contact a grid node
+    double *moes_M;      // [num_states]
+    double *alpha_p_H;   // [num_states]
     double *central_film_thickness; // [num_states]
-    bool *stationary;               // [num_states] false on a trajectory, unless at its start
+    bool *stationary;               // [num_states] false along a trajectory
     double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
 } reduced_states;
 
@@ -40,14 +39,14 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
 
-/* A copy of its own. EHD_MEMORY. */
+/* Deep copy. EHD_MEMORY. */
 ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
                                ehd_error *error);
 
 /* Whether this contact is one of the training points. */
 bool reduced_states_have(const reduced_states *states, const ehd_contact *contact);
 
-/* Bases on the whole grid: offline only. Node-major, so that a node's entries are contiguous. */
+/* Bases on the whole grid, offline only. A node's entries are contiguous. */
 typedef struct reduced_basis {
     const contact_kind *kind;
     ehd_grid grid;
@@ -56,7 +55,7 @@ typedef struct reduced_basis {
     size_t num_deformation;    // n_delta, 0 when coupled
     double *pressure;          // [num_nodes, num_pressure], zero at the boundary nodes
     double *deformation_modes; // [num_nodes, num_deformation], NULL when coupled
-    double *weight;            // [num_nodes] D of the test basis (eq. 27), already with its floor
+    double *weight;            // [num_nodes] D of the test basis (eq. 27), with its floor
     reduced_states states;
 } reduced_basis;
 
@@ -68,12 +67,12 @@ size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
 
-/* Reynolds rows of the grid, and the bases at the nodes at which they need the state. */
+/* Reynolds rows of the grid, and the bases at their needed nodes: those of the rows' stencils. */
 typedef struct row_set {
     size_t num_rows;
     size_t *node;               // [num_rows] grid nodes, in order of selection
     double *weight;             // [num_rows] D of the test basis, times the row's quadrature factor
-    reynolds_stencil *stencils; // [num_rows] places in needed_node
+    reynolds_stencil *stencils; // [num_rows] of indices in needed_node
     size_t num_needed;
     size_t *needed_node; // [num_needed] ascending
     double *gap;         // [num_needed] undeformed gap
@@ -85,19 +84,18 @@ typedef struct row_set {
 
 /* Interpolation to X = 0 on the line Y = 0. */
 typedef struct centre_nodes {
-    size_t place[4]; // in needed_node of the solved rows
+    size_t index[4]; // in needed_node of the selected rows
     double weight[4];
 } centre_nodes;
 
-/* The part of a grid line in which the exit and, where it is sought, the film minimum lie. On a
- * point contact all lines together are the band; boundary lines have no nodes in it. */
+/* A grid line's part of the band. Boundary lines of a point contact have none. */
 typedef struct band_line {
     size_t begin, end;         // columns begin … end - 1
-    size_t offset;             // place of column `begin` among the band's nodes
+    size_t offset;             // index of column `begin` among the band's nodes
     size_t min_exit, max_exit; // columns at which the exit may lie
 } band_line;
 
-/* The band of nodes in which film minimum and exit lie. A line contact has one line, whose columns
+/* The band: nodes among which film minimum and exit lie. A line contact has one line, whose columns
  * are the grid's nodes. */
 typedef struct exit_band {
     size_t num_lines;                   // of the grid
@@ -108,26 +106,24 @@ typedef struct exit_band {
     double *film;                       // as in row_set, at the band's nodes
 } exit_band;
 
-/* The cut table: what follows from the pressure before the exit. Coupled: the deflection of each
- * mode at the needed nodes; independent: its projection V_delta^T K V_p; last row: the load. To cut
- * at an exit instead of where the band begins adds the sum over the band's nodes i before the exit
- * of left[i, :]^T V_p[i, :] (Maier et al. 2015, eq. 36). */
+/* The cut table: linear maps of the pressure modes cut at the exit. Coupled: their deflections at
+ * the needed nodes; independent: V_delta^T K V_p; last row: the load. That of an exit is
+ * `base` plus the sum of left[i, :]^T V_p[i, :] over the band's nodes i before it (eq. 36). */
 typedef struct exit_cut {
     size_t num_rows; // coupled: num_needed + 1; independent: num_deformation + 1
     double *left;    // [nodes of the band, num_rows]
     double *base;    // [num_rows, num_pressure] for an exit where the band begins
 } exit_cut;
 
-/* Cut tables and deflections for some exits, so that no solve starts far from one. */
+/* Cut tables and deflections stored for some exits, from which those of others are near. */
 typedef struct exit_checkpoints {
-    size_t stride; // nodes, of a line contact
-    size_t num;    // of checkpoints
-    size_t *exit;  // [num, num_lines]: of a line contact every `stride` nodes, of a point contact
-                   // exit lines of training
-    double *cut;   // [num, rows of the cut table, num_pressure]
-    double *band;  // coupled: deflection in the band [num, nodes of the band, num_pressure]
-    double
-        *control; // coupled: and at the control rows' nodes [num, their num_needed, num_pressure]
+    size_t stride;   // nodes, of a line contact
+    size_t num;      // of checkpoints
+    size_t *exit;    // [num, num_lines]: of a line contact every `stride` nodes, of a point contact
+                     // exit lines of training
+    double *cut;     // [num, rows of the cut table, num_pressure]
+    double *band;    // coupled: deflection in the band [num, nodes of the band, num_pressure]
+    double *control; // coupled: at the control rows' nodes [num, their num_needed, num_pressure]
 } exit_checkpoints;
 
 /* What the online solver holds. Everything here is read-only while solving, so that several solvers
@@ -138,9 +134,9 @@ typedef struct reduced_model {
     deformation_kind deformation;
     size_t num_pressure, num_deformation, num_unknowns;
 
-    row_set rows;    // the selected rows; their needed nodes have those around the centre too
-    row_set control; // take no part in the solution: what they are left with tells how well the
-                     // others stand for all (indicator.h); none: 0 rows
+    row_set rows;    // the selected rows; their needed nodes include those around the centre
+    row_set control; // rows outside of the solution, whose residual indicates its error
+                     // (indicator.h); none: 0 rows
     centre_nodes centre;
     exit_band band;
     double *kernel; // [lines, width] deflection by distance in lines and columns; of a
@@ -151,28 +147,27 @@ typedef struct reduced_model {
     arena memory; // of all arrays but the states'
 } reduced_model;
 
-/* Cuts the model for a list of rows out of the bases, `rows` are grid nodes in order of selection; with
- * rows NULL all inner nodes are taken (level i). Returns EHD_OK, EHD_DATA (fewer rows than unknowns,
- * a row outside of the grid), EHD_MEMORY. */
+/* Builds the model of a list of rows, grid nodes in order of selection; `rows` NULL: all inner
+ * nodes (level i). EHD_DATA: fewer rows than unknowns, a row outside of the grid; EHD_MEMORY. */
 ehd_status reduced_model_build(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Gives a model that was built on this basis control rows, grid nodes. EHD_MEMORY. */
+/* Adds control rows, grid nodes, to a model that was built on this basis. EHD_MEMORY. */
 ehd_status reduced_model_add_control(
     // in and out:
     reduced_model *model,
     // input:
     const reduced_basis *basis, const size_t *rows, size_t num_rows, ehd_error *error);
 
-/* Lists the nodes that the rows of `set`, which is one of the model's two, need, ascending; for the
- * selected rows those around the centre too. EHD_MEMORY. */
+/* Lists the needed nodes of one of the model's two sets of rows, ascending; for the selected rows
+ * those around the centre too. EHD_MEMORY. */
 ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_error *error);
 
-/* Tables that follow from the others (stencils, kernel, left sides, checkpoints); the last step of
- * building and of reading a model; for control rows, which may come later, their stencils. */
+/* Last step of building and of reading a model: tables that follow from the others (stencils,
+ * kernel, left sides, checkpoints); control rows, which may be added later, on their own. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error);
 
@@ -187,25 +182,25 @@ static inline size_t index_distance(size_t a, size_t b) {
     return a > b ? a - b : b - a;
 }
 
-/* Where a node lies. */
-typedef struct grid_place {
+/* Line and column of a node. */
+typedef struct grid_position {
     size_t line, column;
-} grid_place;
-grid_place reduced_model_place(const reduced_model *model, size_t node);
+} grid_position;
+grid_position reduced_model_position(const reduced_model *model, size_t node);
 
 /* Whether a line has nodes in the band: all but boundary lines. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
-/* Place of a node of the band among its nodes. */
-size_t reduced_model_band_place(const reduced_model *model, size_t node);
+/* Index of a node of the band among its nodes. */
+size_t reduced_model_band_index(const reduced_model *model, size_t node);
 
-/* Adds what `count` neighbouring nodes of a line from column `first` on deflect, times a sign, at `num_at` others from
- * `at` on. */
+/* Adds the deflection at `num_at` neighbouring nodes from `at` on by the pressure, times a sign, of
+ * `count` nodes of a line from column `first` on. */
 void reduced_model_deflect(
     // in and out:
     double *film, // [num_at]
     // input:
-    const reduced_model *model, grid_place at, size_t num_at, size_t line, size_t first,
+    const reduced_model *model, grid_position at, size_t num_at, size_t line, size_t first,
     size_t count, const double *pressure, // [count]
     double sign);
 

@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-/* How much of the stored model is used: its first modes and rows; 0 stands for all. */
+/* Size of the part of a stored model that is used, its first modes and rows; 0: all. */
 typedef struct ehdrom_sizes {
     size_t pressure_modes, deformation_modes, rows;
 } ehdrom_sizes;

@@ -20,11 +20,11 @@ static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
     "deviation_central_pressure", "deviation_pressure"};
 
-/* Members that are written as they are; counts are size_t, the others double. */
+/* Members written one to one; counts are size_t, the others double. */
 typedef struct column {
     const char *field;
     size_t offset;
-    const char *axis; // that a count of modes or rows belongs to, and does not exceed; NULL: none
+    const char *axis; // whose length bounds a count of modes or rows; NULL: none
     bool in_time;     // only where trajectories were measured
 } column;
 
@@ -39,7 +39,7 @@ static const column counts[] = {
 
 static const column reals[] = {
     {"position_mean_iterations", offsetof(trade_position, mean_iterations), NULL, false},
-    {"position_most_iterations", offsetof(trade_position, most_iterations), NULL, false},
+    {"position_most_iterations", offsetof(trade_position, max_iterations), NULL, false},
     {"position_seconds", offsetof(trade_position, seconds), NULL, false},
     {"worst_in_time_central_film_thickness",
      offsetof(trade_position, worst_in_time[TRADE_CENTRAL_FILM]), NULL, true},
@@ -145,16 +145,16 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
     for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
         if (!is_measured(&counts[c], table)) continue;
         const char *axis = counts[c].axis;
-        int64_t most = (int64_t)(axis                ? artefact_length(file, axis)
-                                 : counts[c].in_time ? table->num_trajectories
-                                                     : table->num_scenes);
-        int64_t least = axis && most > 0 ? 1 : 0;
+        int64_t max = (int64_t)(axis                ? artefact_length(file, axis)
+                                : counts[c].in_time ? table->num_trajectories
+                                                    : table->num_scenes);
+        int64_t min = axis && max > 0 ? 1 : 0;
         status = artefact_get_integers(file, counts[c].field, values, error);
         for (size_t i = 0; i < table->num_positions && !status; i++) {
-            if (values[i] < least || values[i] > most)
+            if (values[i] < min || values[i] > max)
                 status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected %lld to %lld",
                                   artefact_path(file), counts[c].field, (long long)values[i],
-                                  (long long)least, (long long)most);
+                                  (long long)min, (long long)max);
             *(size_t *)member(&table->positions[i], counts[c].offset) = (size_t)values[i];
         }
     }
@@ -162,7 +162,7 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
     return status;
 }
 
-/* What is not known is NaN, and nothing is negative. */
+/* Unknown values are NaN, and none is negative. */
 static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     double *values = malloc(num_positions * NUM_TRADE_QUANTILES * sizeof *values);
@@ -193,7 +193,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
     if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
         !artefact_has(file, "indicator_effectivity") ||
         artefact_length(file, "part") != NUM_TRADE_PARTS)
-        return EHD_OK; // of a program that knows no indicator
+        return EHD_OK; // written without an indicator
     double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 

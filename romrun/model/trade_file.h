@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The table of measured positions as part of a model file. */
+/* The accuracy-speed table of a calibrated model, as part of its file. */
 #ifndef EHD_TRADE_FILE_H
 #define EHD_TRADE_FILE_H
 
@@ -20,21 +20,21 @@ extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
 extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
 
-/* A size of the model, and what it came to on the scenes that it solved: NaN where it solved none. */
+/* Sizes of the model, with accuracy and time on the scenes that they solved (NaN: none). */
 typedef struct trade_position {
     ehdrom_sizes sizes; // 0 only for the deformation modes of a coupled basis
     double deviation[NUM_TRADE_QUANTITIES][NUM_TRADE_QUANTILES];
-    double mean_iterations, most_iterations; // Newton, of a scene
-    double seconds;                          // of a solution, median
-    size_t num_failures;                     // scenes not converged or not to be trusted
+    double mean_iterations, max_iterations; // Newton, of a scene
+    double seconds;                         // of a solution, median
+    size_t num_failures;                    // scenes not converged or not to be trusted
     // the indicator of the central film's deviation
-    double indicator_factor;             // 0: not calibrated, and what follows is not known
-    double indicated[NUM_TRADE_PARTS];   // deviation; of all scenes: infinite where not solved
+    double indicator_factor;             // 0: not calibrated, what follows is unknown
+    double indicated[NUM_TRADE_PARTS];   // deviation, over all scenes; infinite: not solved
     double effectivity[NUM_TRADE_PARTS]; // indicated over true deviation
     // on trajectories that were repeated with the steps of the full model
-    double worst_in_time[TRADE_PRESSURE]; // of all steps; the pressure at all nodes is not compared
+    double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean
-    size_t num_lost; // trajectories with a step that did not converge or was not to be trusted
+    size_t num_lost;                      // trajectories with a step not converged or not trusted
 } trade_position;
 
 typedef struct trade_table {
@@ -45,20 +45,20 @@ typedef struct trade_table {
 
 void trade_free(trade_table *table);
 
-/* Axes of what a calibration adds to a model, NULL at the end: for artefact_copy to leave out. */
+/* Axes that a calibration adds to a model, which artefact_copy leaves out; NULL at the end. */
 extern const char *const trade_axes[];
 
-/* Into a model file that has no table yet. */
+/* Adds the table to a model file that has none. */
 ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error);
 
-/* EHD_DATA also for a model that is not calibrated, and for positions that it does not have. */
+/* EHD_DATA also for a model that is not calibrated, and for sizes that it does not have. */
 ehd_status trade_read(
     // output:
     trade_table *table, // free with trade_free
     // input:
     const char *path, ehd_error *error);
 
-/* The same for any model; where it is not calibrated, *calibrated is false and there is no table. */
+/* The same for any model; *calibrated false: it is not, and there is no table. */
 ehd_status trade_read_optional(trade_table *table, bool *calibrated, const char *path,
                                ehd_error *error);
 

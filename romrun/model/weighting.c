@@ -29,22 +29,21 @@ ehd_status weighting_plain(double *factors, const double *sampled, size_t num_ro
     return EHD_OK;
 }
 
-/* min w^T C w / 2 - g^T w with w >= least, by projected Gauss-Seidel: convex, so that it converges,
- * and good to two digits after some hundred sweeps, which is more than the weights matter. In: w, out:
- * the solution. `slope` is C w - g, kept up to date, because the many rows that stay at their bound then
- * cost nothing. */
+/* min w^T C w / 2 - g^T w with w >= min_weight by projected Gauss-Seidel, which converges since the
+ * problem is convex; two digits, more than the weights matter, take some hundred sweeps. w: start
+ * and solution; `slope`: C w - g, updated so that rows that stay at the bound cost nothing. */
 static void solve_bounded(double *w, double *slope, const double *matrix, size_t size,
-                          double least) {
-    const size_t most_sweeps = 2000;
+                          double min_weight) {
+    const size_t max_sweeps = 2000;
     const double enough = 1e-6; // of the largest weight
     double change = INFINITY, largest = 0;
 
-    for (size_t sweep = 0; sweep < most_sweeps && change > enough * largest; sweep++) {
+    for (size_t sweep = 0; sweep < max_sweeps && change > enough * largest; sweep++) {
         change = largest = 0;
         for (size_t r = 0; r < size; r++) {
             const double *row = matrix + r * size;
             if (!(row[r] > 0)) continue;
-            double next = fmax(least, w[r] - slope[r] / row[r]), step = next - w[r];
+            double next = fmax(min_weight, w[r] - slope[r] / row[r]), step = next - w[r];
             change = fmax(change, fabs(step));
             largest = fmax(largest, next);
             if (step == 0) continue;
@@ -56,7 +55,7 @@ static void solve_bounded(double *w, double *slope, const double *matrix, size_t
 
 ehd_status weighting_quadrature(double *factors, const double *sampled, size_t num_rows,
                                 size_t num_modes, ehd_error *error) {
-    const double least = 0.05; // no row loses its say, since the exit may take others away
+    const double min_weight = 0.05; // above 0, since the exit may deactivate other rows
     double *gram = malloc(num_rows * num_rows * sizeof *gram);
     double *slope = malloc(num_rows * sizeof *slope);
     ehd_status status = EHD_OK;
@@ -76,7 +75,7 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
             gram[i] *= gram[i];
             slope[i / num_rows] += gram[i];
         }
-        solve_bounded(factors, slope, gram, num_rows, least);
+        solve_bounded(factors, slope, gram, num_rows, min_weight);
         for (size_t r = 0; r < num_rows; r++)
             factors[r] = sqrt(factors[r]);
     }

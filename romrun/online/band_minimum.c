@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { COARSE = 24 }; // strides of the coarse look
+enum { COARSE = 24 }; // strides of the coarse search
 
 typedef struct band {
     double (*value)(const void *context, size_t node);
@@ -11,9 +11,9 @@ typedef struct band {
     size_t first, last;
 } band;
 
-/* By ever shorter strides around the best node so far. */
-static double least_near(const band *self, size_t best, size_t stride) {
-    double least = INFINITY;
+/* Smallest value near a node, by ever shorter strides around the best one so far. */
+static double refine_minimum(const band *self, size_t best, size_t stride) {
+    double smallest = INFINITY;
 
     while (stride > 1) {
         stride = (stride + 2) / 4;
@@ -22,26 +22,26 @@ static double least_near(const band *self, size_t best, size_t stride) {
         size_t to = best + reach < self->last ? best + reach : self->last;
         for (size_t node = from; node <= to; node += stride) {
             double value = self->value(self->context, node);
-            if (!(value < least)) continue;
-            least = value;
+            if (!(value < smallest)) continue;
+            smallest = value;
             best = node;
         }
     }
-    return least;
+    return smallest;
 }
 
 double band_minimum(double (*value)(const void *context, size_t node), const void *context,
                     size_t first, size_t last) {
     const band self = {value, context, first, last};
     size_t stride = (last - first) / COARSE + 1, count = (last - first) / stride + 1;
-    double coarse[COARSE + 1], least = INFINITY;
+    double coarse[COARSE + 1], smallest = INFINITY;
 
     for (size_t i = 0; i < count; i++) {
         coarse[i] = value(context, first + i * stride);
-        least = fmin(least, coarse[i]);
+        smallest = fmin(smallest, coarse[i]);
     }
     for (size_t i = 0; i < count; i++)
         if (!(i > 0 && coarse[i - 1] <= coarse[i]) && !(i + 1 < count && coarse[i + 1] < coarse[i]))
-            least = fmin(least, least_near(&self, first + i * stride, stride));
-    return least;
+            smallest = fmin(smallest, refine_minimum(&self, first + i * stride, stride));
+    return smallest;
 }

@@ -27,10 +27,10 @@ struct ehdrom_solver {
     reduced_solver *reduced;
     indicator *indicator;
     reduced_state state;
-    double *pressure_basis; // [num_nodes, num_pressure], read when fields are asked for
+    double *pressure_basis; // [num_nodes, num_pressure], read with the first fields
 };
 
-/* Of the measured position of these sizes, where there is one. */
+/* Indicator factor of the model's sizes from its calibration, 0 where there is none. */
 static ehd_status read_factor(double *factor, const char *path, const reduced_model *model,
                               ehd_error *error) {
     const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
@@ -151,7 +151,7 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
                     model->reduced.kind->name, own->num_inner, own->x_min, own->step, model->path);
 }
 
-/* What the rows say of the deviation. */
+/* Estimates the deviation from the residuals of the rows. */
 static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                      const reduced_info *info) {
     const double factor = solver->model->indicator_factor, start = program_seconds();
@@ -164,7 +164,7 @@ static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_con
     result->seconds += program_seconds() - start;
 }
 
-/* Converged, but is it to be trusted? */
+/* Marks a converged result outside of the trained range as untrusted. */
 static void judge(ehdrom_result *result, const ehdrom_model *model, const ehd_contact *contact) {
     if (result->status) return;
     const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
@@ -219,9 +219,9 @@ struct ehdrom_transient {
     ehd_contact reference;
     reduced_march *march;
     bool started;           // there is an accepted state
-    bool solved;            // and a step after it that can be accepted
+    bool solved;            // there is a step that can be accepted
     march_step last;        // solved
-    double load, load_rate; // accepted, to scale the next frame with where the approach is given
+    double load, load_rate; // accepted; scale the next frame where the approach is given
     double time;            // accepted
 };
 

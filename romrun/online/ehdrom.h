@@ -15,8 +15,8 @@
  *         ehdrom_solve(&result, solver, &contact, &error))      // as often as wanted
  *         fprintf(stderr, "%s\n", error.text);
  *
- * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then be
- * shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread. */
+ * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then
+ * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread. */
 #ifndef EHDROM_H
 #define EHDROM_H
 
@@ -31,7 +31,7 @@
 typedef struct ehdrom_model ehdrom_model;
 typedef struct ehdrom_solver ehdrom_solver;
 
-/* What a model is, for information. */
+/* Sizes and kind of a model, for information. */
 typedef struct ehdrom_properties {
     size_t num_inner;                         // n, nodes of the full grid
     size_t num_nodes;                         // with the boundary nodes
@@ -41,7 +41,7 @@ typedef struct ehdrom_properties {
     size_t pressure_modes, deformation_modes; // in use
     size_t unknowns;                          // of the reduced system
     size_t rows;                              // selected Reynolds rows in use
-    size_t needed_nodes;                      // at which they need the state
+    size_t needed_nodes;                      // nodes of their stencils
     size_t states;                            // training solutions
 } ehdrom_properties;
 
@@ -52,13 +52,13 @@ typedef struct ehdrom_result {
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     size_t iterations;
-    double residual;     // norm of the weighted least-squares residual
-    double bound;        // of the relative deviation of the central film, but for a factor
-    double indicated;    // that deviation, where the model was calibrated at these sizes, else NaN
-    double seconds;      // of the solution
-    double seconds_rows; // of it: rows and reduced Jacobian
-    double seconds_linear; // of it: least squares
-    double seconds_exit;   // of it: exit boundary and its updates
+    double residual;       // norm of the weighted least-squares residual
+    double bound;          // of the relative deviation of the central film, up to a factor
+    double indicated;      // that deviation; NaN: not calibrated at these sizes
+    double seconds;        // of the solution, of which:
+    double seconds_rows;   // rows and reduced Jacobian
+    double seconds_linear; // least squares
+    double seconds_exit;   // exit boundary and its updates
 } ehdrom_result;
 
 /* Loads a model. `sizes` NULL: all of it. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
@@ -72,8 +72,8 @@ ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *mode
                                 ehd_error *error);
 ehdrom_solver *ehdrom_solver_free(ehdrom_solver *solver); // accepts and returns NULL
 
-/* Iterations of ehdrom_solve stop where another one is expected to change the central film by less than this
- * part; 1e-8 unless set. A looser one saves an iteration of three. */
+/* Tolerance of ehdrom_solve, 1e-8 unless set: iterations stop where another one is expected to
+ * change the central film by a smaller part. A looser tolerance saves an iteration of three. */
 void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
 
 /* Solves one contact from the trained solutions. Not converged and not trusted are outcomes in
@@ -81,96 +81,94 @@ void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
 
-/* Pressure and film on the whole grid, of the last solution: the only call whose cost grows with the
- * grid. Arrays of num_nodes, boundary nodes included, of a half grid
- * the half. Reads the model file at the first
- * call, hence one thread at a time. */
+/* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
+ * half grid the half: the only call whose cost grows with the grid. Reads the model file at the
+ * first call, hence one thread at a time. */
 ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error);
 
-/* X at which the pressure of the last solution ends, on each of num_lines lines. */
+/* X of the last solution's exit on each of num_lines lines. */
 void ehdrom_exits(double *positions, const ehdrom_solver *solver);
 
 // ---- in time: a contact whose load, speed, radius or modulus vary
 
 /* A contact in time, for somebody else's integrator:
  *
- *     ehdrom_prepare_transient(model, &error);                          // once, one thread at a time
- *     ehdrom_transient_create(&contact_in_time, model, &contact, &error);  // one a contact
+ *     ehdrom_prepare_transient(model, &error);                            // once
+ *     ehdrom_transient_create(&contact_in_time, model, &contact, &error); // one a contact
  *     ehdrom_transient_start(&state, contact_in_time, &conditions, &error);
  *     while (…) {
  *         do
- *             ehdrom_step(&state, contact_in_time, &conditions, step, &error); // as often as wanted,
- *         while (…);                                        // always from the last accepted state
+ *             // as often as wanted, always from the last accepted state
+ *             ehdrom_step(&state, contact_in_time, &conditions, step, &error);
+ *         while (…);
  *         ehdrom_accept(contact_in_time);
  *     }
  *
- * Time is T = u_ref t / a_ref, and a step is one of BDF2 (the first one BDF1). Everything in and out is
+ * Time is T = u_ref t / a_ref, and steps are BDF2 (the first one BDF1). Everything in and out is
  * relative to the reference contact of ehdrom_transient_create. */
 typedef struct ehdrom_transient ehdrom_transient;
 
-/* What holds at the end of a step, relative to the reference. */
+/* Conditions at the end of a step, relative to the reference. */
 typedef struct ehdrom_conditions {
-    /* Given, where the approach is NaN. Else an outcome, and this is any value near it to scale the frame
-     * with; NaN: that of the last steps goes on. */
+    /* Given where the approach is NaN. Else an outcome, and this any value near it to scale the
+     * frame with; NaN: extrapolated from the last steps. */
     double load;
-    /* Given: H0 in the reference frame, for a line as measured from the setting approach_length, which has
-     * to lie outside of the pressurised zone (EHD_DATA). */
+    /* H0 in the reference frame; NaN: the load is given. Of a line as measured from
+     * approach_length, which has to lie outside of the pressurised zone (EHD_DATA). */
     double approach;
     double speed; // entrainment, not negative
     double radius, modulus;
 } ehdrom_conditions;
 
 typedef struct ehdrom_state {
-    ehd_status status;  // EHD_OK; EHD_NOT_CONVERGED: try a shorter step; EHD_UNTRUSTED
-    const char *reason; // why it is not EHD_OK, or ""
-    double time;        // T
-    contact_scalars
-        scalars;       // in the reference frame; load: the force, relative to the reference load
-    double half_width; // of the frame, relative to the reference
-    double
-        local_error; // of the film over this step, relative to the central film; 0: not known yet
+    ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED: try a shorter step; EHD_UNTRUSTED
+    const char *reason;      // why it is not EHD_OK, or ""
+    double time;             // T
+    contact_scalars scalars; // in the reference frame; load: relative to the reference load
+    double half_width;       // of the frame, relative to the reference
+    double local_error;      // of this step's film, relative to the central film; 0: not known yet
     size_t iterations;
     double residual;
 } ehdrom_state;
 
-/* Reads what transient scenes need beyond a stationary one. Once a model, one thread at a time. */
+/* Reads what only transient scenes need. Once a model, one thread at a time. */
 ehd_status ehdrom_prepare_transient(ehdrom_model *model, ehd_error *error);
 
-/* The model must outlive it. EHD_DATA: another grid; EHD_INTERNAL: model not prepared; EHD_MEMORY. */
+/* The model must outlive it. EHD_DATA: other grid; EHD_INTERNAL: not prepared; EHD_MEMORY. */
 ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
                                    const ehd_contact *reference, ehd_error *error);
 ehdrom_transient *ehdrom_transient_free(ehdrom_transient *transient); // accepts and returns NULL
 
-/* Stationary state of the conditions, time 0, accepted; where it did not converge, no step can follow.
- * EHD_DATA: conditions out of range. */
+/* Solves and accepts the stationary state of the conditions at time 0. Where it does not converge,
+ * no step can follow. EHD_DATA: conditions out of range. */
 ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *transient,
                                   const ehdrom_conditions *conditions, ehd_error *error);
 
-/* Solves the state a step (in T) after the last accepted one. Allocates nothing. EHD_DATA as before;
- * EHD_INTERNAL: neither started nor restored. */
+/* Solves the state a step (in T) after the last accepted one. Allocates nothing. EHD_DATA as
+ * before; EHD_INTERNAL: neither started nor restored. */
 ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *transient,
                        const ehdrom_conditions *conditions, double step, ehd_error *error);
 
-/* The last step counts, once; one that did not converge or was refused does not. */
+/* Accepts the last step. Without effect where it did not converge, was refused or is accepted. */
 void ehdrom_accept(ehdrom_transient *transient);
 
-/* Conditions jump: states before the last one no longer count for the next step. */
+/* After a jump of the conditions: the next step is first order, from the last state alone. */
 void ehdrom_restart(ehdrom_transient *transient);
 
-/* The accepted state as numbers, [ehdrom_saved_size], and back, in the same or another object of the same
- * model and reference: what follows is the same to the last bit. EHD_DATA when they are none; the object
- * must then be started or restored anew. */
+/* Saves the accepted state, [ehdrom_saved_size], and restores it, in any object of the same model
+ * and reference: steps that follow are the same to the last bit. EHD_DATA: not a saved state; the
+ * object must then be started or restored anew. */
 size_t ehdrom_saved_size(const ehdrom_transient *transient);
 void ehdrom_save(double *saved, const ehdrom_transient *transient);
 ehd_status ehdrom_restore(ehdrom_transient *transient, const double *saved, ehd_error *error);
 
-/* P and H of the accepted state on the whole grid, [num_nodes] as for ehdrom_fields, in its own frame: the only call
- * here whose cost grows with the grid. */
+/* P and H of the accepted state on the whole grid, as by ehdrom_fields, in its own frame: the only
+ * call here whose cost grows with the grid. */
 ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *transient,
                                    ehd_error *error);
 
-/* As a solver for march_run, which chooses the steps itself, and its effort so far in seconds. Either that
- * or the calls above, not both in turn. */
+/* A solver for march_run, which chooses the steps itself, and its effort so far in seconds. Use
+ * either that or the calls above, not both in turn. */
 march_solver ehdrom_march(ehdrom_transient *transient);
 void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver);
 

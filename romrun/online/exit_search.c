@@ -6,9 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-static const double WINDOW = 0.05; // around the exit, where it is looked for and moved; half widths
-static const double SETTLED = 0.005; // half widths
-static const double NOISE = 1e-5;    // negative pressure that the truncated basis may show
+static const double WINDOW = 0.05; // around the exit, in which it may move at a time; half widths
+// distance of an exit from where it should be, half widths: a node or two do not move the film
+static const double SETTLED = 0.005;
+static const double NOISE = 1e-5; // negative pressure that a truncated basis may cause
 
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory) {
     const exit_band *band = &model->band;
@@ -22,7 +23,7 @@ void exits_init(exit_search *self, const reduced_model *model, double spacing, a
     self->band_search = arena_array(memory, band->num_nodes, sizeof *self->band_search);
 }
 
-/* A search for the exits of one state. */
+/* The search for the exits of one state. */
 typedef struct exit_query {
     exit_search *search;
     node_state *nodes;
@@ -43,24 +44,24 @@ static size_t window_begin(const reduced_model *model, size_t exit, size_t windo
 
 // ---- film and rows in the band
 
-/* H at a band node of the state, once: the rows of neighbouring lines share nodes. */
-static double film_at(const exit_query *query, size_t node, size_t place) {
+/* H at a band node, evaluated once in a search: rows of neighbouring lines share nodes. */
+static double film_at(const exit_query *query, size_t node, size_t index) {
     exit_search *self = query->search;
 
-    if (self->band_search[place] != self->search) {
-        self->band_film[place] = nodes_band_film(query->nodes, query->z, node);
-        self->band_search[place] = self->search;
+    if (self->band_search[index] != self->search) {
+        self->band_film[index] = nodes_band_film(query->nodes, query->z, node);
+        self->band_search[index] = self->search;
     }
-    return self->band_film[place];
+    return self->band_film[index];
 }
 
-/* The same at `count` neighbouring nodes together. */
+/* Evaluates H at `count` neighbouring nodes together. */
 static void fill_films(const exit_query *query, size_t node, size_t count) {
     exit_search *self = query->search;
-    size_t place = reduced_model_band_place(self->model, node);
+    size_t index = reduced_model_band_index(self->model, node);
 
-    nodes_band_films(self->band_film + place, query->nodes, query->z, node, count);
-    for (size_t i = place; i < place + count; i++)
+    nodes_band_films(self->band_film + index, query->nodes, query->z, node, count);
+    for (size_t i = index; i < index + count; i++)
         self->band_search[i] = self->search;
 }
 
@@ -81,15 +82,15 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
         size_t other = nodes.node[a];
         around->stencil.node[a] = other == NO_NODE ? NO_NODE : count;
         if (other == NO_NODE) continue;
-        const grid_place at = reduced_model_place(model, other);
+        const grid_position at = reduced_model_position(model, other);
         bool banded = reduced_model_has_band(model, at.line);
-        bool alive = at.column < query->nodes->exit[at.line];
+        bool pressurised = at.column < query->nodes->exit[at.line];
         const band_line *line = &model->band.lines[at.line];
-        size_t place = banded ? line->offset + at.column - line->begin : 0;
-        around->pressure[count] = alive ? query->nodes->band_pressure[place] : 0;
-        // A boundary line has no nodes in the band. Its film is of no effect: nothing flows across to
-        // it from the exit, where there is no pressure either.
-        around->film[count++] = banded ? film_at(query, other, place) : 0;
+        size_t index = banded ? line->offset + at.column - line->begin : 0;
+        around->pressure[count] = pressurised ? query->nodes->band_pressure[index] : 0;
+        // Boundary lines have no nodes in the band. Their film has no effect, since neither they
+        // nor the exit have pressure.
+        around->film[count++] = banded ? film_at(query, other, index) : 0;
     }
     around->fluid = (reynolds_fluid){around->memory[0], around->memory[1],
                                      compressible ? around->memory[2] : NULL,
@@ -130,13 +131,13 @@ static double line_film(void *state, size_t node) {
 
 // ---- where the exits should be
 
-/* Of a stationary line contact: as far as the flux says, within the window. */
+/* Exit of a stationary line contact by its flux, within the window. */
 static size_t find_by_flux(exit_query *query) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[0];
     size_t exit = query->nodes->exit[0], begin = window_begin(model, exit, query->window);
     size_t first = exit > begin + query->window ? exit - query->window : begin;
-    first = first > band->begin + 2 ? first : band->begin + 2; // a row needs two nodes before it
+    first = first > band->begin + 2 ? first : band->begin + 2; // for a row's stencil
     const exit_line line = {.pressure = query->nodes->band_pressure + first - band->begin,
                             .first_node = first,
                             .min_exit = band->min_exit,
@@ -153,11 +154,10 @@ static size_t find_by_flux(exit_query *query) {
     return exit_by_flux(&line, exit);
 }
 
-/* With a film that varies in time, and across the lines of a point contact, there is no such flux:
- * the exit of a line goes by the signs of pressure and multiplier at each node of the window. In time
- * a node that leaves or enters with a pressure changes the film at once, and with it the multipliers
- * of a whole region, which would ask for nodes whose pressure is negative: these stay outside on a
- * point contact, where exits would not come to rest otherwise. */
+/* Exit of a line by the signs of pressure and multiplier at the nodes of the window, in time and on
+ * point contacts, where the flux is not one number. In time a node that enters or leaves with a
+ * finite pressure changes the film by a jump, and with it the multipliers of a whole region. On a
+ * point contact nodes with negative pressure therefore stay out, for exits to converge. */
 static size_t find_by_signs(exit_query *query, size_t line) {
     const reduced_model *model = query->search->model;
     const band_line *band = &model->band.lines[line];
@@ -177,8 +177,8 @@ static size_t find_by_signs(exit_query *query, size_t line) {
     return column;
 }
 
-/* P and H at the band nodes around the exit line: as far as rows at the exits of a line and of those
- * beside it need them, P in the whole window, what the modes say behind the exit too. */
+/* P and H at the band nodes around the exit line that rows at the exits of a line and of its
+ * neighbours need; P in the whole window, behind the exit by the uncut modes. */
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
@@ -188,23 +188,22 @@ static void expand_around(exit_query *query) {
         const band_line *band = &model->band.lines[l];
         size_t exit = exits[l], first = exit, last = exit + 1, reach = query->window + 2;
         if (!reduced_model_has_band(model, l)) continue;
-        for (size_t beside = l > 0 ? l - 1 : 0; beside <= l + 1 && beside < model->band.num_lines;
-             beside++) {
-            if (!reduced_model_has_band(model, beside)) continue;
-            first = exits[beside] < first ? exits[beside] : first;
-            last = exits[beside] > last ? exits[beside] : last;
+        for (size_t neighbour = l > 0 ? l - 1 : 0;
+             neighbour <= l + 1 && neighbour < model->band.num_lines; neighbour++) {
+            if (!reduced_model_has_band(model, neighbour)) continue;
+            first = exits[neighbour] < first ? exits[neighbour] : first;
+            last = exits[neighbour] > last ? exits[neighbour] : last;
         }
         size_t from = first < exit - 2 ? first : exit - 2;
         fill_films(query, l * grid_width(&model->grid) + from, last + 1 - from);
         first = first > band->begin + reach ? first - reach : band->begin;
         size_t end = exit + query->window < band->end ? exit + query->window : band->end;
-        nodes_expand_places(query->nodes, query->z, band->offset + first - band->begin,
-                            end - first);
+        nodes_expand_range(query->nodes, query->z, band->offset + first - band->begin, end - first);
     }
 }
 
-/* Whether the exit is looked for on a line: on inner lines `spacing` apart, and the last one. */
-static bool is_looked_at(const exit_search *self, size_t line) {
+/* Whether the exit is searched for on a line: inner lines `spacing` apart, and the last one. */
+static bool is_searched(const exit_search *self, size_t line) {
     const ehd_grid *grid = &self->model->grid;
     size_t spacing = (size_t)(self->spacing / grid->step);
     size_t inner = line - grid_first_line(grid);
@@ -213,13 +212,13 @@ static bool is_looked_at(const exit_search *self, size_t line) {
     return spacing < 2 || inner % spacing == 0 || inner + 1 == grid->inner_lines;
 }
 
-/* Exits of the lines between those that are looked at. */
-static void fill_between(size_t *exits, const exit_search *self) {
+/* Interpolates the exits of the lines between those that are searched. */
+static void interpolate_exits(size_t *exits, const exit_search *self) {
     const ehd_grid *grid = &self->model->grid;
     size_t first = grid_first_line(grid), before = first;
 
     for (size_t l = first + 1; l < first + grid->inner_lines; l++) {
-        if (!is_looked_at(self, l)) continue;
+        if (!is_searched(self, l)) continue;
         double slope = ((double)exits[l] - (double)exits[before]) / (double)(l - before);
         for (size_t i = before + 1; i < l; i++) {
             const band_line *band = &self->model->band.lines[i];
@@ -232,7 +231,7 @@ static void fill_between(size_t *exits, const exit_search *self) {
     }
 }
 
-/* Where the exits should be, into self->wanted; on lines that are not looked at, where they are. */
+/* Sets self->wanted to where the exits should be; on lines not searched, to where they are. */
 static void find_exits(exit_query *query) {
     exit_search *self = query->search;
     const reduced_model *model = self->model;
@@ -242,7 +241,7 @@ static void find_exits(exit_query *query) {
     if (model->band.num_lines > 1) {
         expand_around(query);
         for (size_t l = 0; l < model->band.num_lines; l++)
-            self->wanted[l] = is_looked_at(self, l) ? find_by_signs(query, l) : exits[l];
+            self->wanted[l] = is_searched(self, l) ? find_by_signs(query, l) : exits[l];
     } else if (query->squeeze) {
         nodes_expand_band(query->nodes, query->z, window_begin(model, exits[0], query->window),
                           exits[0]);
@@ -254,7 +253,7 @@ static void find_exits(exit_query *query) {
 
 // ---- moving them
 
-/* How far an exit may be kept from where it should be: a node or two do not move the film, more do. */
+/* SETTLED in nodes. */
 static size_t settled_distance(const reduced_model *model) {
     return (size_t)(SETTLED / model->grid.step) + 1;
 }
@@ -273,8 +272,8 @@ static void watch_all(exit_search *self, exit_watch watch) {
         self->watches[l] = watch;
 }
 
-/* Where the exit goes by the flux. A node's move changes the film by 1e-5 or a few of them: where no
- * more is asked the exit need not be looked for in a converged state. */
+/* An exit's move by a node changes the film by about 1e-5: a coarser tolerance does not need the
+ * exit of the converged state. */
 void exits_watch_stationary(exit_search *self, double tolerance) {
     const double coarse = 1e-5;
 
@@ -290,7 +289,7 @@ void exits_watch_in_time(exit_search *self, double stalled) {
               (exit_watch){.max_turns = 1, .near = 1, .stalled = stalled, .change = INFINITY});
 }
 
-/* `change` of the pressure in this iteration. */
+/* New exit on a line, where `next` is wanted; `change`: of the pressure in this iteration. */
 static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t next) {
     const double stalled = 0.6; // reduced by less than 40 %
     int direction = next > exit ? 1 : next < exit ? -1 : 0;
@@ -320,7 +319,7 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
     find_exits(&query);
     for (size_t l = 0; l < num_lines; l++)
         self->moved[l] = watch_exit(&self->watches[l], change, nodes->exit[l], self->wanted[l]);
-    if (num_lines > 1) fill_between(self->moved, self);
+    if (num_lines > 1) interpolate_exits(self->moved, self);
     bool moved = memcmp(self->moved, nodes->exit, num_lines * sizeof *self->moved) != 0;
     reduced_state_set_exits(state, model, self->moved);
     return moved;

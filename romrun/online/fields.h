@@ -5,8 +5,7 @@
 
 #include "romrun/online/reduced_solver.h"
 
-/* P and H at all nodes, [num_nodes]. The film is that of the pressure, also for the independent basis: it
- * is what the solution means. EHD_MEMORY. */
+/* P and H at all nodes, [num_nodes]; H follows from P for either basis. EHD_MEMORY. */
 ehd_status reduced_fields(
     // output:
     double *pressure, double *film,

@@ -10,27 +10,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- bends of natural cubic splines
+// ---- curvatures of natural cubic splines
 
-/* Solves bend[k-1] + 4 bend[k] + bend[k+1] = second difference of the values, for `width` splines at once
- * with nodes that lie `stride` apart; the last bend and, unless the first node is a mirror, the first one are given
- * in `bends` (zero: natural). `factor` is work of [num]. */
-static void solve_bends(double *bends, double *factor, const double *values, size_t num,
-                        size_t stride, size_t width, bool even) {
-    factor[0] = even ? 0.5 : 0; // of 2 bend[0] + bend[1] = value[1] - value[0]
+/* Solves curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of the values, for
+ * `width` splines at once with nodes `stride` apart. The last curvature and, unless the first node
+ * is a mirror (`even`), the first are given in `curvatures` (0: natural). `factor`: [num] work. */
+static void solve_curvatures(double *curvatures, double *factor, const double *values, size_t num,
+                             size_t stride, size_t width, bool even) {
+    factor[0] = even ? 0.5 : 0; // of 2 curvature[0] + curvature[1] = value[1] - value[0]
     for (size_t j = 0; j < width && even; j++)
-        bends[j] = 0.5 * (values[stride + j] - values[j]);
+        curvatures[j] = 0.5 * (values[stride + j] - values[j]);
     for (size_t k = 1; k + 1 < num; k++) {
         const double *value = values + k * stride, *before = value - stride;
-        double *bend = bends + k * stride;
+        double *curvature = curvatures + k * stride;
         factor[k] = 1 / (4 - factor[k - 1]);
         for (size_t j = 0; j < width; j++)
-            bend[j] = factor[k] *
-                      (before[j] - 2 * value[j] + value[stride + j] - bends[(k - 1) * stride + j]);
+            curvature[j] = factor[k] * (before[j] - 2 * value[j] + value[stride + j] -
+                                        curvatures[(k - 1) * stride + j]);
     }
     for (size_t k = num - 1; k-- > (even ? 0 : 1);)
         for (size_t j = 0; j < width; j++)
-            bends[k * stride + j] -= factor[k] * bends[(k + 1) * stride + j];
+            curvatures[k * stride + j] -= factor[k] * curvatures[(k + 1) * stride + j];
 }
 
 /* A table of zeros. */
@@ -41,22 +41,22 @@ static ehd_status make_table(double **table, const spline_layout *layout, ehd_er
                              layout->width);
 }
 
-/* The bends of a table that has its values. */
-static ehd_status fill_bends(double *table, const spline_layout *layout, ehd_error *error) {
+/* Fills the curvatures of a table from its values. */
+static ehd_status fill_curvatures(double *table, const spline_layout *layout, ehd_error *error) {
     size_t columns = layout->num_columns, lines = layout->num_lines, width = layout->width;
     double *factor = malloc((columns + lines) * sizeof *factor);
 
     if (!factor) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
     for (size_t l = 0; l < lines; l++) {
         double *values = table + l * layout->line;
-        solve_bends(values + layout->x_bend, factor, values, columns, layout->column, width,
-                    layout->even_x);
+        solve_curvatures(values + layout->x_curvature, factor, values, columns, layout->column,
+                         width, layout->even_x);
     }
     for (size_t c = 0; c < columns && lines > 1; c++)
         for (size_t part = 0; part < 2; part++) {
-            double *values = table + c * layout->column + part * layout->x_bend;
-            solve_bends(values + layout->y_bend, factor, values, lines, layout->line, width,
-                        layout->even_y);
+            double *values = table + c * layout->column + part * layout->x_curvature;
+            solve_curvatures(values + layout->y_curvature, factor, values, lines, layout->line,
+                             width, layout->even_y);
         }
     free(factor);
     return EHD_OK;
@@ -66,7 +66,7 @@ static bool is_line(const reduced_model *model) {
     return model->band.num_lines == 1;
 }
 
-/* Of modes at a grid's nodes. */
+/* Layout of modes at a grid's nodes. */
 static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
     bool point = grid->inner_lines > 1;
     size_t column = (point ? 4 : 2) * width;
@@ -77,11 +77,12 @@ static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
                            .even_y = grid->half,
                            .column = column,
                            .line = column * grid_width(grid),
-                           .x_bend = width,
-                           .y_bend = 2 * width};
+                           .x_curvature = width,
+                           .y_curvature = 2 * width};
 }
 
-/* Of the kernel by distance; along a line its values and bends alternate, as do those bent across. */
+/* Layout of the kernel by distance: along a line values and curvatures alternate; of a point
+ * contact each line is followed by its curvatures across. */
 static spline_layout layout_of_kernel(const ehd_grid *grid) {
     bool point = grid->inner_lines > 1;
     size_t columns = grid_width(grid), part = 2 * columns;
@@ -93,8 +94,8 @@ static spline_layout layout_of_kernel(const ehd_grid *grid) {
                            .even_y = true,
                            .column = 2,
                            .line = (point ? 2 : 1) * part,
-                           .x_bend = 1,
-                           .y_bend = part};
+                           .x_curvature = 1,
+                           .y_curvature = part};
 }
 
 static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind,
@@ -109,13 +110,13 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
         for (size_t c = 0; c < layout.num_columns; c++)
             self->kernel[l * layout.line + c * layout.column] =
                 kind->kernel((double)c * step, (double)l * step, step);
-    return fill_bends(self->kernel, &layout, error);
+    return fill_curvatures(self->kernel, &layout, error);
 }
 
 // ---- the modes
 
-/* Wider than the model's grid before the contact and at its sides, because places of a wide frame lie farther out
- * in a narrower one: enough for a load that has become 2.25 times as large. */
+/* Extends the model's grid before the contact and at its sides: nodes of a frame that has grown lie
+ * farther out in an earlier one. Enough for a load that has become 2.25 times as large. */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
@@ -157,16 +158,16 @@ static ehd_status deflect_modes(film_splines *self, const reduced_model *model,
     return status;
 }
 
-/* What modes that go on straight have at a node: twice what is at the next one inwards, less what is behind that. */
-static void go_on_straight(double *node, ptrdiff_t inwards, size_t width) {
-    const double *next = node + inwards, *behind = next + inwards;
+/* Extrapolates modes to a node from the next two inwards. */
+static void extrapolate_linearly(double *node, ptrdiff_t inwards, size_t width) {
+    const double *next = node + inwards, *second = next + inwards;
 
     for (size_t j = 0; j < width; j++)
-        node[j] = 2 * next[j] - behind[j];
+        node[j] = 2 * next[j] - second[j];
 }
 
-/* The modes themselves, going on straight before the model's grid and at its sides. */
-static void continue_modes(film_splines *self, const reduced_model *model, const double *modes) {
+/* The modes themselves, extrapolated linearly before the model's grid and at its sides. */
+static void extend_modes(film_splines *self, const reduced_model *model, const double *modes) {
     const spline_layout *layout = &self->layout;
     size_t width = layout->width, column = layout->column, line = layout->line;
     size_t own = grid_width(&model->grid);
@@ -176,14 +177,14 @@ static void continue_modes(film_splines *self, const reduced_model *model, const
         for (size_t c = 0; c < own; c++)
             memcpy(node + c * column, modes + (l * own + c) * width, width * sizeof *modes);
         for (size_t m = 0; m < self->margin; m++)
-            go_on_straight(node -= column, (ptrdiff_t)column, width);
+            extrapolate_linearly(node -= column, (ptrdiff_t)column, width);
     }
     for (size_t c = 0; c < layout->num_columns; c++) {
         double *node = self->film + c * column;
         for (size_t l = self->side; l-- > 0;)
-            go_on_straight(node + l * line, (ptrdiff_t)line, width);
+            extrapolate_linearly(node + l * line, (ptrdiff_t)line, width);
         for (size_t l = self->side + model->band.num_lines; l < layout->num_lines; l++)
-            go_on_straight(node + l * line, -(ptrdiff_t)line, width);
+            extrapolate_linearly(node + l * line, -(ptrdiff_t)line, width);
     }
 }
 
@@ -200,8 +201,8 @@ static ehd_status make_film_table(film_splines *self, const reduced_model *model
     if (!status && is_coupled(model))
         status = deflect_modes(self, model, pressure_basis, error);
     else if (!status)
-        continue_modes(self, model, deformation_basis);
-    return status ? status : fill_bends(self->film, &self->layout, error);
+        extend_modes(self, model, deformation_basis);
+    return status ? status : fill_curvatures(self->film, &self->layout, error);
 }
 
 static ehd_status make_pressure_table(film_splines *self, const reduced_model *model,
@@ -214,7 +215,7 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
     for (size_t k = 0; k < model->grid.num_nodes && !status; k++)
         memcpy(self->pressure + k * layout.column, self->pressure_basis + k * width,
                width * sizeof(double));
-    return status ? status : fill_bends(self->pressure, &layout, error);
+    return status ? status : fill_curvatures(self->pressure, &layout, error);
 }
 
 ehd_status film_splines_build(film_splines *self, const reduced_model *model,
@@ -264,8 +265,8 @@ void earlier_film_free(earlier_film *self) {
     memset(self, 0, sizeof *self);
 }
 
-/* The pressure's spline near the exit of a line contact, where it differs from that of the modes: its values are zero
- * from there on. Far before it the bend is that of the modes. */
+/* The pressure's spline near the exit of a line contact, from which on its values are zero; at the
+ * window's first node its curvature is that of the modes. */
 static void prepare_window(earlier_film *self, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_pressure = model->num_pressure, num_nodes = model->grid.num_nodes;
@@ -284,12 +285,12 @@ static void prepare_window(earlier_film *self, const reduced_model *model,
                              splines->pressure + (begin + i) * splines->pressure_layout.column, 1,
                              z, 1)
                 : 0;
-    memset(self->bend, 0, sizeof self->bend);
-    self->bend[0] = cblas_ddot((int)num_pressure,
-                               splines->pressure + begin * splines->pressure_layout.column +
-                                   splines->pressure_layout.x_bend,
-                               1, z, 1);
-    solve_bends(self->bend, factor, self->window, size, 1, 1, false);
+    memset(self->curvature, 0, sizeof self->curvature);
+    self->curvature[0] = cblas_ddot((int)num_pressure,
+                                    splines->pressure + begin * splines->pressure_layout.column +
+                                        splines->pressure_layout.x_curvature,
+                                    1, z, 1);
+    solve_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
 void earlier_film_prepare(earlier_film *self, const reduced_model *model,
@@ -306,23 +307,23 @@ void earlier_film_prepare(earlier_film *self, const reduced_model *model,
     if (reference->lubricant.density && is_line(model)) prepare_window(self, model, splines);
 }
 
-// ---- at a place
+// ---- evaluation
 
 enum { NUM_WEIGHTS = 4 };
 
-/* Along one direction: a place between nodes `node` and node + 1, with the weights of value and bend there, then
- * of value and bend at the next. */
-typedef struct spline_place {
+/* A point between nodes `node` and node + 1 of one direction, with the weights of value and
+ * curvature at the first and of value and curvature at the second. */
+typedef struct spline_point {
     size_t node;
     double weight[NUM_WEIGHTS];
-} spline_place;
+} spline_point;
 
-/* The place `nodes` nodes behind the first of `num`. Beyond them the spline goes on straight. */
-static inline spline_place spline_at(double nodes, size_t num) {
+/* The point `nodes` steps behind the first of `num` nodes. Beyond them the spline is linear. */
+static inline spline_point spline_at(double nodes, size_t num) {
     size_t last = num - 2;
     size_t first = nodes < (double)last ? nodes > 0 ? (size_t)nodes : 0 : last;
     double b = nodes - (double)first, a = 1 - b;
-    spline_place at = {first, {a, (a * a - 1) * a, b, (b * b - 1) * b}};
+    spline_point at = {first, {a, (a * a - 1) * a, b, (b * b - 1) * b}};
 
     if (b < 0)
         at.weight[1] = -2 * b, at.weight[3] = -b;
@@ -331,13 +332,13 @@ static inline spline_place spline_at(double nodes, size_t num) {
     return at;
 }
 
-/* On a node where it is that but for rounding: most weights are then zero, which saves a point contact most of the
- * work in a frame that stays as wide as it is. */
+/* Snaps a point to a node that it misses by rounding only: most weights are then zero, which saves
+ * a point contact most of the work while the frame keeps its width. */
 static double round_to_node(double nodes) {
     return fabs(nodes - round(nodes)) < 1e-9 ? round(nodes) : nodes;
 }
 
-// The release is built for any processor; this is what it does most in a step.
+// The release is built for any x86-64; this is the largest part of a step.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
 #define WIDER_VECTORS __attribute__((target_clones("arch=x86-64-v3", "default")))
 #else
@@ -345,42 +346,42 @@ static double round_to_node(double nodes) {
 #endif
 #define INLINE static inline __attribute__((always_inline))
 
-/* Four numbers at once, as one vector of the processor where it has such. */
-typedef double four_numbers
-    __attribute__((vector_size(4 * sizeof(double)), aligned(sizeof(double)), may_alias));
-enum { FOUR = 4 };
+enum { VECTOR_LANES = 4 };
+typedef double vector
+    __attribute__((vector_size(VECTOR_LANES * sizeof(double)), aligned(sizeof(double)), may_alias));
 
-INLINE four_numbers load_four(const double *from) {
-    return *(const four_numbers *)from;
+INLINE vector load_vector(const double *from) {
+    return *(const vector *)from;
 }
 
-INLINE void sum_splines(double *sum, const spline_place *at, size_t num, const double *table,
+INLINE void sum_splines(double *sum, const spline_point *at, size_t num, const double *table,
                         const spline_layout *layout, const double *const *coordinates) {
     size_t width = layout->width, j = 0;
-    const double *here = table, *bend_here = here + layout->x_bend;
-    const double *next = here + layout->column, *bend_next = next + layout->x_bend;
-    four_numbers four[BDF_EARLIER] = {{0}};
+    const double *here = table, *curvature_here = here + layout->x_curvature;
+    const double *next = here + layout->column, *curvature_next = next + layout->x_curvature;
+    vector lanes[BDF_EARLIER] = {{0}};
 
-    for (; j + FOUR <= width; j += FOUR) {
-        const four_numbers h = load_four(here + j), bh = load_four(bend_here + j),
-                           n = load_four(next + j), bn = load_four(bend_next + j);
+    for (; j + VECTOR_LANES <= width; j += VECTOR_LANES) {
+        const vector h = load_vector(here + j), ch = load_vector(curvature_here + j),
+                     n = load_vector(next + j), cn = load_vector(curvature_next + j);
         for (size_t i = 0; i < num; i++)
-            four[i] += load_four(coordinates[i] + j) * (at[i].weight[0] * h + at[i].weight[1] * bh +
-                                                        at[i].weight[2] * n + at[i].weight[3] * bn);
+            lanes[i] +=
+                load_vector(coordinates[i] + j) * (at[i].weight[0] * h + at[i].weight[1] * ch +
+                                                   at[i].weight[2] * n + at[i].weight[3] * cn);
     }
     for (size_t i = 0; i < num; i++) {
-        sum[i] = four[i][0] + four[i][1] + four[i][2] + four[i][3];
+        sum[i] = lanes[i][0] + lanes[i][1] + lanes[i][2] + lanes[i][3];
         for (size_t k = j; k < width; k++)
-            sum[i] +=
-                coordinates[i][k] * (at[i].weight[0] * here[k] + at[i].weight[1] * bend_here[k] +
-                                     at[i].weight[2] * next[k] + at[i].weight[3] * bend_next[k]);
+            sum[i] += coordinates[i][k] *
+                      (at[i].weight[0] * here[k] + at[i].weight[1] * curvature_here[k] +
+                       at[i].weight[2] * next[k] + at[i].weight[3] * curvature_next[k]);
     }
 }
 
-/* The splines along a line of up to BDF_EARLIER states at places between the same two nodes, the first of which
- * `table` is at: together, so that the modes there are read once. */
+/* Splines along a line of up to BDF_EARLIER states at points between the same two nodes, `table`
+ * being at the first: together, so that the modes there are read once. */
 WIDER_VECTORS
-static void combine(double *sum, const spline_place *at, size_t num, const double *table,
+static void combine(double *sum, const spline_point *at, size_t num, const double *table,
                     const spline_layout *layout, const double *const *coordinates) {
     switch (num) {
     case 3:
@@ -394,31 +395,32 @@ static void combine(double *sum, const spline_place *at, size_t num, const doubl
     }
 }
 
-/* The same of a point contact: values and bends across of two lines, those that count. On a line it is one of four. */
-static void combine_across(double *sum, const spline_place *along, const spline_place *across,
+/* The same for a point contact: values and curvatures across of two lines. Zero weights, three of
+ * four at a point on a line, are left out. */
+static void combine_across(double *sum, const spline_point *along, const spline_point *across,
                            size_t num, const double *table, const spline_layout *layout,
                            const double *const *coordinates) {
-    spline_place weighted[BDF_EARLIER];
+    spline_point weighted[BDF_EARLIER];
     double part[BDF_EARLIER];
 
     memset(sum, 0, num * sizeof *sum);
     for (size_t v = 0; v < NUM_WEIGHTS; v++) {
-        bool counts = false;
+        bool used = false;
         for (size_t i = 0; i < num; i++) {
-            counts = counts || across[i].weight[v] != 0;
+            used = used || across[i].weight[v] != 0;
             for (size_t u = 0; u < NUM_WEIGHTS; u++)
                 weighted[i].weight[u] = across[i].weight[v] * along[i].weight[u];
         }
-        if (!counts) continue;
-        combine(part, weighted, num, table + v / 2 * layout->line + v % 2 * layout->y_bend, layout,
-                coordinates);
+        if (!used) continue;
+        combine(part, weighted, num, table + v / 2 * layout->line + v % 2 * layout->y_curvature,
+                layout, coordinates);
         for (size_t i = 0; i < num; i++)
             sum[i] += part[i];
     }
 }
 
-/* Splines of a table at places in the same cell. */
-static void evaluate(double *sum, const spline_place *along, const spline_place *across, size_t num,
+/* Splines of a table at points in the same cell. */
+static void evaluate(double *sum, const spline_point *along, const spline_point *across, size_t num,
                      const double *table, const spline_layout *layout,
                      const double *const *coordinates) {
     const double *corner = table + across->node * layout->line + along->node * layout->column;
@@ -429,65 +431,66 @@ static void evaluate(double *sum, const spline_place *along, const spline_place 
         combine_across(sum, along, across, num, corner, layout, coordinates);
 }
 
-/* What a place sees of cut pressures that lie in columns up to its own, and in those behind: times the kernel's value
- * and bend at the nearer column, then at the other, each with the weights across. */
-typedef struct seen {
-    four_numbers left[NUM_WEIGHTS], right[NUM_WEIGHTS];
-} seen;
+/* Sums of cut pressures times the kernel's value and curvature at the point's nearer column, then
+ * at its other one: for pressures in columns up to the point's own (left) and behind it (right),
+ * for each weight across. */
+typedef struct kernel_sums {
+    vector left[NUM_WEIGHTS], right[NUM_WEIGHTS];
+} kernel_sums;
 
-/* Adds a run of nodes from column `first` on, whose rows of the kernel are these: of a line contact there is one. The
- * kernel at two neighbouring columns has neighbouring numbers there. */
-INLINE void add_run(seen *sum, size_t node, const double *const *kernel, size_t weights_across,
-                    size_t first, size_t count, const double *pressure) {
+/* Adds a run of nodes from column `first` on; `kernel`: the kernel's rows for its line, one of a
+ * line contact. The lanes hold value and curvature at two neighbouring columns. */
+INLINE void add_run(kernel_sums *sum, size_t node, const double *const *kernel,
+                    size_t weights_across, size_t first, size_t count, const double *pressure) {
     size_t i = 0;
 
     for (; i < count && first + i <= node; i++)
         for (size_t v = 0; v < weights_across; v++)
-            sum->left[v] += pressure[i] * load_four(kernel[v] + 2 * (node - first - i));
+            sum->left[v] += pressure[i] * load_vector(kernel[v] + 2 * (node - first - i));
     for (; i < count; i++)
         for (size_t v = 0; v < weights_across; v++)
-            sum->right[v] += pressure[i] * load_four(kernel[v] + 2 * (first + i - node - 1));
+            sum->right[v] += pressure[i] * load_vector(kernel[v] + 2 * (first + i - node - 1));
 }
 
-/* Rows of the kernel at so many lines from the place's line, and from the next. */
+/* Rows of the kernel at the distances, in lines, from the point's line and from the next. */
 static inline void kernel_rows(const double *kernel[NUM_WEIGHTS], const film_splines *splines,
                                size_t near, size_t next) {
     const spline_layout *layout = &splines->kernel_layout;
 
     kernel[0] = splines->kernel + near * layout->line;
-    kernel[1] = kernel[0] + layout->y_bend;
+    kernel[1] = kernel[0] + layout->y_curvature;
     kernel[2] = splines->kernel + next * layout->line;
-    kernel[3] = kernel[2] + layout->y_bend;
+    kernel[3] = kernel[2] + layout->y_curvature;
 }
 
-/* What the place sees in all, with the weights along. */
-INLINE double weigh_seen(const seen *sum, size_t v, const double *along) {
-    const four_numbers l = sum->left[v], r = sum->right[v];
+/* Applies the weights along to the sums of one weight across. */
+INLINE double weigh_kernel_sums(const kernel_sums *sum, size_t v, const double *along) {
+    const vector l = sum->left[v], r = sum->right[v];
 
     return along[0] * (l[0] + r[2]) + along[1] * (l[1] + r[3]) + along[2] * (l[2] + r[0]) +
            along[3] * (l[3] + r[1]);
 }
 
-/* Deflection of what the exit of a line contact adds to the modes cut at cut_exits, or takes away from them. */
-INLINE double cut_deflection(const earlier_film *self, const spline_place *along,
+/* Deflection of a line contact by the pressures between cut_exits and the state's exit. */
+INLINE double cut_deflection(const earlier_film *self, const spline_point *along,
                              const film_splines *splines) {
     const cut_run *run = self->runs;
     const double *kernel[] = {splines->kernel};
-    seen sum;
+    kernel_sums sum;
 
-    sum.left[0] = sum.right[0] = (four_numbers){0};
+    sum.left[0] = sum.right[0] = (vector){0};
     add_run(&sum, along->node, kernel, 1, run->column + splines->margin, run->count,
             self->cut_pressure + run->first);
-    return weigh_seen(&sum, 0, along->weight);
+    return weigh_kernel_sums(&sum, 0, along->weight);
 }
 
 /* The same for the exit line of a point contact. */
 WIDER_VECTORS
-static double cut_deflection_across(const earlier_film *self, const spline_place *along,
-                                    const spline_place *across, const film_splines *splines) {
+static double cut_deflection_across(const earlier_film *self, const spline_point *along,
+                                    const spline_point *across, const film_splines *splines) {
     size_t own = across->node, node = along->node;
     const double *kernel[NUM_WEIGHTS];
-    seen sum = {{{0}}, {{0}}};
+    kernel_sums sum = {{{0}}, {{0}}};
     double total = 0;
 
     for (size_t r = 0; r < self->num_runs; r++) {
@@ -501,12 +504,12 @@ static double cut_deflection_across(const earlier_film *self, const spline_place
         add_run(&sum, node, kernel, NUM_WEIGHTS, column, run->count, pressure);
     }
     for (size_t v = 0; v < NUM_WEIGHTS; v++)
-        total += across->weight[v] * weigh_seen(&sum, v, along->weight);
+        total += across->weight[v] * weigh_kernel_sums(&sum, v, along->weight);
     return total;
 }
 
-/* Of a line contact. */
-static double window_pressure(const earlier_film *self, const spline_place *along,
+/* P of a line contact. */
+static double window_pressure(const earlier_film *self, const spline_point *along,
                               const film_splines *splines) {
     const size_t margin = 4; // between the window's ends and where it is used
     const double *coordinates = self->state.coordinates, *u = along->weight;
@@ -520,21 +523,20 @@ static double window_pressure(const earlier_film *self, const spline_place *alon
     }
     if (node + margin + 1 >= self->window_begin + self->window_size) return 0;
     size_t i = node - self->window_begin;
-    return u[0] * self->window[i] + u[1] * self->bend[i] + u[2] * self->window[i + 1] +
-           u[3] * self->bend[i + 1];
+    return u[0] * self->window[i] + u[1] * self->curvature[i] + u[2] * self->window[i + 1] +
+           u[3] * self->curvature[i + 1];
 }
 
-/* Column of the exit line at a place between two lines; boundary lines, which have no exit, have that of the line
- * beside. */
+/* Column of the exit line between two lines; a boundary line takes its neighbour's exit. */
 static double exit_between(const size_t exits[2], const double *across) {
     size_t own = exits[0] > 1 ? exits[0] : exits[1], next = exits[1] > 1 ? exits[1] : exits[0];
 
     return across[0] * (double)own + across[2] * (double)next;
 }
 
-/* Of a point contact: before the exit line. */
-static double pressure_before_exit(const earlier_film *self, const spline_place *along,
-                                   const spline_place *across, const film_splines *splines) {
+/* P of a point contact: uncut before the exit line, zero behind it. */
+static double pressure_before_exit(const earlier_film *self, const spline_point *along,
+                                   const spline_point *across, const film_splines *splines) {
     const double *coordinates = self->state.coordinates;
     const size_t *exits = self->state.exits + across->node;
     double sum;
@@ -544,17 +546,17 @@ static double pressure_before_exit(const earlier_film *self, const spline_place 
     return sum;
 }
 
-/* P at a place, zero beyond the model's grid. */
-static double pressure_at(const earlier_film *self, const spline_place *along,
-                          const spline_place *across, const film_splines *splines) {
+/* P at a point, zero beyond the model's grid. */
+static double pressure_at(const earlier_film *self, const spline_point *along,
+                          const spline_point *across, const film_splines *splines) {
     size_t num_lines = splines->pressure_layout.num_lines;
-    spline_place u = *along;
+    spline_point u = *along;
 
     if (u.node < splines->margin) return 0;
     u.node -= splines->margin;
     if (num_lines == 1) return window_pressure(self, &u, splines);
-    spline_place v = *across;
-    v.node -= splines->side; // or far above, where the place lies before
+    spline_point v = *across;
+    v.node -= splines->side; // wraps to a large number before the first line
     return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines) : 0;
 }
 
@@ -564,7 +566,7 @@ void earlier_film_masses(double *mass, const earlier_film *const *films, size_t 
     const ehd_grid *grid = &splines->grid;
     size_t offset = is_coupled(model) ? 0 : model->num_pressure;
     double x[BDF_EARLIER], y[BDF_EARLIER];
-    spline_place along[BDF_EARLIER], across[BDF_EARLIER];
+    spline_point along[BDF_EARLIER], across[BDF_EARLIER];
     bool line = is_line(model);
     const double *coordinates[BDF_EARLIER];
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Film and pressure of earlier reduced states at any place, without anything of the size of the grid:
- * the cubic splines of all modes are made once, and a state's spline is a combination of them (splines
- * are linear in their values). What an earlier state's own exit line takes away from the modes is added as
- * splines of the kernel (model.md, section 5, item 5). */
+/* Film and pressure of earlier reduced states at any point, at a cost independent of the grid: the
+ * cubic splines of all modes are made once, and a state's spline is a combination of them, since
+ * splines are linear in their values. The deflection by the pressures that a state's own exit line
+ * cuts is added as splines of the kernel (romrun/README.md, In time). */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 
@@ -12,30 +12,30 @@
 #include "romrun/online/reduced_solver.h"
 #include <stdbool.h>
 
-/* Natural cubic splines of `width` functions on a grid, of a point contact tensor products: each node has their
- * values and bends along x (second derivatives times step^2 / 6) and, of a point contact, the bends across of both.
- * Numbers lie so far apart: */
+/* Natural cubic splines of `width` functions on a grid, of a point contact tensor products: each
+ * node has their values and curvatures along x (second derivatives times step^2 / 6) and, of a
+ * point contact, the curvatures across of both. Distances in numbers: */
 typedef struct spline_layout {
     size_t num_columns, num_lines, width;
-    bool even_x, even_y;   // mirrored at the first column, line
-    size_t column, line;   // from a node to the next
-    size_t x_bend, y_bend; // from a value to its bends
+    bool even_x, even_y;             // mirrored at the first column, line
+    size_t column, line;             // from a node to the next
+    size_t x_curvature, y_curvature; // from a value to its curvatures
 } spline_layout;
 
-/* Tables by node; read-only once made. Of a point contact with 129 nodes a line, half of it and 120 modes, 90 MB;
- * they grow as the number of nodes. */
+/* Tables by node; read-only once made. They grow as the number of nodes: 90 MB for half a point
+ * contact of 129 nodes a line with 120 modes. */
 typedef struct film_splines {
-    ehd_grid grid; // the model's, with `margin` nodes more before it, and of a point contact
-                   // lines at its sides
+    ehd_grid
+        grid; // the model's, with `margin` nodes before it and lines at a point contact's sides
     size_t margin;
     size_t side;          // lines before the model's first one
     spline_layout layout; // of the film's modes
     double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
                           // modes cut at cut_exits
-    size_t *cut_exits;    // [num_lines of the model], amid the trained exits
+    size_t *cut_exits;    // [num_lines of the model], in the middle of the trained exits
     spline_layout kernel_layout;
-    double *kernel; // [lines, 1 or 2, columns, 2] by distance; of a half grid twice the lines, for
-                    // mirrored nodes too
+    double *kernel; // [lines, 1 or 2, columns, 2] by distance; of a half grid twice the lines,
+                    // for mirrored nodes
     spline_layout pressure_layout;
     double *pressure;             // [num_nodes of the model, 2 or 4, num_pressure] uncut
     const double *pressure_basis; // [num_nodes of the model, num_pressure], the caller's
@@ -51,7 +51,7 @@ ehd_status film_splines_build(
     ehd_error *error);
 void film_splines_free(film_splines *splines);
 
-enum { EXIT_WINDOW = 64 }; // nodes around an exit where the pressure's spline knows of the cut
+enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut
 
 /* An accepted state, prepared for evaluation. */
 typedef struct earlier_film {
@@ -62,19 +62,19 @@ typedef struct earlier_film {
     size_t num_runs;
     double *cut_pressure; // [num_band] P of these runs, uncut, with their sign
     // of a line contact:
-    size_t window_begin, window_size;              // the window's nodes
-    double window[EXIT_WINDOW], bend[EXIT_WINDOW]; // P there, cut; compressible only
+    size_t window_begin, window_size;                   // the window's nodes
+    double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P there, cut; compressible only
 } earlier_film;
 
 ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd_error *error);
 void earlier_film_free(earlier_film *self);
 
-/* Once frame and state are set; the values are the caller's. */
+/* Prepares a state whose frame and state are set; its values are the caller's. */
 void earlier_film_prepare(earlier_film *self, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
 
-/* rho H of up to BDF_EARLIER states, mass[num_films], at node `node` of frame `now`. The density of a point
- * contact is that of the uncut modes before the exit line, which is straight between the grid's lines. */
+/* rho H of up to BDF_EARLIER states, mass[num_films], at node `node` of frame `now`. The density
+ * of a point contact is that of the uncut modes before the exit line, linear between grid lines. */
 void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
                          size_t node, const contact_frame *now, const reduced_model *model,
                          const film_splines *splines, const ehd_contact *reference);

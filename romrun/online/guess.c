@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Starts from the trained solutions, and the range that was trained. */
+/* Starts from the trained solutions, and the trained range. */
 #include "romrun/online/reduced_solver.h"
 
 #include <lapacke.h>
@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_NEIGHBOURS = 24, MOST_TERMS = 6 };
+enum { NUM_NEIGHBOURS = 24, MAX_TERMS = 6 };
 
-/* Place of a contact among the training points: the film follows M and the viscosity's rise in
- * powers, so logarithms make neighbours alike. */
-static void place_of(double place[2], double moes_M, double alpha_p_H) {
-    place[0] = log(moes_M);
-    place[1] = 0.5 * log1p(alpha_p_H);
+/* Coordinates of a contact among the training points: logarithms, since the film follows powers of
+ * M and of the viscosity's rise. */
+static void coordinates_of(double coordinates[2], double moes_M, double alpha_p_H) {
+    coordinates[0] = log(moes_M);
+    coordinates[1] = 0.5 * log1p(alpha_p_H);
 }
 
 typedef struct neighbour {
@@ -22,15 +22,15 @@ typedef struct neighbour {
     double distance, away[2];
 } neighbour;
 
-/* The nearest states further away than `beyond`, ascending in distance; returns their number. */
+/* Lists the nearest stationary states farther away than `beyond`; returns their number. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states, const double here[2],
                              double beyond) {
     size_t count = 0;
 
     for (size_t s = 0; s < states->num_states; s++) {
         double there[2];
-        place_of(there, states->moes_M[s], states->alpha_p_H[s]);
-        if (!states->stationary[s]) continue; // what stationary problems start from
+        coordinates_of(there, states->moes_M[s], states->alpha_p_H[s]);
+        if (!states->stationary[s]) continue;
         neighbour fresh = {s,
                            hypot(there[0] - here[0], there[1] - here[1]),
                            {there[0] - here[0], there[1] - here[1]}};
@@ -45,30 +45,30 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states, c
     return count;
 }
 
-/* A fit through neighbours: how many of them and of the terms 1, x, y, x^2, xy, y^2, and how large the sum of the
- * weights' magnitudes may be, beyond which it is no interpolation. */
+/* A fit through neighbours: numbers of them and of the terms 1, x, y, x^2, xy, y^2, and the largest
+ * sum of the weights' magnitudes, above which the fit extrapolates. */
 typedef struct neighbour_fit {
-    size_t most_neighbours, num_terms;
-    double most_weight;
+    size_t max_neighbours, num_terms;
+    double max_weight;
 } neighbour_fit;
 
-/* The best first. At half of the quadratic one's neighbours a regular training has no three rows of points. */
-static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, MOST_TERMS, 1.5}, {6, 3, 2}};
+/* The best first. Half the quadratic fit's neighbours would lie in two rows of a regular plan. */
+static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, MAX_TERMS, 1.5}, {6, 3, 2}};
 
-/* Weights of the neighbours in a fit through them, taken at the wanted place (moving least squares). Returns false
- * where they do not determine it, which rounding may hide from the factorisation but not from the sum of the weights,
- * or where the fit would extrapolate. */
+/* Weights of the neighbours in a moving least squares fit, evaluated at the wanted contact. False
+ * where they do not determine it, which the sum of the weights shows even where rounding hides it
+ * from the factorisation, or where the fit would extrapolate. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
                         const neighbour_fit *fit) {
     const double slack = 1e-6;
     const size_t num = fit->num_terms;
-    double normal[MOST_TERMS * MOST_TERMS] = {0}, unit[MOST_TERMS] = {1}, magnitude = 0, sum = 0;
-    double terms[NUM_NEIGHBOURS][MOST_TERMS], strength[NUM_NEIGHBOURS];
+    double normal[MAX_TERMS * MAX_TERMS] = {0}, unit[MAX_TERMS] = {1}, magnitude = 0, sum = 0;
+    double terms[NUM_NEIGHBOURS][MAX_TERMS], strength[NUM_NEIGHBOURS];
 
     if (count < num) return false;
     for (size_t i = 0; i < count; i++) {
         double x = nearest[i].away[0], y = nearest[i].away[1];
-        const double here[MOST_TERMS] = {1, x, y, x * x, x * y, y * y};
+        const double here[MAX_TERMS] = {1, x, y, x * x, x * y, y * y};
         memcpy(terms[i], here, sizeof here);
         strength[i] = 1 / (nearest[i].distance * nearest[i].distance + 1e-6);
         for (size_t p = 0; p < num; p++)
@@ -84,7 +84,7 @@ static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
         magnitude += fabs(weights[i]);
         sum += weights[i];
     }
-    return magnitude < fit->most_weight && fabs(sum - 1) < slack;
+    return magnitude < fit->max_weight && fabs(sum - 1) < slack;
 }
 
 /* state = sum of weights[i] times the states given. */
@@ -116,10 +116,10 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
     neighbour nearest[NUM_NEIGHBOURS];
     double here[2], weights[NUM_NEIGHBOURS], one = 1;
 
-    place_of(here, moes_M, alpha_p_H);
+    coordinates_of(here, moes_M, alpha_p_H);
     size_t count = nearest_states(nearest, &model->states, here, -1);
     for (size_t f = 0; f < sizeof FITS / sizeof *FITS; f++) {
-        size_t used = count < FITS[f].most_neighbours ? count : FITS[f].most_neighbours;
+        size_t used = count < FITS[f].max_neighbours ? count : FITS[f].max_neighbours;
         if (!fit_weights(weights, nearest, used, &FITS[f])) continue;
         combine_states(state, model, nearest, weights, used);
         return;
@@ -133,7 +133,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, double 
     neighbour nearest[NUM_NEIGHBOURS];
     double here[2], one = 1;
 
-    place_of(here, moes_M, alpha_p_H);
+    coordinates_of(here, moes_M, alpha_p_H);
     if (nearest_states(nearest, &model->states, here, same) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
@@ -187,7 +187,7 @@ struct trained_range {
     size_t count;
     point extent;
     double slack; // how far outside of the hull still counts as inside, in units of the extent
-    double most_rate;
+    double max_rate;
 };
 
 trained_range *trained_range_free(trained_range *self) {
@@ -199,22 +199,22 @@ trained_range *trained_range_free(trained_range *self) {
 }
 
 static void find_extent(trained_range *self, const reduced_states *states) {
-    point least = {INFINITY, INFINITY}, most = {-INFINITY, -INFINITY};
+    point low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
     bool stationary = true;
 
     for (size_t s = 0; s < states->num_states; s++) {
-        least.M = fmin(least.M, states->moes_M[s]);
-        most.M = fmax(most.M, states->moes_M[s]);
-        least.pressure = fmin(least.pressure, states->alpha_p_H[s]);
-        most.pressure = fmax(most.pressure, states->alpha_p_H[s]);
-        self->most_rate = fmax(self->most_rate, states->rate[s]);
+        low.M = fmin(low.M, states->moes_M[s]);
+        high.M = fmax(high.M, states->moes_M[s]);
+        low.pressure = fmin(low.pressure, states->alpha_p_H[s]);
+        high.pressure = fmax(high.pressure, states->alpha_p_H[s]);
+        self->max_rate = fmax(self->max_rate, states->rate[s]);
         stationary = stationary && states->stationary[s];
     }
-    self->extent.M = most.M > least.M ? most.M - least.M : most.M;
+    self->extent.M = high.M > low.M ? high.M - low.M : high.M;
     self->extent.pressure =
-        most.pressure > least.pressure ? most.pressure - least.pressure : fmax(most.pressure, 1);
-    // training points themselves count as inside; of a trajectory, which is a curve with few states kept,
-    // also what lies between them
+        high.pressure > low.pressure ? high.pressure - low.pressure : fmax(high.pressure, 1);
+    // training points count as inside, and so does what lies between the few states that are kept
+    // of a trajectory, which is a curve
     self->slack = stationary ? 1e-9 : 2e-3;
 }
 
@@ -247,8 +247,7 @@ trained_range *trained_range_create(const reduced_model *model) {
     return self;
 }
 
-/* How far a point lies to the right of an edge or, within the line that a hull of two points is, beyond its
- * ends. */
+/* Distance of a point to the right of an edge or, of a hull of two points, beyond its ends. */
 static double outside_edge(const hull_edge *edge, point wanted, bool line) {
     point from = {wanted.M - edge->start.M, wanted.pressure - edge->start.pressure};
     double across = from.M * edge->direction.pressure - from.pressure * edge->direction.M;
@@ -259,7 +258,7 @@ static double outside_edge(const hull_edge *edge, point wanted, bool line) {
 
 const char *trained_range_check(const trained_range *self, double moes_M, double alpha_p_H,
                                 double rate) {
-    const double rate_slack = 1.05, least_rate = 1e-3;
+    const double rate_slack = 1.05, min_rate = 1e-3;
     const point wanted = {moes_M / self->extent.M, alpha_p_H / self->extent.pressure};
     bool line = self->count <= 2, of_trajectories = self->slack > 1e-6;
     double outside = line && !(of_trajectories && self->count == 2) ? INFINITY : -INFINITY;
@@ -269,7 +268,7 @@ const char *trained_range_check(const trained_range *self, double moes_M, double
         outside = here > outside ? here : outside;
     }
     if (!(outside <= self->slack)) return "outside of the trained range of M and alpha p_H";
-    if (rate > fmax(rate_slack * self->most_rate, least_rate))
+    if (rate > fmax(rate_slack * self->max_rate, min_rate))
         return "a contact that changes faster than any in training";
     return NULL;
 }

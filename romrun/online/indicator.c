@@ -32,7 +32,7 @@ indicator *indicator_free(indicator *self) {
 
 indicator *indicator_create(const reduced_model *model) {
     const row_set *control = &model->control;
-    size_t num_needed = control->num_needed + 1; // nothing of size zero
+    size_t num_needed = control->num_needed + 1; // no allocation of size zero
     indicator *self = calloc(1, sizeof *self);
 
     if (!self) return NULL;
@@ -49,7 +49,7 @@ indicator *indicator_create(const reduced_model *model) {
     return self;
 }
 
-/* H at a needed node but for what the exit's runs deflect. */
+/* H at a needed node without the deflection by the exit's runs. */
 static double film_at_checkpoint(const reduced_model *model, size_t q, const double *z,
                                  size_t checkpoint) {
     const row_set *control = &model->control;
@@ -84,7 +84,7 @@ static void expand(indicator *self, const reduced_state *state) {
                               self->runs[r].first, self->runs[r].count);
     for (size_t q = 0; q < control->num_needed; q++) {
         size_t node = control->needed_node[q];
-        const grid_place at = reduced_model_place(model, node);
+        const grid_position at = reduced_model_position(model, node);
         const double *modes = control->pressure + q * num_pressure;
         self->pressure[q] =
             at.column < exit[at.line] ? cblas_ddot((int)num_pressure, modes, 1, z, 1) : 0;
@@ -107,7 +107,7 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
                             compressible ? memory + 2 * num_needed : NULL,
                             compressible ? memory + 3 * num_needed : NULL};
 
-    if (control->num_rows == 0) return 0; // nor is the band's pressure needed
+    if (control->num_rows == 0) return 0;
     expand(self, state);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
     reynolds_rows(self->rows, model->grid.step, contact->entrainment, NULL, control->stencils,
@@ -120,16 +120,16 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
     return sqrt(sum);
 }
 
-/* Of the central film, in units of a^2/R, where an error is no longer small against what the film can be
- * linearised over. Measured on 1250 random scenes of both loaded regions, of five viscosity laws and two
- * densities: up to half of it the deviation is at most a seventh of the linear bound, in the most accurate
- * sizes, and soon behind it grows with its cube. */
+/* Change of the central film, in units of a^2/R, up to which the bound is about linear. Measured on
+ * 1250 random scenes of both loaded regions with five viscosity and two density laws, in the most
+ * accurate sizes: up to half of it the deviation is at most a seventh of the linear bound, and soon
+ * above it grows with its cube. */
 static const double LINEAR = 3e-4;
 
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars) {
     double residual =
-        hypot(reduced_left_residual(solver), indicator_control_residual(self, state, contact));
+        hypot(reduced_remaining_residual(solver), indicator_control_residual(self, state, contact));
     double film_change = reduced_central_sensitivity(solver) * residual;
     double part = film_change / LINEAR;
 

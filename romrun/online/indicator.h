@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far the central film of a reduced solution may be off, from what a few rows cost.
+/* Error indicator of a reduced solution's central film (romrun/README.md, Knowing when it is
+ * wrong).
  *
- * Rows that the solution does not fulfil, selected ones (the least squares leave a rest) and control rows,
- * are a sample of how badly the Reynolds equation is fulfilled everywhere. What an error of that norm in
- * the rows moves H_c by is known from the factors of the last iteration. The product is a bound but for a
- * factor, which calibration finds. */
+ * The residual of the selected rows, over-determined, and of the control rows samples that of the
+ * Reynolds equation everywhere. Times the sensitivity of H_c to the rows, from the factors of the
+ * last iteration, it is a bound up to a factor, which calibration fits. */
 #ifndef EHD_INDICATOR_H
 #define EHD_INDICATOR_H
 
@@ -20,9 +20,9 @@ indicator *indicator_free(indicator *self); // accepts and returns NULL
 double indicator_control_residual(indicator *self, const reduced_state *state,
                                   const ehd_contact *contact);
 
-/* Of the relative deviation of the central film, but for the factor of a calibration (trade_indicator_factor);
- * grows faster where the error is no longer small. `solver` has just solved `state` for
- * `contact`, stationary, with the outcome `scalars`. */
+/* Bound of the relative deviation of the central film, up to the factor of a calibration
+ * (trade_indicator_factor); linear in the residual while that is small, then cubic. `solver` has
+ * just solved `state` for `contact`, stationary, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
 

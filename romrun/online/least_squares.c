@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normal equations with scaled columns, because they cost a fifth of a QR; where their Cholesky
- * factorisation is not safe, QR. What Newton converges to is set by J^T f = 0, which is evaluated from
- * J itself, so that the squared condition number touches the convergence only. */
+/* Normal equations with scaled columns, which cost a fifth of a QR; QR where their Cholesky
+ * factorisation is not safe. Newton's limit is given by J^T f = 0, evaluated from J itself, so that
+ * the squared condition number affects the convergence only. */
 #include "romrun/online/least_squares.h"
 
 #include <cblas.h>
@@ -17,16 +17,15 @@ struct least_squares {
     double *scaled;       // [longest, num_columns] for QR
     double *gram;         // [num_columns, num_columns]
     const double *factor; // lower, of the Gram matrix: within `gram`, or within `scaled` after a QR
-    size_t
-        factor_size; // its rows and columns; fewer than num_columns where zero columns were dropped
-    double *right;   // [longest]
-    double *work;    // [num_work] of LAPACK
+    size_t factor_size;   // its order: num_columns without zero columns
+    double *right;        // [longest]
+    double *work;         // [num_work] of LAPACK
     int num_work;
 };
 
 /* Of the Gram matrix, below which QR is taken. Measured on random columns: the solution's error is
  * 1e-5 at a condition of 1e6 and up to 1e-3 at 1e7, where this lies; at 1e8 nothing would be left. */
-static const double LEAST_RCOND = 1e-13;
+static const double MIN_RCOND = 1e-13;
 
 least_squares *least_squares_free(least_squares *self) {
     if (self) {
@@ -40,10 +39,10 @@ least_squares *least_squares_free(least_squares *self) {
     return NULL;
 }
 
-least_squares *least_squares_create(size_t most_rows, size_t num_columns) {
+least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
     least_squares *self = calloc(1, sizeof *self);
     if (!self) return NULL;
-    size_t longest = most_rows > num_columns ? most_rows : num_columns;
+    size_t longest = max_rows > num_columns ? max_rows : num_columns;
     self->longest = longest;
     self->num_columns = num_columns;
     self->num_work = (int)(64 * (longest + num_columns));
@@ -57,7 +56,7 @@ least_squares *least_squares_create(size_t most_rows, size_t num_columns) {
     return self;
 }
 
-/* Gram matrix of the columns scaled to unit norm, lower part; zero columns keep zero and get no weight. */
+/* Gram matrix of the columns scaled to unit norm, lower part; zero columns get the scale zero. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
@@ -83,15 +82,15 @@ static int factorise_gram(least_squares *self, const double *matrix, size_t num_
     norm = n; // columns have unit norm, so the 1-norm is at most n
     if (LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, self->gram, n)) return 0;
     // the diagonal of the factor bounds the condition from one side, cheaply
-    double least = INFINITY, most = 0;
+    double smallest = INFINITY, largest = 0;
     for (int j = 0; j < n; j++) {
-        least = fmin(least, self->gram[j * n + j]);
-        most = fmax(most, self->gram[j * n + j]);
+        smallest = fmin(smallest, self->gram[j * n + j]);
+        largest = fmax(largest, self->gram[j * n + j]);
     }
     self->factor = self->gram;
     self->factor_size = self->num_columns;
-    rcond = least * least / (most * most * norm);
-    return rcond > LEAST_RCOND;
+    rcond = smallest * smallest / (largest * largest * norm);
+    return rcond > MIN_RCOND;
 }
 
 static void solve_gram(double *solution, const least_squares *self, const double *matrix,
@@ -107,7 +106,7 @@ static void solve_gram(double *solution, const least_squares *self, const double
     cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, self->gram, n, solution, 1);
 }
 
-/* Closes the gaps that zero columns leave in the scaled matrix; returns the number of the others. */
+/* Removes the zero columns from the scaled matrix; returns the number of the others. */
 static size_t drop_zero_columns(least_squares *self, size_t num_rows) {
     size_t n = self->num_columns, kept = 0;
 
@@ -119,8 +118,7 @@ static size_t drop_zero_columns(least_squares *self, size_t num_rows) {
     return kept;
 }
 
-/* QR of the scaled matrix without its zero columns, since a singular factor has no solution. Nor have fewer
- * rows than columns a single one: NaN. */
+/* QR of the scaled matrix without its zero columns. NaN with fewer rows than columns. */
 static void solve_qr(double *solution, least_squares *self, const double *matrix,
                      const double *right, size_t num_rows) {
     size_t n = self->num_columns;

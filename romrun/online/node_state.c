@@ -20,7 +20,7 @@ static void fields_init(node_fields *fields, const reduced_model *model, arena *
 void nodes_init(node_state *self, const reduced_model *model, arena *memory) {
     self->model = model;
     self->exit = arena_array(memory, model->band.num_lines, sizeof *self->exit);
-    self->alive = arena_array(memory, model->rows.num_needed, sizeof *self->alive);
+    self->pressurised = arena_array(memory, model->rows.num_needed, sizeof *self->pressurised);
     self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
     self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
     fields_init(&self->now, model, memory);
@@ -37,7 +37,8 @@ void nodes_move_exit(node_state *self, const size_t *exit) {
     memcpy(self->exit, exit, bytes);
     for (size_t q = 0; q < model->rows.num_needed; q++) {
         size_t node = model->rows.needed_node[q];
-        self->alive[q] = reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
+        self->pressurised[q] =
+            reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
     }
     self->checkpoint = reduced_model_checkpoint(model, exit);
     self->num_runs = reduced_model_runs(
@@ -58,7 +59,7 @@ static void product(double *y, const double *matrix, const double *x, size_t row
                     x, 1, 0, y, 1);
 }
 
-/* Values of coordinates at a checkpoint. */
+/* Values of coordinates z at a checkpoint. */
 static void values_at(reduced_values *values, const reduced_model *model, const double *z,
                       size_t checkpoint) {
     size_t size = model->cut.num_rows * model->num_pressure;
@@ -84,7 +85,7 @@ void nodes_expand(node_fields *fields, node_state *self, const reduced_values *k
         known = &fields->values;
     }
     for (size_t q = 0; q < num_needed; q++)
-        fields->pressure[q] = self->alive[q] ? known->pressure[q] : 0;
+        fields->pressure[q] = self->pressurised[q] ? known->pressure[q] : 0;
     memcpy(fields->cut, known->cut, num_cut * sizeof(double));
     nodes_expand_runs(self, z);
     for (size_t r = 0; r < self->num_runs; r++) {
@@ -121,7 +122,7 @@ double nodes_at_centre(const reduced_model *model, const double *values) {
     double sum = 0;
 
     for (size_t i = 0; i < 4; i++)
-        if (centre->weight[i] != 0) sum += centre->weight[i] * values[centre->place[i]];
+        if (centre->weight[i] != 0) sum += centre->weight[i] * values[centre->index[i]];
     return sum;
 }
 
@@ -137,29 +138,29 @@ void reduced_band_pressure(double *pressure, const reduced_model *model, const d
             model->num_pressure);
 }
 
-void nodes_expand_places(node_state *self, const double *z, size_t first, size_t count) {
+void nodes_expand_range(node_state *self, const double *z, size_t first, size_t count) {
     reduced_band_pressure(self->band_pressure + first, self->model, z, first, count);
 }
 
 void nodes_expand_band(node_state *self, const double *z, size_t from, size_t to) {
-    if (to > from) nodes_expand_places(self, z, from - self->model->band.lines[0].begin, to - from);
+    if (to > from) nodes_expand_range(self, z, from - self->model->band.lines[0].begin, to - from);
 }
 
 void nodes_expand_runs(node_state *self, const double *z) {
     for (size_t r = 0; r < self->num_runs; r++)
-        nodes_expand_places(self, z, self->runs[r].first, self->runs[r].count);
+        nodes_expand_range(self, z, self->runs[r].first, self->runs[r].count);
 }
 
 void nodes_band_films(double *film, const node_state *self, const double *z, size_t node,
                       size_t count) {
     const reduced_model *model = self->model;
-    size_t place = reduced_model_band_place(model, node), num_pressure = model->num_pressure;
+    size_t index = reduced_model_band_index(model, node), num_pressure = model->num_pressure;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
     size_t width = coupled ? num_pressure : model->num_deformation;
     const double *checkpoint =
         model->checkpoints.band + self->checkpoint * model->band.num_nodes * num_pressure;
-    const double *basis = (coupled ? checkpoint : model->band.film) + place * width;
-    const grid_place at = reduced_model_place(model, node);
+    const double *basis = (coupled ? checkpoint : model->band.film) + index * width;
+    const grid_position at = reduced_model_position(model, node);
 
     for (size_t i = 0; i < count; i++)
         film[i] = z[model->num_unknowns - 1] + grid_gap(&model->grid, node + i) +
@@ -201,9 +202,9 @@ double nodes_minimum_film(node_state *self, const double *z) {
         smallest = fmin(smallest, band_minimum(film_at, &film, first + band->lines[l].begin,
                                                first + self->exit[l] + 1));
     }
-    // in time a dip passes through the front of the contact too, where only the needed nodes are known
+    // in time a minimum also passes through the front of the contact, outside of the band
     for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        if (self->alive[q]) smallest = fmin(smallest, self->now.film[q]);
+        if (self->pressurised[q]) smallest = fmin(smallest, self->now.film[q]);
     return smallest;
 }
 
@@ -242,7 +243,7 @@ double nodes_central_change(node_state *self, const double *step) {
 
     nodes_expand_runs(self, step);
     for (size_t i = 0; i < 4; i++) {
-        size_t q = model->centre.place[i];
+        size_t q = model->centre.index[i];
         double film = 0;
         if (model->centre.weight[i] == 0) continue;
         if (model->deformation == DEFORMATION_INDEPENDENT) {

@@ -11,24 +11,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* rho H of the accepted states at the place of the present one: at the rows' nodes, and at the band's
- * nodes where an iteration asks for it. */
+/* rho H of accepted states in the present frame, at the rows' nodes and, on demand, the band's. */
 typedef struct earlier_sums {
-    size_t *ascending; // [num_rows] the rows by their nodes
-    double *mass;      // [num_rows, BDF_EARLIER] rho H of each state
-    double *sum;       // [num_rows] their sum by the formula
-    size_t attempt,
-        *band_attempt; // number of the attempt; [nodes of the band] of the one that asked
-    double *band_sum;  // [nodes of the band]
+    size_t *ascending;             // [num_rows] the rows in order of their nodes
+    double *mass;                  // [num_rows, BDF_EARLIER] rho H of each state
+    double *sum;                   // [num_rows] their sum with the formula's weights
+    size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] that band_sum is of
+    double *band_sum;              // [nodes of the band] the sum there, evaluated on demand
 } earlier_sums;
 
-/* What the local error of an attempt is estimated from. */
+/* Data for the local error of an attempt. */
 typedef struct error_estimate {
     double *pressure, *mass; // [num_rows] P and rho H at the rows' nodes
-    size_t *end;             // [num_lines] columns before which it is looked at
+    size_t *end;             // [num_lines] columns before which it is estimated
 } error_estimate;
 
-/* What the solver's kept factors were made at, so that a restored march makes the same ones. */
+/* Arguments of the solver's kept factors, from which a restored march makes the same ones. */
 typedef struct factors_origin {
     bool valid;
     contact_frame frame;
@@ -42,15 +40,16 @@ struct reduced_march {
     ehd_contact reference;
     trained_range *range;
     reduced_solver *solver;
-    earlier_film states[BDF_EARLIER + 1]; // in the places of the ring
+    earlier_film states[BDF_EARLIER + 1]; // indexed by the ring
     bdf_ring ring;
     bdf_formula formula; // of the attempt
     earlier_sums earlier;
     error_estimate estimate;
     factors_origin factors;
-    // frames of the solved loads, where the approach is given not the ones that were solved in
-    contact_frame loaded, last_loaded; // of the attempt; of the last accepted state
-    reduced_info info;                 // of the attempt
+    // frames scaled by the load of the solution, of the attempt and of the last accepted state:
+    // where the approach is given they differ from the frames solved in
+    contact_frame load_frame, last_load_frame;
+    reduced_info info; // of the attempt
     reduced_march_effort effort;
     arena memory; // of all arrays
 };
@@ -73,7 +72,7 @@ static int compare_nodes(const void *a, const void *b, void *context) {
     return p < q ? -1 : p > q;
 }
 
-/* Neighbours share most of what the splines there take. */
+/* In order of nodes the splines of neighbouring rows use the same memory. */
 static void sort_rows(reduced_march *self) {
     for (size_t r = 0; r < self->model->rows.num_rows; r++)
         self->earlier.ascending[r] = r;
@@ -81,7 +80,7 @@ static void sort_rows(reduced_march *self) {
             compare_nodes, self->model->rows.node);
 }
 
-static void take_arrays(reduced_march *self) {
+static void allocate_arrays(reduced_march *self) {
     size_t num_rows = self->model->rows.num_rows, num_band = self->model->band.num_nodes;
     size_t num_lines = self->model->band.num_lines;
     arena *memory = &self->memory;
@@ -108,7 +107,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->reference = *reference;
     self->ring = bdf_ring_empty();
     self->range = trained_range_create(model);
-    take_arrays(self);
+    allocate_arrays(self);
     bool whole = self->range && !self->memory.failed;
     if (whole) sort_rows(self);
     ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
@@ -140,7 +139,7 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Whether an exit lies at the edge of where it may; on lines beside a point contact that may be the grid's end. */
+/* Whether an exit lies at the edge of its range; a point contact's may be the grid's end. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
@@ -154,20 +153,21 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     return false;
 }
 
-/* What the model cannot know: a contact outside of the trained range, an exit that wants to leave its band, and a film
- * that ruptures before the contact, where it has no boundary. */
+/* Marks states beyond the model as untrusted: a contact outside of the trained range, an exit at
+ * the edge of its range, and a film that ruptures in the inlet, where the model has no exit. */
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
                   const contact_frame *frame) {
-    const double rupture = -1e-3; // of the Hertz pressure; truncated bases show a tenth of it
+    const double rupture = -1e-3; // of the Hertz pressure; truncation alone causes a tenth of it
     const reduced_model *model = self->model;
     ehd_contact contact;
 
-    self->loaded = isnan(frame->approach)
-                       ? *frame // where load balance is one row of a least-squares problem
-                       : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
+    self->load_frame = isnan(frame->approach)
+                           ? *frame // the load is given, though met only in the least-squares sense
+                           : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
     if (outcome->status) return;
-    frame_contact(&contact, &self->loaded, &self->reference);
-    double rate = self->ring.num_earlier > 0 ? frame_rate(&self->loaded, &self->last_loaded) : 0;
+    frame_contact(&contact, &self->load_frame, &self->reference);
+    double rate =
+        self->ring.num_earlier > 0 ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
     outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
@@ -184,7 +184,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
 
 // ---- the start
 
-/* Solves the state being worked on, from where it stands. */
+/* Solves from the state that state_before(self, 0) holds. */
 static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze, ehd_error *error) {
     earlier_film *next = state_before(self, 0);
@@ -194,14 +194,14 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
     return status;
 }
 
-/* Rescales the frame until the load of the given approach is the one that scales it: secants, for each of
- * which the stationary problem with a given load is solved. */
+/* Rescales the frame until the load at the given approach is the one that scales it: a fixed-point
+ * iteration over stationary solutions. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
-    const size_t max_turns = 30;
+    const size_t max_rescalings = 30;
     ehd_status status = EHD_OK;
 
-    for (size_t turn = 0; turn < max_turns; turn++) {
+    for (size_t i = 0; i < max_rescalings; i++) {
         ehd_contact contact;
         frame_contact(&contact, frame, &self->reference);
         status = solve(info, self, &contact, NULL, error);
@@ -262,8 +262,7 @@ static void add_times(double *target, double factor, const double *source, size_
     cblas_daxpy((int)count, factor, source, 1, target, 1);
 }
 
-/* The coordinates, and with them the values at the needed nodes, go on as polynomials in time; the exit line
- * stays where it was. */
+/* Extrapolates coordinates and values at the needed nodes in time; the exit line stays. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
     earlier_film *next = state_before(self, 0);
@@ -282,7 +281,7 @@ static void predict(reduced_march *self) {
         add_times(values->pressure, factor, earlier->values.pressure, model->rows.num_needed);
         add_times(values->cut, factor, earlier->values.cut, model->cut.num_rows);
         if (earlier->values.checkpoint != values->checkpoint && factor != 0)
-            values->checkpoint = model->checkpoints.num; // of no exit
+            values->checkpoint = model->checkpoints.num; // none
     }
 }
 
@@ -308,7 +307,7 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     self->effort.seconds_earlier += program_seconds() - start;
 }
 
-/* The formula's sum at a node of the band, from the splines. */
+/* The weighted sum of earlier rho H at a node of the band. */
 static double sum_at(reduced_march *self, size_t node) {
     const contact_frame *now = &state_before(self, 0)->frame;
     const earlier_film *films[BDF_EARLIER];
@@ -321,28 +320,28 @@ static double sum_at(reduced_march *self, size_t node) {
     return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
 }
 
-/* The same, which the iterations of an attempt ask for again and again. */
+/* The same, evaluated once an attempt. */
 static double earlier_at(void *solver, size_t node) {
     reduced_march *self = solver;
-    size_t place = reduced_model_band_place(self->model, node);
+    size_t index = reduced_model_band_index(self->model, node);
 
-    if (self->earlier.band_attempt[place] != self->earlier.attempt) {
-        self->earlier.band_sum[place] = sum_at(self, node);
-        self->earlier.band_attempt[place] = self->earlier.attempt;
+    if (self->earlier.band_attempt[index] != self->earlier.attempt) {
+        self->earlier.band_sum[index] = sum_at(self, node);
+        self->earlier.band_attempt[index] = self->earlier.attempt;
     }
-    return self->earlier.band_sum[place];
+    return self->earlier.band_sum[index];
 }
 
-/* How far before the exit the local error is looked at: on a coarse grid some nodes, since truncated modes give a node
- * that the exit moves by a pressure at once. */
+/* Distance before the exit from which on the local error is estimated: at least some nodes, since
+ * in truncated modes a node that the exit passes gets a finite pressure at once. */
 static double exit_margin(const ehd_grid *grid) {
     const double min_nodes = 4;
 
     return fmax(march_exit_margin, min_nodes * grid->step);
 }
 
-/* Columns of all lines before which the local error is looked at: march_exit_margin before the exit and, of a point
- * contact, as far from those of the lines beside and of the states that the step looks at. */
+/* Sets the columns of all lines before which, less the margin, the local error is estimated: the
+ * first exit of the step's states and of the lines within the margin. */
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
@@ -362,8 +361,7 @@ static void find_error_end(reduced_march *self) {
     }
 }
 
-/* Largest local error of rho H at the rows' nodes with pressure (march_exit_margin), relative to the
- * central film. */
+/* Largest local error of rho H over the central film, at the rows' nodes away from the exit. */
 static double local_error(reduced_march *self, double central_film) {
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
@@ -382,14 +380,14 @@ static double local_error(reduced_march *self, double central_film) {
     return self->formula.error * largest / central_film;
 }
 
-/* Whether an exit boundary that did not settle may do so in a shorter step: when this one is not yet much
- * shorter than the last one. */
+/* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
+ * already much shorter than the step before. */
 static bool shorter_may_settle(const reduced_march *self, double step) {
     const double much_shorter = 0.05;
-    const size_t *place = self->ring.place;
+    const size_t *index = self->ring.place;
 
     return self->ring.num_earlier > 1 &&
-           step > much_shorter * (self->ring.time[place[1]] - self->ring.time[place[2]]);
+           step > much_shorter * (self->ring.time[index[1]] - self->ring.time[index[2]]);
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
@@ -430,7 +428,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 
 // ---- kept factors
 
-/* Makes the factors at what self->factors says. */
+/* Makes the kept factors of self->factors. */
 static void keep_factors(reduced_march *self) {
     ehd_contact contact;
 
@@ -443,7 +441,8 @@ static bool same_exits(const reduced_state *a, const reduced_state *b, const red
                   model->band.num_lines * sizeof(size_t)) == 0;
 }
 
-/* Whether the kept factors may be used for the next step, by how they did in this one. */
+/* Whether the kept factors stay for the next step, by their convergence in this one. Keeping them
+ * longer was tried: it does not save time. */
 static bool factors_are_current(const reduced_march *self, const reduced_state *solved) {
     const size_t max_iterations = 3;
     const double max_rate_change = 0.25;
@@ -477,7 +476,7 @@ static void accept(void *solver) {
     if (self->formula.rate > 0) renew_factors(self, solved);
     earlier_film_prepare(solved, self->model, self->splines, &self->reference);
     bdf_ring_accept(&self->ring, solved->frame.time);
-    self->last_loaded = self->loaded;
+    self->last_load_frame = self->load_frame;
     self->effort.seconds += program_seconds() - start;
 }
 
@@ -501,7 +500,7 @@ reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
 
 // ---- saving
 
-/* Numbers of a reduced state. */
+/* Length of a saved reduced state. */
 static size_t saved_state_size(const reduced_model *model) {
     return model->band.num_lines + model->num_unknowns;
 }
@@ -532,17 +531,17 @@ static ehd_status restore_state(reduced_state *state, const double *exit,
     return EHD_OK;
 }
 
-static void save_earlier(double *target, contact_frame *frame, const void *solver, size_t place) {
+static void save_earlier(double *target, contact_frame *frame, const void *solver, size_t index) {
     const reduced_march *self = solver;
 
-    *frame = self->states[place].frame;
-    save_state(target, &self->states[place].state, self->model);
+    *frame = self->states[index].frame;
+    save_state(target, &self->states[index].state, self->model);
 }
 
-static ehd_status restore_earlier(void *solver, size_t place, const contact_frame *frame,
+static ehd_status restore_earlier(void *solver, size_t index, const contact_frame *frame,
                                   const double *source, ehd_error *error) {
     reduced_march *self = solver;
-    earlier_film *earlier = &self->states[place];
+    earlier_film *earlier = &self->states[index];
     ehd_status status = restore_state(&earlier->state, source, self->model, error);
 
     if (status) return status;
@@ -558,10 +557,10 @@ static saved_states saved_states_of(const reduced_march *self) {
         .size = saved_state_size(self->model), .save = save_earlier, .restore = restore_earlier};
 }
 
-/* What stands behind the accepted states: the frame of the last solved load, and whether there are
- * kept factors, with rate, frame and state that they were made at. */
+/* Saved after the accepted states: the last load frame, whether there are kept factors, and rate
+ * and frame of these; their state follows. */
 typedef struct saved_rest {
-    contact_frame loaded;
+    contact_frame load_frame;
     double valid, rate;
     contact_frame frame;
 } saved_rest;
@@ -579,7 +578,7 @@ static void save(double *saved, const void *solver) {
     const reduced_march *self = solver;
     const saved_states states = saved_states_of(self);
     double *behind = saved + ring_saved_size(&states);
-    saved_rest rest = {.loaded = self->last_loaded,
+    saved_rest rest = {.load_frame = self->last_load_frame,
                        .valid = self->factors.valid ? 1 : 0,
                        .rate = self->factors.rate};
 
@@ -600,7 +599,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     ehd_status status = ring_restore(&self->ring, self, saved, &states, error);
 
     memcpy(&rest, behind, sizeof rest);
-    self->last_loaded = rest.loaded;
+    self->last_load_frame = rest.load_frame;
     drop_factors(self);
     if (status || rest.valid != 1) return status;
     status = restore_state(&self->factors.state, behind + NUM_REST, self->model, error);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced model in time: BDF2 steps in the moving frame, for march_run or for a multibody code's own
- * integrator. Nothing in a step is of the size of the grid. */
+/* The reduced model in time: BDF2 steps in the moving frame, for march_run or for a multibody
+ * code's own integrator. The cost of a step does not depend on the size of the grid. */
 #ifndef EHD_REDUCED_MARCH_H
 #define EHD_REDUCED_MARCH_H
 
@@ -10,7 +10,7 @@
 
 typedef struct reduced_march reduced_march;
 
-/* Model, splines and reference must outlive it; model and splines may be shared by threads. EHD_MEMORY. */
+/* All inputs must outlive it; threads may share model and splines. EHD_MEMORY. */
 ehd_status reduced_march_create(
     // output:
     reduced_march **self, // free with reduced_march_free
@@ -22,8 +22,8 @@ reduced_march *reduced_march_free(reduced_march *self); // accepts and returns N
 /* The solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 
-/* Starts, saves and restores as march_solver says. The start is the stationary solution,
- * from the trained ones, or where the speed is zero the trained state nearest to it. */
+/* As a solver for march_run. The start is the stationary solution, or where the speed is zero a fit
+ * through the trained states around. */
 march_solver reduced_march_solver(reduced_march *self);
 
 /* The last accepted state, and its frame. */

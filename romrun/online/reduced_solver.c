@@ -131,7 +131,7 @@ static double add_seconds(double *seconds, double start) {
     return now;
 }
 
-/* An outcome, not an error. */
+/* Not converged is an outcome, not an error. */
 static ehd_status fail(reduced_info *info, const char *reason) {
     info->status = EHD_NOT_CONVERGED;
     info->reason = reason;
@@ -160,7 +160,7 @@ static size_t build_system(reduced_solver *self, const double *z, const ehd_cont
                              &contact->closure, weight);
 }
 
-/* The step that least squares ask for, undamped. */
+/* The undamped step. */
 static ehd_status solve_step(reduced_solver *self, size_t num_rows) {
     const reduced_settings *settings = &self->settings;
     row_system *system = &self->system;
@@ -194,7 +194,7 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
-/* Damping factor by the step at the needed nodes; *change is the undamped largest pressure change. */
+/* Damping factor by the step at the needed nodes; *change: largest undamped change of P. */
 static double damping(double *change, node_state *nodes, const double *step) {
     size_t num_needed = nodes->model->rows.num_needed;
     const double *film = nodes->now.film;
@@ -213,7 +213,7 @@ static double damping(double *change, node_state *nodes, const double *step) {
     return factor;
 }
 
-/* Where an iteration has got to. */
+/* State of the iteration after a step. */
 typedef struct iterate {
     double film;   // H at X = 0 after the step
     double change; // largest change of P at the needed nodes, undamped
@@ -236,13 +236,13 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
     return now;
 }
 
-static const double PRESSURE_TOLERANCE = 1e-4; // of the Hertz pressure, at most
-static const double PRESSURE_OVER_FILM = 1e4;  // of these tolerances
-static const double CYCLE = 5e-3;              // change of P by a node's move of the exit, in time
+// of the change of P that another iteration would make: at most, and over the film's tolerance
+static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
+static const double CYCLE = 5e-3; // change of P by a node's move of the exit, in time
 
-/* What another iteration would change, by the observed rate: quadratic convergence makes the next
- * rate its square. What Gauss-Newton leaves of linear convergence is slower than that only where the
- * rate is small. */
+/* Whether another iteration would change film and pressure by less than the tolerances. Convergence
+ * is taken as quadratic, with the square of the observed rate as the next one; the linear part that
+ * Gauss-Newton leaves is slower only where the rate is small. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
     double rate = fmin(now->rate, 1), next = rate * rate;
 
@@ -257,21 +257,20 @@ static void watch_exits(reduced_solver *self, bool in_time) {
         exits_watch_stationary(&self->exits, self->settings.tolerance);
 }
 
-/* The exit line that an iteration starts from. Those of a stationary state may come from other
- * contacts: with lines of them, whose exits follow one another, iterations are saved by those that
- * the state itself asks for. */
+/* The exit line of the first iteration. A stationary start's was fitted to other contacts; on a
+ * point contact, with exits on all lines, adapting it to the start itself saves iterations. */
 static void start_exits(reduced_solver *self, reduced_state *state, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     watch_exits(self, squeeze != NULL);
     if (squeeze || self->model->band.num_lines == 1) return;
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     exits_adapt(&self->exits, &self->nodes, state, contact, NULL, INFINITY);
-    watch_exits(self, false); // where it began does not count
+    watch_exits(self, false); // that first move is no turn
 }
 
-/* The algorithm (Maier et al. 2015, section 3): Gauss-Newton on the weighted least squares of the
- * selected rows, the exit line following in each iteration. Returns an error only where the observer
- * or memory fails; the outcome is info->status. */
+/* The algorithm (Maier et al. (2015), section 3): Gauss-Newton on the weighted least squares of the
+ * selected rows, the exit line following in each iteration. Returns an error only where the
+ * observer or memory fails; the outcome is info->status. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
@@ -317,11 +316,11 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 // ---- in time, with the factors of an earlier Jacobian
 
 static const size_t MAX_KEPT_ITERATIONS = 8;
-// changes of P in the L2 norm, which the coordinates in orthonormal modes give on any grid
-static const double MAX_KEPT_CHANGE = 2e-3; // in one iteration, beyond which damping might matter
-static const double KEPT_TOLERANCE = 7e-6;
-static const double KEPT_CYCLE = 3e-4;   // of a node's move of the exit
 static const double MAX_KEPT_RATE = 0.5; // of convergence
+// changes of P in the L2 norm, which follows from the coordinates and does not depend on the grid
+static const double MAX_KEPT_CHANGE = 2e-3; // in one iteration, beyond which it would need damping
+static const double KEPT_TOLERANCE = 7e-6;
+static const double KEPT_CYCLE = 3e-4; // by a node's move of the exit
 
 void reduced_drop_factors(reduced_solver *self) {
     self->kept.valid = false;
@@ -340,13 +339,13 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     kept_factors_set(&self->kept, &self->system, &self->nodes, weight);
 }
 
-/* Where the iteration with kept factors has got to. */
+/* State of the iteration with kept factors. */
 typedef struct kept_iterate {
     double change; // of P, L2 norm; NaN before the first
     bool converged;
 } kept_iterate;
 
-/* One step; false where the stored factorisation turns out not to serve. */
+/* One step; false where it converges too slowly or needs damping. */
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
                            reduced_solver *self, const contact_closure *closure) {
     const reduced_model *model = self->model;
@@ -372,7 +371,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     return true;
 }
 
-/* Iterates with the kept factors; false where they do not serve, and the state is then of no use. */
+/* Iterates with the kept factors. False: not converged, and the state is useless. */
 static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_solver *self,
                              const ehd_contact *contact, const reduced_squeeze *squeeze) {
     kept_iterate at = {.change = NAN};
@@ -382,9 +381,9 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
     for (size_t iteration = 0; iteration < MAX_KEPT_ITERATIONS; iteration++) {
         evaluate(self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         start = add_seconds(&info->seconds_rows, start);
-        bool serves = take_kept_step(&at, info, state, self, &contact->closure);
+        bool converges = take_kept_step(&at, info, state, self, &contact->closure);
         start = add_seconds(&info->seconds_linear, start);
-        if (!serves) return false;
+        if (!converges) return false;
         bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, at.change);
         start = add_seconds(&info->seconds_exit, start);
         // farther away the stored factorisation no longer matches the active rows
@@ -395,12 +394,12 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
             info->own_jacobian = false;
             return exits_settled(&self->exits, &self->nodes);
         }
-        if (moved) at.change = NAN; // another problem
+        if (moved) at.change = NAN; // the rate starts anew with other active rows
     }
     return false;
 }
 
-/* With the kept factors where there are some and they serve, else with Jacobians of its own. */
+/* Iterates with the kept factors, if any; where that fails, from the start with own Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
@@ -427,7 +426,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     return status;
 }
 
-// ---- what a solution says
+// ---- quantities of a solution
 
 contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
     const reduced_model *model = self->model;
@@ -444,8 +443,8 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
                              .load = nodes_load(nodes) / model->kind->load};
 }
 
-double reduced_left_residual(const reduced_solver *self) {
-    return system_left_residual(&self->system);
+double reduced_remaining_residual(const reduced_solver *self) {
+    return system_remaining_residual(&self->system);
 }
 
 double reduced_central_sensitivity(reduced_solver *self) {
@@ -456,7 +455,7 @@ double reduced_central_sensitivity(reduced_solver *self) {
     for (size_t i = 0; i < 4; i++)
         if (model->centre.weight[i] != 0)
             nodes_add_film_row(gradient, model->centre.weight[i], &self->nodes,
-                               model->centre.place[i]);
+                               model->centre.index[i]);
     gradient[model->num_unknowns - 1] = 1;
     return least_squares_sensitivity(self->system.factors, gradient);
 }

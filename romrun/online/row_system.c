@@ -38,7 +38,7 @@ void system_free(row_system *self) {
 // ---- rows
 
 static bool is_active(const row_system *self, const node_state *nodes, size_t r) {
-    return nodes->alive[self->model->rows.stencils[r].node[NODE_HERE]];
+    return nodes->pressurised[self->model->rows.stencils[r].node[NODE_HERE]];
 }
 
 void system_list_active(row_system *self, const node_state *nodes) {
@@ -125,7 +125,7 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
         pressures[a] = model->rows.pressure + q * model->num_pressure;
         films[a] = film + q * width;
         if (!there) continue;
-        if (nodes->alive[q]) by_pressure[a] = weight * row->by_pressure[a];
+        if (nodes->pressurised[q]) by_pressure[a] = weight * row->by_pressure[a];
         by_film[a] = weight * row->by_film[a];
         approach += row->by_film[a];
     }
@@ -134,7 +134,7 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     add_rows(target + offset, by_film, films, width);
     for (int a = NODE_LEFT; a <= NODE_RIGHT && stencil->node[a] != NO_NODE; a++) {
         size_t q = stencil->node[a];
-        if (nodes->alive[q])
+        if (nodes->pressurised[q])
             nodes_add_row(target, weight * row->by_pressure[a],
                           model->rows.pressure + q * model->num_pressure, model->num_pressure);
         nodes_add_row(target + offset, weight * row->by_film[a], film + q * width, width);
@@ -143,13 +143,12 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* What a band node's pressure makes of the active rows: the load balance last, [num_active + 1]. The
- * products are rounded as fill_reynolds_row does, so that a node that is taken away leaves nothing of
- * itself. */
-static void fill_left_side(double *left, size_t stride, const row_system *self, size_t place,
+/* Derivatives of the active rows, and last the load balance, by a band node's pressure,
+ * [num_active + 1]. Products are rounded as in fill_reynolds_row: nodes taken away cancel. */
+static void fill_left_side(double *left, size_t stride, const row_system *self, size_t index,
                            double sign, double load_weight) {
     const reduced_model *model = self->model;
-    const double *by_node = model->cut.left + place * model->cut.num_rows;
+    const double *by_node = model->cut.left + index * model->cut.num_rows;
 
     for (size_t i = 0; i < self->num_active; i++) {
         size_t r = self->active[i];
@@ -172,8 +171,8 @@ static void add_block(row_system *self, size_t rank) {
                 (int)model->num_pressure, 1, self->matrix, (int)model->num_unknowns);
 }
 
-/* Brings the rows of a coupled basis from the exit's checkpoint to the exit: eq. 36 of Maier et al.
- * (2015) with the stencils applied to its left sides first. */
+/* Updates the rows of a coupled basis from the exit's checkpoint to the exit: Maier et al. (2015),
+ * eq. 36, with the stencils applied to its left sides first. */
 static void add_runs(row_system *self, const node_state *nodes, double load_weight) {
     const reduced_model *model = self->model;
     size_t rank = 0;
@@ -193,10 +192,9 @@ static void add_runs(row_system *self, const node_state *nodes, double load_weig
     if (rank > 0) add_block(self, rank);
 }
 
-/* Brings the cut table of an independent basis to the exit, always from the exit's checkpoint: its
- * bits then depend on the exit alone, and rounding errors do not add up over thousands of steps in
- * time. Of a coupled one the rows of the Jacobian are brought there instead, of which there are fewer
- * (add_runs). */
+/* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint: its
+ * bits then depend on the exit alone, and rounding errors do not add up over the steps in time. Of
+ * a coupled basis the fewer rows of the Jacobian are updated instead (add_runs). */
 static void make_cut_table(row_system *self, const node_state *nodes) {
     const reduced_model *model = self->model;
     size_t size = model->cut.num_rows * model->num_pressure;
@@ -242,7 +240,7 @@ void system_fill_matrix(row_system *self, const node_state *nodes, const contact
     if (coupled) add_runs(self, nodes, closure_weight * closure->by_load);
 }
 
-double system_left_residual(const row_system *self) {
+double system_remaining_residual(const row_system *self) {
     size_t n = self->model->num_unknowns;
     size_t num_rows = self->num_active + self->model->num_deformation + 1;
     double sum = 0;

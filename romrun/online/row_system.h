@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The least-squares problem of an iteration: the selected Reynolds rows before the exit, weighted,
- * the projected elasticity of an independent basis, and the closure. Owns rows, matrix, factors and
- * step. */
+/* The least-squares problem of an iteration: weighted selected Reynolds rows before the exit,
+ * projected elasticity of an independent basis, closure. Owns rows, matrix, factors and step. */
 #ifndef EHD_ROW_SYSTEM_H
 #define EHD_ROW_SYSTEM_H
 
@@ -30,7 +29,7 @@ typedef struct row_system {
 void system_init(row_system *self, const reduced_model *model, arena *memory);
 void system_free(row_system *self);
 
-/* Most rows that a least-squares problem of the model may have. */
+/* Largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
 /* Rows and their derivatives at the state that `nodes` holds, into self->rows. */
@@ -40,20 +39,20 @@ void system_evaluate(row_system *self, const node_state *nodes, const ehd_contac
 /* Lists the rows before the exit. */
 void system_list_active(row_system *self, const node_state *nodes);
 
-/* Right side of eq. 37 of Maier et al. (2015): the Reynolds rows of a list (those behind the exit
- * count as fulfilled), projected elasticity, closure. Returns the number of rows. */
+/* Right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the exit),
+ * projected elasticity, closure. Returns the number of rows. */
 size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
                          const size_t *list, size_t num_list, const contact_closure *closure,
                          double closure_weight);
 
-/* Matrix of eq. 38 for the active rows, at the present exit. */
+/* Matrix (eq. 38) for the active rows, at the present exit. */
 void system_fill_matrix(row_system *self, const node_state *nodes, const contact_closure *closure,
                         double closure_weight);
 
-/* Short time steps make large rows, among which the closure must not get lost: 1 + rate. */
+/* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
-/* |D f + D J step| of the last step: what least squares leave. */
-double system_left_residual(const row_system *self);
+/* |D f + D J step| of the last step. */
+double system_remaining_residual(const row_system *self);
 
 #endif

@@ -127,7 +127,7 @@ static void the_cheapest_that_is_good_enough(void **state) {
         measured(1e-2, 2, 0),  measured(2e-3, 4, 0), measured(1e-2, 2.5, 0)};
     const trade_table table = {9, 0, sizeof positions / sizeof *positions, positions};
     const trade_table failed = {9, 0, 1, positions};
-    const bool beaten[] = {true, false, true, false, false, true, true};
+    const bool dominated[] = {true, false, true, false, false, true, true};
     (void)state;
 
     assert_int_equal(trade_cheapest(&table, 1, false), 1);
@@ -138,7 +138,7 @@ static void the_cheapest_that_is_good_enough(void **state) {
     assert_int_equal(trade_most_accurate(&table, false), 3);
     assert_int_equal(trade_most_accurate(&failed, false), 1);
     for (size_t i = 0; i < table.num_positions; i++)
-        assert_int_equal(trade_is_beaten(&table, i, false), beaten[i]);
+        assert_int_equal(trade_is_dominated(&table, i, false), dominated[i]);
 }
 
 /* Each regime chooses by its own numbers. */
@@ -153,7 +153,7 @@ static void in_time_it_may_be_another(void **state) {
     assert_int_equal(trade_cheapest(&table, 1e-2, false), 0);
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 1);
     assert_int_equal(trade_most_accurate(&table, true), 1);
-    assert_true(trade_is_beaten(&table, 1, false) && !trade_is_beaten(&table, 1, true));
+    assert_true(trade_is_dominated(&table, 1, false) && !trade_is_dominated(&table, 1, true));
     positions[1].num_lost = 1;
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
@@ -174,7 +174,7 @@ static void an_indicator_takes_the_place_of_the_worst(void **state) {
     assert_int_equal(trade_cheapest(&table, 4.5e-3, false), 0);
     assert_int_equal(trade_cheapest(&table, 3e-3, false), 3);
     assert_int_equal(trade_most_accurate(&table, false), 0);
-    assert_true(trade_is_beaten(&table, 2, false) && !trade_is_beaten(&table, 1, false));
+    assert_true(trade_is_dominated(&table, 2, false) && !trade_is_dominated(&table, 1, false));
 }
 
 static void the_factor_leaves_a_margin(void **state) {
@@ -202,7 +202,7 @@ static void accuracy_chooses_the_fastest_and_the_best(void **state) {
         positions[i].sizes = (ehdrom_sizes){10 + i, 0, 20 + i};
     check_ok(accuracy_choose(&choice, &table, 2e-2, false, "m.h5", &error));
     assert_memory_equal(&choice.fastest, &positions[1].sizes, sizeof choice.fastest);
-    assert_memory_equal(&choice.most, &positions[2].sizes, sizeof choice.most);
+    assert_memory_equal(&choice.most_accurate, &positions[2].sizes, sizeof choice.most_accurate);
     assert_string_equal(choice.note,
                         "11 pressure modes, 21 rows, the fastest of 4 sizes whose central film "
                         "was at most so far off: 0.01 on 9 scenes, in 2 ms");
@@ -307,7 +307,7 @@ static void a_full_model_deviates_by_what_it_is_told(void **state) {
     assert_int_equal(position.num_failures, 0);
     check_close(position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST], 0, 0, 1e-12);
     check_close(position.deviation[TRADE_PRESSURE][TRADE_WORST], 0, 0, 1e-4);
-    assert_true(position.seconds > 0 && position.most_iterations >= position.mean_iterations &&
+    assert_true(position.seconds > 0 && position.max_iterations >= position.mean_iterations &&
                 position.mean_iterations >= 1);
 
     memcpy(shifted, scenes[3].pressure, num_nodes * sizeof *shifted);
@@ -390,7 +390,7 @@ static void a_table_comes_back(void **state) {
     positions[0].sizes = (ehdrom_sizes){9, 0, 20};
     positions[1].sizes = (ehdrom_sizes){12, 0, 121};
     positions[0].mean_iterations = 4.5;
-    positions[0].most_iterations = 9;
+    positions[0].max_iterations = 9;
     positions[0].num_lost = 1;
     positions[0].step_iterations = 3.5;
     positions[0].step_seconds = 1e-4;
