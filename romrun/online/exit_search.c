@@ -126,7 +126,7 @@ static double flux_at(void *state, size_t node) {
 static double line_film(void *state, size_t node) {
     const exit_query *query = state;
 
-    return film_at(query, node, reduced_model_band_place(query->search->model, node));
+    return film_at(query, node, reduced_model_band_index(query->search->model, node));
 }
 
 // ---- where the exits should be

@@ -240,7 +240,7 @@ static void bound_grows_with_the_cube(void **state) {
             const ehd_contact *contact = &training.contacts[s];
             reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
-            double residual = hypot(reduced_left_residual(solver),
+            double residual = hypot(reduced_remaining_residual(solver),
                                     indicator_control_residual(self, &at, contact));
             double linear = reduced_central_sensitivity(solver) * residual;
             double bound = indicator_bound(self, solver, &at, contact, &info.scalars) *

@@ -497,7 +497,8 @@ static void sizes_beyond_the_model_are_refused(void **state) {
     const ehdrom_sizes few = {0, 0, 8};
     reduced_model found;
     assert_int_equal(model_read(&found, path, &few, &error), EHD_DATA);
-    assert_non_null(strstr(error.text, "--rows: found 8 rows, expected at least 9: the model has "));
+    assert_non_null(
+        strstr(error.text, "--rows: found 8 rows, expected at least 9: the model has "));
     reduced_model_free(&model);
 }
 
