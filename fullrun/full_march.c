@@ -3,8 +3,8 @@
 
 #include "common/time/saved_ring.h"
 #include "fullrun/continuation.h"
-#include "fullrun/earlier.h"
 #include "fullrun/judge.h"
+#include "fullrun/previous.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,12 +19,12 @@ struct full_march {
     ehd_contact reference;
     double start_film;
     full_solver *solver;
-    earlier_state states[BDF_EARLIER + 1]; // indexed by the ring
+    previous_state states[BDF_PREVIOUS + 1]; // indexed by the ring
     bdf_ring ring;
-    earlier_carrier carrier;
-    bool *noisy;               // [num_nodes] left out of the local error
-    double *mass[BDF_EARLIER]; // [num_nodes] rho H of earlier states at the inner nodes
-    double *earlier;           // [num_nodes] their sum with the formula's weights
+    previous_carrier carrier;
+    bool *noisy;                // [num_nodes] left out of the local error
+    double *mass[BDF_PREVIOUS]; // [num_nodes] rho H of previous states at the inner nodes
+    double *previous;           // [num_nodes] their sum with the formula's weights
     full_march_effort effort;
     char reason[JUDGE_REASON];
 };
@@ -32,22 +32,22 @@ struct full_march {
 full_march *full_march_free(full_march *self) {
     if (self) {
         full_solver_free(self->solver);
-        for (size_t i = 0; i <= BDF_EARLIER; i++)
-            earlier_free(&self->states[i]);
-        for (size_t i = 0; i < BDF_EARLIER; i++)
+        for (size_t i = 0; i <= BDF_PREVIOUS; i++)
+            previous_free(&self->states[i]);
+        for (size_t i = 0; i < BDF_PREVIOUS; i++)
             free(self->mass[i]);
-        earlier_carrier_free(&self->carrier);
+        previous_carrier_free(&self->carrier);
         free(self->noisy);
-        free(self->earlier);
+        free(self->previous);
         free(self);
     }
     return NULL;
 }
 
 double full_march_bytes(const ehd_contact *reference) {
-    const double own = (BDF_EARLIER + 1) * sizeof(double) + sizeof(bool);
+    const double own = (BDF_PREVIOUS + 1) * sizeof(double) + sizeof(bool);
 
-    return full_solver_bytes(&reference->grid) + earlier_bytes(reference, BDF_EARLIER + 1) +
+    return full_solver_bytes(&reference->grid) + previous_bytes(reference, BDF_PREVIOUS + 1) +
            own * (double)reference->grid.num_nodes;
 }
 
@@ -72,19 +72,19 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->reference = *reference;
     self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;
     self->ring = bdf_ring_empty();
-    self->earlier = malloc(num_nodes * sizeof(double));
+    self->previous = malloc(num_nodes * sizeof(double));
     self->noisy = calloc(num_nodes, sizeof *self->noisy);
-    whole = self->earlier && self->noisy;
-    for (size_t i = 0; i < BDF_EARLIER; i++) {
+    whole = self->previous && self->noisy;
+    for (size_t i = 0; i < BDF_PREVIOUS; i++) {
         self->mass[i] = malloc(num_nodes * sizeof(double));
         whole = whole && self->mass[i];
     }
     ehd_status status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid,
                                                    settings, error)
                               : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
-    if (!status) status = earlier_carrier_init(&self->carrier, reference, error);
-    for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
-        status = earlier_init(&self->states[i], reference, error);
+    if (!status) status = previous_carrier_init(&self->carrier, reference, error);
+    for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
+        status = previous_init(&self->states[i], reference, error);
     if (status)
         full_march_free(self);
     else
@@ -92,7 +92,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     return status;
 }
 
-static earlier_state *state_before(full_march *self, size_t steps) {
+static previous_state *state_before(full_march *self, size_t steps) {
     return &self->states[self->ring.place[steps]];
 }
 
@@ -171,7 +171,7 @@ static ehd_status continue_to_approach(full_info *info, full_march *self, contac
 }
 
 /* A stationary start has to meet the criteria of a stationary result (judge.h). */
-static void judge_start(full_info *info, full_march *self, const earlier_state *first) {
+static void judge_start(full_info *info, full_march *self, const previous_state *first) {
     ehd_contact contact;
 
     frame_contact(&contact, &first->frame, &self->reference);
@@ -185,7 +185,7 @@ static void accept(void *solver);
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     full_march *self = solver;
-    earlier_state *first = state_before(self, 0);
+    previous_state *first = state_before(self, 0);
     full_info info;
     ehd_status status = start_with_load(&info, self, frame, error);
 
@@ -201,7 +201,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .scalars = full_evaluate_scalars(&first->state, &self->reference),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
-    self->ring.num_earlier = 0;
+    self->ring.num_previous = 0;
     accept(self);
     return EHD_OK;
 }
@@ -216,12 +216,12 @@ static void predict(full_march *self, const bdf_formula *formula) {
     for (size_t k = 1; k < state->exit; k++) {
         double pressure = 0;
         if (state->ruptured[k]) continue;
-        for (size_t i = 0; i < self->ring.num_earlier; i++)
+        for (size_t i = 0; i < self->ring.num_previous; i++)
             pressure += formula->predictor[i] * state_before(self, i + 1)->state.pressure[k];
         state->pressure[k] = fmax(pressure, 0);
     }
     state->rigid_approach = 0;
-    for (size_t i = 0; i < self->ring.num_earlier; i++)
+    for (size_t i = 0; i < self->ring.num_previous; i++)
         state->rigid_approach +=
             formula->predictor[i] * state_before(self, i + 1)->state.rigid_approach;
 }
@@ -229,11 +229,11 @@ static void predict(full_march *self, const bdf_formula *formula) {
 static void carry_over(full_march *self, const bdf_formula *formula, const contact_frame *frame) {
     size_t num_inner = self->reference.grid.num_inner;
 
-    memset(self->earlier, 0, num_inner * sizeof(double));
-    for (size_t i = 0; i < self->ring.num_earlier; i++) {
-        earlier_mass(self->mass[i], state_before(self, i + 1), frame, &self->carrier);
+    memset(self->previous, 0, num_inner * sizeof(double));
+    for (size_t i = 0; i < self->ring.num_previous; i++) {
+        previous_mass(self->mass[i], state_before(self, i + 1), frame, &self->carrier);
         for (size_t r = 0; r < num_inner; r++)
-            self->earlier[r] += formula->weight[i] * self->mass[i][r];
+            self->previous[r] += formula->weight[i] * self->mass[i][r];
     }
 }
 
@@ -266,7 +266,7 @@ static void mark_noisy(full_march *self, const full_state *state) {
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
         self->noisy[k] = !full_has_pressure(state, k);
-        for (size_t i = 1; i <= self->ring.num_earlier; i++)
+        for (size_t i = 1; i <= self->ring.num_previous; i++)
             self->noisy[k] = self->noisy[k] || !full_has_pressure(&state_before(self, i)->state, k);
     }
     for (size_t l = 0; l < grid->inner_lines; l++)
@@ -289,7 +289,7 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
         if (self->noisy[k]) continue;
         mass *=
             lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
-        for (size_t i = 0; i < self->ring.num_earlier; i++)
+        for (size_t i = 0; i < self->ring.num_previous; i++)
             mass -= formula->predictor[i] * self->mass[i][r];
         largest = fmax(largest, fabs(mass));
     }
@@ -307,9 +307,9 @@ static bool is_cut(const full_state *state, const ehd_grid *grid) {
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     full_march *self = solver;
-    earlier_state *next = state_before(self, 0);
+    previous_state *next = state_before(self, 0);
     bdf_formula formula = bdf_ring_formula(&self->ring, step);
-    reynolds_squeeze squeeze = {formula.rate, self->earlier};
+    reynolds_squeeze squeeze = {formula.rate, self->previous};
     ehd_contact contact;
     full_info info;
 
@@ -341,20 +341,20 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 
 static void accept(void *solver) {
     full_march *self = solver;
-    earlier_state *solved = state_before(self, 0);
+    previous_state *solved = state_before(self, 0);
 
-    earlier_prepare(solved, &self->carrier);
+    previous_prepare(solved, &self->carrier);
     bdf_ring_accept(&self->ring, solved->frame.time);
 }
 
 static void restart(void *solver) {
     full_march *self = solver;
 
-    self->ring.num_earlier = 1;
+    self->ring.num_previous = 1;
 }
 
 const full_state *full_march_state(const full_march *self, const contact_frame **frame) {
-    const earlier_state *last = &self->states[self->ring.place[1]];
+    const previous_state *last = &self->states[self->ring.place[1]];
 
     if (frame) *frame = &last->frame;
     return &last->state;
@@ -373,38 +373,38 @@ static const double RUPTURED = -1; // stands for a pressure, which never is that
 /* Rigid approach, exit, pressure and film. */
 static void save_state(double *target, contact_frame *frame, const void *solver, size_t index) {
     const full_march *self = solver;
-    const earlier_state *earlier = &self->states[index];
+    const previous_state *previous = &self->states[index];
     size_t num_nodes = self->reference.grid.num_nodes;
 
-    *frame = earlier->frame;
-    target[0] = earlier->state.rigid_approach;
-    target[1] = (double)earlier->state.exit;
+    *frame = previous->frame;
+    target[0] = previous->state.rigid_approach;
+    target[1] = (double)previous->state.exit;
     target += NUM_STATE_SCALARS;
     for (size_t k = 0; k < num_nodes; k++)
-        target[k] = earlier->state.ruptured[k] ? RUPTURED : earlier->state.pressure[k];
-    memcpy(target + num_nodes, earlier->state.film, num_nodes * sizeof(double));
+        target[k] = previous->state.ruptured[k] ? RUPTURED : previous->state.pressure[k];
+    memcpy(target + num_nodes, previous->state.film, num_nodes * sizeof(double));
 }
 
 static ehd_status restore_state(void *solver, size_t index, const contact_frame *frame,
                                 const double *source, ehd_error *error) {
     full_march *self = solver;
-    earlier_state *earlier = &self->states[index];
+    previous_state *previous = &self->states[index];
     size_t num_nodes = self->reference.grid.num_nodes;
 
     if (!(source[1] > 1 && source[1] < (double)num_nodes))
         return ehd_fail(error, EHD_DATA,
                         "saved state: found the exit at node %g, expected it on the grid",
                         source[1]);
-    earlier->frame = *frame;
-    earlier->state.rigid_approach = source[0];
-    earlier->state.exit = (size_t)source[1];
+    previous->frame = *frame;
+    previous->state.rigid_approach = source[0];
+    previous->state.exit = (size_t)source[1];
     source += NUM_STATE_SCALARS;
     for (size_t k = 0; k < num_nodes; k++) {
-        earlier->state.ruptured[k] = source[k] == RUPTURED;
-        earlier->state.pressure[k] = earlier->state.ruptured[k] ? 0 : source[k];
+        previous->state.ruptured[k] = source[k] == RUPTURED;
+        previous->state.pressure[k] = previous->state.ruptured[k] ? 0 : source[k];
     }
-    memcpy(earlier->state.film, source + num_nodes, num_nodes * sizeof(double));
-    earlier_prepare(earlier, &self->carrier);
+    memcpy(previous->state.film, source + num_nodes, num_nodes * sizeof(double));
+    previous_prepare(previous, &self->carrier);
     return EHD_OK;
 }
 

@@ -105,7 +105,7 @@ void reynolds_rows(reynolds_row *rows, double step, double entrainment,
         }
         if (squeeze) {
             add_mass(row, NODE_HERE, -squeeze->rate, stencil, fluid, film);
-            row->residual -= squeeze->earlier[r];
+            row->residual -= squeeze->previous[r];
         }
     }
 }

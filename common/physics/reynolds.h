@@ -43,11 +43,11 @@ typedef struct reynolds_fluid {
     double *density_slope;
 } reynolds_fluid;
 
-/* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + earlier. */
+/* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
     double rate; // 1 / dimensionless time
     // [num_rows] weighted sum of rho H at previous time levels, in the current frame
-    const double *earlier;
+    const double *previous;
 } reynolds_squeeze;
 
 /* Stencil of an inner node of a grid, entrainment towards larger x. On the mirror line of a half

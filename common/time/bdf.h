@@ -7,30 +7,30 @@
 #include <stddef.h>
 
 enum {
-    BDF_EARLIER = 3
-}; // earlier states that a step looks at: two for the formula, one more for
+    BDF_PREVIOUS = 3
+}; // previous states that a step looks at: two for the formula, one more for
     // the estimate of its error
 
 /* One step: dy/dT = rate y + sum of weight[i] y_i, where y_0 is the last state, y_1 the one before …
  * The local error is `error` times y minus its prediction, the sum of predictor[i] y_i. */
 typedef struct bdf_formula {
     size_t order;
-    double rate;                   // 1 / time
-    double weight[BDF_EARLIER];    // 1 / time, zero beyond the order
-    double predictor[BDF_EARLIER]; // 1
-    double error;                  // 1; 0 where there are too few earlier states to tell
+    double rate;                    // 1 / time
+    double weight[BDF_PREVIOUS];    // 1 / time, zero beyond the order
+    double predictor[BDF_PREVIOUS]; // 1
+    double error;                   // 1; 0 where there are too few previous states to tell
 } bdf_formula;
 
-/* Formula for a step of length `step` from the last state, which `num_earlier` (1 … BDF_EARLIER)
+/* Formula for a step of length `step` from the last state, which `num_previous` (1 … BDF_PREVIOUS)
  * states lead up to: intervals[i] lies between states i and i + 1. */
-bdf_formula bdf_step(double step, const double *intervals, size_t num_earlier);
+bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
-/* Which of BDF_EARLIER + 1 states is which: place[0] is the one being solved, place[i] the i-th before
- * it, of which the first num_earlier count. */
+/* Which of BDF_PREVIOUS + 1 states is which: place[0] is the one being solved, place[i] the i-th before
+ * it, of which the first num_previous count. */
 typedef struct bdf_ring {
-    size_t place[BDF_EARLIER + 1];
-    size_t num_earlier;
-    double time[BDF_EARLIER + 1]; // of the states, by place
+    size_t place[BDF_PREVIOUS + 1];
+    size_t num_previous;
+    double time[BDF_PREVIOUS + 1]; // of the states, by place
 } bdf_ring;
 
 bdf_ring bdf_ring_empty(void);

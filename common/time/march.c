@@ -131,8 +131,8 @@ static next_stop find_next_stop(const march *self) {
 static double error_after_kink(const march *self, double step, double local_error) {
     const march_state *state = &self->state;
     const double intervals[] = {state->last_step, state->step_before};
-    size_t num_earlier = state->step_before > 0 ? 3 : state->last_step > 0 ? 2 : 1;
-    double smooth = bdf_step(step, intervals, num_earlier).error;
+    size_t num_previous = state->step_before > 0 ? 3 : state->last_step > 0 ? 2 : 1;
+    double smooth = bdf_step(step, intervals, num_previous).error;
 
     if (!(smooth > 0) || step <= self->settings.first_step) return local_error;
     return local_error * fmax(state->last_step / (2 * step + state->last_step) / smooth, 1);

@@ -4,13 +4,13 @@
 #include <string.h>
 
 size_t ring_saved_size(const saved_states *states) {
-    return 1 + BDF_EARLIER * (NUM_FRAME + states->size);
+    return 1 + BDF_PREVIOUS * (NUM_FRAME + states->size);
 }
 
 void ring_save(double *saved, const bdf_ring *ring, const saved_states *states, const void *self) {
     memset(saved, 0, ring_saved_size(states) * sizeof *saved);
-    *saved++ = (double)ring->num_earlier;
-    for (size_t i = 0; i < ring->num_earlier; i++, saved += NUM_FRAME + states->size) {
+    *saved++ = (double)ring->num_previous;
+    for (size_t i = 0; i < ring->num_previous; i++, saved += NUM_FRAME + states->size) {
         contact_frame frame;
         states->save(saved + NUM_FRAME, &frame, self, ring->place[i + 1]);
         memcpy(saved, &frame, sizeof frame);
@@ -21,10 +21,10 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
                         ehd_error *error) {
     const double count = *saved++;
 
-    ring->num_earlier = 0;
-    if (!(count >= 1 && count <= BDF_EARLIER))
-        return ehd_fail(error, EHD_DATA, "saved state: found %g earlier states, expected 1 to %d",
-                        count, BDF_EARLIER);
+    ring->num_previous = 0;
+    if (!(count >= 1 && count <= BDF_PREVIOUS))
+        return ehd_fail(error, EHD_DATA, "saved state: found %g previous states, expected 1 to %d",
+                        count, BDF_PREVIOUS);
     for (size_t i = 0; i < (size_t)count; i++, saved += NUM_FRAME + states->size) {
         size_t place = ring->place[i + 1];
         contact_frame frame;
@@ -33,6 +33,6 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
         if (status) return status;
         ring->time[place] = frame.time;
     }
-    ring->num_earlier = (size_t)count;
+    ring->num_previous = (size_t)count;
     return EHD_OK;
 }

@@ -277,7 +277,7 @@ march_solver ehdrom_march(ehdrom_transient *self) {
 void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver) {
     reduced_march_effort effort = reduced_march_effort_of(solver);
 
-    *rows = effort.seconds_rows + effort.seconds_earlier;
+    *rows = effort.seconds_rows + effort.seconds_previous;
     *linear = effort.seconds_linear;
     *exit = effort.seconds_exit;
 }

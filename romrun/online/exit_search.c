@@ -101,8 +101,8 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
 static double multiplier_at(void *state, size_t node) {
     const exit_query *query = state;
     const reduced_squeeze *squeeze = query->squeeze;
-    const double earlier = squeeze ? squeeze->earlier_at(squeeze->context, node) : 0;
-    const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, &earlier};
+    const double previous = squeeze ? squeeze->previous_at(squeeze->context, node) : 0;
+    const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, &previous};
     band_stencil around;
     reynolds_row row;
 

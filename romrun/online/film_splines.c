@@ -116,7 +116,7 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
 // ---- the modes
 
 /* Extends the model's grid before the contact and at its sides: nodes of a frame that has grown lie
- * farther out in an earlier one. Enough for a load that has become 2.25 times as large. */
+ * farther out in a previous one. Enough for a load that has become 2.25 times as large. */
 static void widen_grid(film_splines *self, const reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     const contact_kind *kind = model->kind;
@@ -243,21 +243,21 @@ void film_splines_free(film_splines *self) {
     memset(self, 0, sizeof *self);
 }
 
-// ---- an earlier state
+// ---- an previous state
 
-ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd_error *error) {
+ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error) {
     memset(self, 0, sizeof *self);
     self->runs = calloc(model->band.num_lines, sizeof *self->runs);
     self->cut_pressure = calloc(model->band.num_nodes, sizeof(double));
     ehd_status status = self->runs && self->cut_pressure
                             ? reduced_state_init(&self->state, model, error)
-                            : ehd_fail(error, EHD_MEMORY, "earlier state: found no memory");
+                            : ehd_fail(error, EHD_MEMORY, "previous state: found no memory");
     if (!status) status = reduced_values_init(&self->values, model, error);
-    if (status) earlier_film_free(self);
+    if (status) previous_film_free(self);
     return status;
 }
 
-void earlier_film_free(earlier_film *self) {
+void previous_film_free(previous_film *self) {
     free(self->runs);
     free(self->cut_pressure);
     reduced_state_free(&self->state);
@@ -267,7 +267,7 @@ void earlier_film_free(earlier_film *self) {
 
 /* The pressure's spline near the exit of a line contact, from which on its values are zero; at the
  * window's first node its curvature is that of the modes. */
-static void prepare_window(earlier_film *self, const reduced_model *model,
+static void prepare_window(previous_film *self, const reduced_model *model,
                            const film_splines *splines) {
     size_t num_pressure = model->num_pressure, num_nodes = model->grid.num_nodes;
     size_t size = num_nodes < EXIT_WINDOW ? num_nodes : EXIT_WINDOW, exit = self->state.exit;
@@ -293,8 +293,8 @@ static void prepare_window(earlier_film *self, const reduced_model *model,
     solve_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
-void earlier_film_prepare(earlier_film *self, const reduced_model *model,
-                          const film_splines *splines, const ehd_contact *reference) {
+void previous_film_prepare(previous_film *self, const reduced_model *model,
+                           const film_splines *splines, const ehd_contact *reference) {
     self->num_runs = is_coupled(model) ? reduced_model_runs(self->runs, model, splines->cut_exits,
                                                             reduced_state_exits(&self->state))
                                        : 0;
@@ -359,7 +359,7 @@ INLINE void sum_splines(double *sum, const spline_point *at, size_t num, const d
     size_t width = layout->width, j = 0;
     const double *here = table, *curvature_here = here + layout->x_curvature;
     const double *next = here + layout->column, *curvature_next = next + layout->x_curvature;
-    vector lanes[BDF_EARLIER] = {{0}};
+    vector lanes[BDF_PREVIOUS] = {{0}};
 
     for (; j + VECTOR_LANES <= width; j += VECTOR_LANES) {
         const vector h = load_vector(here + j), ch = load_vector(curvature_here + j),
@@ -378,7 +378,7 @@ INLINE void sum_splines(double *sum, const spline_point *at, size_t num, const d
     }
 }
 
-/* Splines along a line of up to BDF_EARLIER states at points between the same two nodes, `table`
+/* Splines along a line of up to BDF_PREVIOUS states at points between the same two nodes, `table`
  * being at the first: together, so that the modes there are read once. */
 WIDER_VECTORS
 static void combine(double *sum, const spline_point *at, size_t num, const double *table,
@@ -400,8 +400,8 @@ static void combine(double *sum, const spline_point *at, size_t num, const doubl
 static void combine_across(double *sum, const spline_point *along, const spline_point *across,
                            size_t num, const double *table, const spline_layout *layout,
                            const double *const *coordinates) {
-    spline_point weighted[BDF_EARLIER];
-    double part[BDF_EARLIER];
+    spline_point weighted[BDF_PREVIOUS];
+    double part[BDF_PREVIOUS];
 
     memset(sum, 0, num * sizeof *sum);
     for (size_t v = 0; v < NUM_WEIGHTS; v++) {
@@ -472,7 +472,7 @@ INLINE double weigh_kernel_sums(const kernel_sums *sum, size_t v, const double *
 }
 
 /* Deflection of a line contact by the pressures between cut_exits and the state's exit. */
-INLINE double cut_deflection(const earlier_film *self, const spline_point *along,
+INLINE double cut_deflection(const previous_film *self, const spline_point *along,
                              const film_splines *splines) {
     const cut_run *run = self->runs;
     const double *kernel[] = {splines->kernel};
@@ -486,7 +486,7 @@ INLINE double cut_deflection(const earlier_film *self, const spline_point *along
 
 /* The same for the exit line of a point contact. */
 WIDER_VECTORS
-static double cut_deflection_across(const earlier_film *self, const spline_point *along,
+static double cut_deflection_across(const previous_film *self, const spline_point *along,
                                     const spline_point *across, const film_splines *splines) {
     size_t own = across->node, node = along->node;
     const double *kernel[NUM_WEIGHTS];
@@ -509,7 +509,7 @@ static double cut_deflection_across(const earlier_film *self, const spline_point
 }
 
 /* P of a line contact. */
-static double window_pressure(const earlier_film *self, const spline_point *along,
+static double window_pressure(const previous_film *self, const spline_point *along,
                               const film_splines *splines) {
     const size_t margin = 4; // between the window's ends and where it is used
     const double *coordinates = self->state.coordinates, *u = along->weight;
@@ -535,7 +535,7 @@ static double exit_between(const size_t exits[2], const double *across) {
 }
 
 /* P of a point contact: uncut before the exit line, zero behind it. */
-static double pressure_before_exit(const earlier_film *self, const spline_point *along,
+static double pressure_before_exit(const previous_film *self, const spline_point *along,
                                    const spline_point *across, const film_splines *splines) {
     const double *coordinates = self->state.coordinates;
     const size_t *exits = self->state.exits + across->node;
@@ -547,7 +547,7 @@ static double pressure_before_exit(const earlier_film *self, const spline_point 
 }
 
 /* P at a point, zero beyond the model's grid. */
-static double pressure_at(const earlier_film *self, const spline_point *along,
+static double pressure_at(const previous_film *self, const spline_point *along,
                           const spline_point *across, const film_splines *splines) {
     size_t num_lines = splines->pressure_layout.num_lines;
     spline_point u = *along;
@@ -560,15 +560,15 @@ static double pressure_at(const earlier_film *self, const spline_point *along,
     return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines) : 0;
 }
 
-void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
-                         size_t node, const contact_frame *now, const reduced_model *model,
-                         const film_splines *splines, const ehd_contact *reference) {
+void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
+                          size_t node, const contact_frame *now, const reduced_model *model,
+                          const film_splines *splines, const ehd_contact *reference) {
     const ehd_grid *grid = &splines->grid;
     size_t offset = is_coupled(model) ? 0 : model->num_pressure;
-    double x[BDF_EARLIER], y[BDF_EARLIER];
-    spline_point along[BDF_EARLIER], across[BDF_EARLIER];
+    double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
+    spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
     bool line = is_line(model);
-    const double *coordinates[BDF_EARLIER];
+    const double *coordinates[BDF_PREVIOUS];
 
     for (size_t i = 0; i < num_films; i++) {
         double stretch = frame_stretch(now, &films[i]->frame);
@@ -590,7 +590,7 @@ void earlier_film_masses(double *mass, const earlier_film *const *films, size_t 
                  coordinates + i);
     }
     for (size_t i = 0; i < num_films; i++) {
-        const earlier_film *self = films[i];
+        const previous_film *self = films[i];
         mass[i] += self->state.coordinates[model->num_unknowns - 1] + contact_gap(x[i], y[i]);
         if (self->num_runs > 0)
             mass[i] += line ? cut_deflection(self, &along[i], splines)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Film and pressure of earlier reduced states at any point, at a cost independent of the grid: the
+/* Film and pressure of previous reduced states at any point, at a cost independent of the grid: the
  * cubic splines of all modes are made once, and a state's spline is a combination of them, since
  * splines are linear in their values. The deflection by the pressures that a state's own exit line
  * cuts is added as splines of the kernel (romrun/README.md, In time). */
@@ -54,7 +54,7 @@ void film_splines_free(film_splines *splines);
 enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut
 
 /* An accepted state, prepared for evaluation. */
-typedef struct earlier_film {
+typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
     reduced_values values; // at the needed nodes
@@ -64,19 +64,19 @@ typedef struct earlier_film {
     // of a line contact:
     size_t window_begin, window_size;                   // the window's nodes
     double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P there, cut; compressible only
-} earlier_film;
+} previous_film;
 
-ehd_status earlier_film_init(earlier_film *self, const reduced_model *model, ehd_error *error);
-void earlier_film_free(earlier_film *self);
+ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error);
+void previous_film_free(previous_film *self);
 
 /* Prepares a state whose frame and state are set; its values are the caller's. */
-void earlier_film_prepare(earlier_film *self, const reduced_model *model,
-                          const film_splines *splines, const ehd_contact *reference);
+void previous_film_prepare(previous_film *self, const reduced_model *model,
+                           const film_splines *splines, const ehd_contact *reference);
 
-/* rho H of up to BDF_EARLIER states, mass[num_films], at node `node` of frame `now`. The density
+/* rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The density
  * of a point contact is that of the uncut modes before the exit line, linear between grid lines. */
-void earlier_film_masses(double *mass, const earlier_film *const *films, size_t num_films,
-                         size_t node, const contact_frame *now, const reduced_model *model,
-                         const film_splines *splines, const ehd_contact *reference);
+void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
+                          size_t node, const contact_frame *now, const reduced_model *model,
+                          const film_splines *splines, const ehd_contact *reference);
 
 #endif

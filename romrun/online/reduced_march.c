@@ -12,13 +12,13 @@
 #include <string.h>
 
 /* rho H of accepted states in the present frame, at the rows' nodes and, on demand, the band's. */
-typedef struct earlier_sums {
+typedef struct previous_sums {
     size_t *ascending;             // [num_rows] the rows in order of their nodes
-    double *mass;                  // [num_rows, BDF_EARLIER] rho H of each state
+    double *mass;                  // [num_rows, BDF_PREVIOUS] rho H of each state
     double *sum;                   // [num_rows] their sum with the formula's weights
     size_t attempt, *band_attempt; // number of the attempt; [nodes of the band] that band_sum is of
     double *band_sum;              // [nodes of the band] the sum there, evaluated on demand
-} earlier_sums;
+} previous_sums;
 
 /* Data for the local error of an attempt. */
 typedef struct error_estimate {
@@ -40,10 +40,10 @@ struct reduced_march {
     ehd_contact reference;
     trained_range *range;
     reduced_solver *solver;
-    earlier_film states[BDF_EARLIER + 1]; // indexed by the ring
+    previous_film states[BDF_PREVIOUS + 1]; // indexed by the ring
     bdf_ring ring;
     bdf_formula formula; // of the attempt
-    earlier_sums earlier;
+    previous_sums previous;
     error_estimate estimate;
     factors_origin factors;
     // frames scaled by the load of the solution, of the attempt and of the last accepted state:
@@ -58,8 +58,8 @@ reduced_march *reduced_march_free(reduced_march *self) {
     if (!self) return NULL;
     reduced_solver_free(self->solver);
     trained_range_free(self->range);
-    for (size_t i = 0; i <= BDF_EARLIER; i++)
-        earlier_film_free(&self->states[i]);
+    for (size_t i = 0; i <= BDF_PREVIOUS; i++)
+        previous_film_free(&self->states[i]);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
     free(self);
@@ -75,8 +75,8 @@ static int compare_nodes(const void *a, const void *b, void *context) {
 /* In order of nodes the splines of neighbouring rows use the same memory. */
 static void sort_rows(reduced_march *self) {
     for (size_t r = 0; r < self->model->rows.num_rows; r++)
-        self->earlier.ascending[r] = r;
-    qsort_r(self->earlier.ascending, self->model->rows.num_rows, sizeof *self->earlier.ascending,
+        self->previous.ascending[r] = r;
+    qsort_r(self->previous.ascending, self->model->rows.num_rows, sizeof *self->previous.ascending,
             compare_nodes, self->model->rows.node);
 }
 
@@ -85,14 +85,15 @@ static void allocate_arrays(reduced_march *self) {
     size_t num_lines = self->model->band.num_lines;
     arena *memory = &self->memory;
 
-    self->earlier.ascending = arena_array(memory, num_rows, sizeof *self->earlier.ascending);
-    self->earlier.mass = arena_array(memory, num_rows, BDF_EARLIER * sizeof(double));
-    self->earlier.sum = arena_array(memory, num_rows, sizeof(double));
+    self->previous.ascending = arena_array(memory, num_rows, sizeof *self->previous.ascending);
+    self->previous.mass = arena_array(memory, num_rows, BDF_PREVIOUS * sizeof(double));
+    self->previous.sum = arena_array(memory, num_rows, sizeof(double));
     self->estimate.pressure = arena_array(memory, num_rows, sizeof(double));
     self->estimate.mass = arena_array(memory, num_rows, sizeof(double));
     self->estimate.end = arena_array(memory, num_lines, sizeof *self->estimate.end);
-    self->earlier.band_attempt = arena_array(memory, num_band, sizeof *self->earlier.band_attempt);
-    self->earlier.band_sum = arena_array(memory, num_band, sizeof(double));
+    self->previous.band_attempt =
+        arena_array(memory, num_band, sizeof *self->previous.band_attempt);
+    self->previous.band_sum = arena_array(memory, num_band, sizeof(double));
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
@@ -113,8 +114,8 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
                               : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
-    for (size_t i = 0; i <= BDF_EARLIER && !status; i++)
-        status = earlier_film_init(&self->states[i], model, error);
+    for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
+        status = previous_film_init(&self->states[i], model, error);
     if (status)
         reduced_march_free(self);
     else
@@ -126,7 +127,7 @@ reduced_solver *reduced_march_inner(reduced_march *self) {
     return self->solver;
 }
 
-static earlier_film *state_before(reduced_march *self, size_t steps) {
+static previous_film *state_before(reduced_march *self, size_t steps) {
     return &self->states[self->ring.place[steps]];
 }
 
@@ -167,7 +168,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
     double rate =
-        self->ring.num_earlier > 0 ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
+        self->ring.num_previous > 0 ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
     outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
@@ -187,7 +188,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
 /* Solves from the state that state_before(self, 0) holds. */
 static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze, ehd_error *error) {
-    earlier_film *next = state_before(self, 0);
+    previous_film *next = state_before(self, 0);
     ehd_status status = reduced_solve(info, &next->state, self->solver, contact, squeeze, error);
 
     add_effort(self, info);
@@ -221,7 +222,7 @@ static void drop_factors(reduced_march *self);
 static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
                         ehd_error *error) {
     reduced_march *self = solver;
-    earlier_film *first = state_before(self, 0);
+    previous_film *first = state_before(self, 0);
     reduced_info info = {.status = EHD_OK, .reason = ""};
     ehd_contact contact;
     ehd_status status = EHD_OK;
@@ -243,7 +244,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .scalars = info.scalars,
                             .iterations = info.iterations,
                             .residual = info.residual};
-    self->ring.num_earlier = 0;
+    self->ring.num_previous = 0;
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
         reduced_row_values(self->estimate.pressure, NULL, self->solver, &contact);
@@ -265,7 +266,7 @@ static void add_times(double *target, double factor, const double *source, size_
 /* Extrapolates coordinates and values at the needed nodes in time; the exit line stays. */
 static void predict(reduced_march *self) {
     const reduced_model *model = self->model;
-    earlier_film *next = state_before(self, 0);
+    previous_film *next = state_before(self, 0);
     reduced_values *values = &next->values;
 
     reduced_state_set_exits(&next->state, model,
@@ -274,62 +275,63 @@ static void predict(reduced_march *self) {
     memset(next->state.coordinates, 0, model->num_unknowns * sizeof(double));
     memset(values->pressure, 0, model->rows.num_needed * sizeof(double));
     memset(values->cut, 0, model->cut.num_rows * sizeof(double));
-    for (size_t i = 0; i < self->ring.num_earlier; i++) {
-        const earlier_film *earlier = state_before(self, i + 1);
+    for (size_t i = 0; i < self->ring.num_previous; i++) {
+        const previous_film *previous = state_before(self, i + 1);
         double factor = self->formula.predictor[i];
-        add_times(next->state.coordinates, factor, earlier->state.coordinates, model->num_unknowns);
-        add_times(values->pressure, factor, earlier->values.pressure, model->rows.num_needed);
-        add_times(values->cut, factor, earlier->values.cut, model->cut.num_rows);
-        if (earlier->values.checkpoint != values->checkpoint && factor != 0)
+        add_times(next->state.coordinates, factor, previous->state.coordinates,
+                  model->num_unknowns);
+        add_times(values->pressure, factor, previous->values.pressure, model->rows.num_needed);
+        add_times(values->cut, factor, previous->values.cut, model->cut.num_rows);
+        if (previous->values.checkpoint != values->checkpoint && factor != 0)
             values->checkpoint = model->checkpoints.num; // none
     }
 }
 
-static void list_earlier(const earlier_film *films[BDF_EARLIER], reduced_march *self) {
-    for (size_t i = 0; i < self->ring.num_earlier; i++)
+static void list_previous(const previous_film *films[BDF_PREVIOUS], reduced_march *self) {
+    for (size_t i = 0; i < self->ring.num_previous; i++)
         films[i] = state_before(self, i + 1);
 }
 
 static void carry_over(reduced_march *self, const contact_frame *frame) {
     const reduced_model *model = self->model;
-    const earlier_film *films[BDF_EARLIER];
-    size_t num = self->ring.num_earlier;
+    const previous_film *films[BDF_PREVIOUS];
+    size_t num = self->ring.num_previous;
     double start = program_seconds();
 
-    list_earlier(films, self);
+    list_previous(films, self);
     for (size_t i = 0; i < model->rows.num_rows; i++) {
-        size_t r = self->earlier.ascending[i];
-        double *mass = self->earlier.mass + r * BDF_EARLIER;
-        earlier_film_masses(mass, films, num, model->rows.node[r], frame, model, self->splines,
-                            &self->reference);
-        self->earlier.sum[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
+        size_t r = self->previous.ascending[i];
+        double *mass = self->previous.mass + r * BDF_PREVIOUS;
+        previous_film_masses(mass, films, num, model->rows.node[r], frame, model, self->splines,
+                             &self->reference);
+        self->previous.sum[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
     }
-    self->effort.seconds_earlier += program_seconds() - start;
+    self->effort.seconds_previous += program_seconds() - start;
 }
 
-/* The weighted sum of earlier rho H at a node of the band. */
+/* The weighted sum of previous rho H at a node of the band. */
 static double sum_at(reduced_march *self, size_t node) {
     const contact_frame *now = &state_before(self, 0)->frame;
-    const earlier_film *films[BDF_EARLIER];
-    double mass[BDF_EARLIER];
+    const previous_film *films[BDF_PREVIOUS];
+    double mass[BDF_PREVIOUS];
     size_t order = self->formula.order;
 
-    list_earlier(films, self);
-    earlier_film_masses(mass, films, order, node, now, self->model, self->splines,
-                        &self->reference);
+    list_previous(films, self);
+    previous_film_masses(mass, films, order, node, now, self->model, self->splines,
+                         &self->reference);
     return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
 }
 
 /* The same, evaluated once an attempt. */
-static double earlier_at(void *solver, size_t node) {
+static double previous_at(void *solver, size_t node) {
     reduced_march *self = solver;
     size_t index = reduced_model_band_index(self->model, node);
 
-    if (self->earlier.band_attempt[index] != self->earlier.attempt) {
-        self->earlier.band_sum[index] = sum_at(self, node);
-        self->earlier.band_attempt[index] = self->earlier.attempt;
+    if (self->previous.band_attempt[index] != self->previous.attempt) {
+        self->previous.band_sum[index] = sum_at(self, node);
+        self->previous.band_attempt[index] = self->previous.attempt;
     }
-    return self->earlier.band_sum[index];
+    return self->previous.band_sum[index];
 }
 
 /* Distance before the exit from which on the local error is estimated: at least some nodes, since
@@ -345,7 +347,7 @@ static double exit_margin(const ehd_grid *grid) {
 static void find_error_end(reduced_march *self) {
     const reduced_model *model = self->model;
     size_t margin = (size_t)ceil(exit_margin(&model->grid) / model->grid.step);
-    size_t num_states = model->band.num_lines > 1 ? self->ring.num_earlier : 0;
+    size_t num_states = model->band.num_lines > 1 ? self->ring.num_previous : 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++)
         self->estimate.end[l] = SIZE_MAX;
@@ -373,8 +375,8 @@ static double local_error(reduced_march *self, double central_film) {
         double mass = self->estimate.mass[r];
         double end = grid_x(grid, self->estimate.end[reduced_model_line(model, node)]);
         if (grid_x(grid, node) >= end - exit_margin(grid)) continue;
-        for (size_t i = 0; i < self->ring.num_earlier; i++)
-            mass -= self->formula.predictor[i] * self->earlier.mass[r * BDF_EARLIER + i];
+        for (size_t i = 0; i < self->ring.num_previous; i++)
+            mass -= self->formula.predictor[i] * self->previous.mass[r * BDF_PREVIOUS + i];
         largest = fmax(largest, fabs(mass));
     }
     return self->formula.error * largest / central_film;
@@ -386,25 +388,25 @@ static bool shorter_may_settle(const reduced_march *self, double step) {
     const double much_shorter = 0.05;
     const size_t *index = self->ring.place;
 
-    return self->ring.num_earlier > 1 &&
+    return self->ring.num_previous > 1 &&
            step > much_shorter * (self->ring.time[index[1]] - self->ring.time[index[2]]);
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     reduced_march *self = solver;
-    earlier_film *next = state_before(self, 0);
+    previous_film *next = state_before(self, 0);
     double start = program_seconds();
     ehd_contact contact;
     reduced_info info;
 
     self->formula = bdf_ring_formula(&self->ring, step);
-    self->earlier.attempt++;
+    self->previous.attempt++;
     next->frame = *frame;
     frame_contact(&contact, frame, &self->reference);
     carry_over(self, frame);
     predict(self);
-    const reduced_squeeze squeeze = {self->formula.rate, self->earlier.sum, earlier_at, self,
+    const reduced_squeeze squeeze = {self->formula.rate, self->previous.sum, previous_at, self,
                                      &next->values};
     ehd_status status = solve(&info, self, &contact, &squeeze, error);
     if (status) return status;
@@ -453,7 +455,7 @@ static bool factors_are_current(const reduced_march *self, const reduced_state *
            fabs(self->formula.rate / self->factors.rate - 1) < max_rate_change;
 }
 
-static void renew_factors(reduced_march *self, const earlier_film *solved) {
+static void renew_factors(reduced_march *self, const previous_film *solved) {
     if (factors_are_current(self, &solved->state)) return;
     self->factors.valid = true;
     self->factors.frame = solved->frame;
@@ -469,12 +471,12 @@ static void drop_factors(reduced_march *self) {
 
 static void accept(void *solver) {
     reduced_march *self = solver;
-    earlier_film *solved = state_before(self, 0);
+    previous_film *solved = state_before(self, 0);
     double start = program_seconds();
 
     reduced_last_values(&solved->values, self->solver);
     if (self->formula.rate > 0) renew_factors(self, solved);
-    earlier_film_prepare(solved, self->model, self->splines, &self->reference);
+    previous_film_prepare(solved, self->model, self->splines, &self->reference);
     bdf_ring_accept(&self->ring, solved->frame.time);
     self->last_load_frame = self->load_frame;
     self->effort.seconds += program_seconds() - start;
@@ -483,12 +485,12 @@ static void accept(void *solver) {
 static void restart(void *solver) {
     reduced_march *self = solver;
 
-    self->ring.num_earlier = 1;
+    self->ring.num_previous = 1;
     drop_factors(self);
 }
 
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame) {
-    const earlier_film *last = &self->states[self->ring.place[1]];
+    const previous_film *last = &self->states[self->ring.place[1]];
 
     if (frame) *frame = last->frame;
     return last->state;
@@ -531,30 +533,30 @@ static ehd_status restore_state(reduced_state *state, const double *exit,
     return EHD_OK;
 }
 
-static void save_earlier(double *target, contact_frame *frame, const void *solver, size_t index) {
+static void save_previous(double *target, contact_frame *frame, const void *solver, size_t index) {
     const reduced_march *self = solver;
 
     *frame = self->states[index].frame;
     save_state(target, &self->states[index].state, self->model);
 }
 
-static ehd_status restore_earlier(void *solver, size_t index, const contact_frame *frame,
-                                  const double *source, ehd_error *error) {
+static ehd_status restore_previous(void *solver, size_t index, const contact_frame *frame,
+                                   const double *source, ehd_error *error) {
     reduced_march *self = solver;
-    earlier_film *earlier = &self->states[index];
-    ehd_status status = restore_state(&earlier->state, source, self->model, error);
+    previous_film *previous = &self->states[index];
+    ehd_status status = restore_state(&previous->state, source, self->model, error);
 
     if (status) return status;
-    earlier->frame = *frame;
-    reduced_values_of(&earlier->values, self->model, earlier->state.coordinates,
-                      reduced_state_exits(&earlier->state));
-    earlier_film_prepare(earlier, self->model, self->splines, &self->reference);
+    previous->frame = *frame;
+    reduced_values_of(&previous->values, self->model, previous->state.coordinates,
+                      reduced_state_exits(&previous->state));
+    previous_film_prepare(previous, self->model, self->splines, &self->reference);
     return EHD_OK;
 }
 
 static saved_states saved_states_of(const reduced_march *self) {
     return (saved_states){
-        .size = saved_state_size(self->model), .save = save_earlier, .restore = restore_earlier};
+        .size = saved_state_size(self->model), .save = save_previous, .restore = restore_previous};
 }
 
 /* Saved after the accepted states: the last load frame, whether there are kept factors, and rate

@@ -32,7 +32,7 @@ reduced_state reduced_march_state(const reduced_march *self, contact_frame *fram
 /* Effort so far. */
 typedef struct reduced_march_effort {
     double seconds, seconds_rows, seconds_linear, seconds_exit;
-    double seconds_earlier; // carrying earlier states over
+    double seconds_previous; // carrying previous states over
     size_t iterations;
 } reduced_march_effort;
 reduced_march_effort reduced_march_effort_of(const reduced_march *self);

@@ -329,7 +329,7 @@ void reduced_drop_factors(reduced_solver *self) {
 void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
                           const ehd_contact *contact, double rate) {
     double *no_residual = self->system.right; // the matrix needs none
-    const reduced_squeeze squeeze = {.rate = rate, .earlier = no_residual};
+    const reduced_squeeze squeeze = {.rate = rate, .previous = no_residual};
     double weight = system_closure_weight(&squeeze);
 
     memset(no_residual, 0, self->model->rows.num_rows * sizeof(double));

@@ -75,11 +75,11 @@ typedef ehd_status reduced_observer(void *context, const double *weighted_residu
                                     const double *weighted_step,                    // [num_rows]
                                     ehd_error *error);
 
-/* The squeeze term: the time derivative of rho H is rate * rho H + earlier. */
+/* The squeeze term: the time derivative of rho H is rate * rho H + previous. */
 typedef struct reduced_squeeze {
-    double rate;                                      // 1 / dimensionless time
-    const double *earlier;                            // [num_rows] at the model's rows
-    double (*earlier_at)(void *context, size_t node); // the same at a node of the band
+    double rate;                                       // 1 / dimensionless time
+    const double *previous;                            // [num_rows] at the model's rows
+    double (*previous_at)(void *context, size_t node); // the same at a node of the band
     void *context;
     const reduced_values *start; // values of the start; NULL: not known
 } reduced_squeeze;

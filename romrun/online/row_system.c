@@ -57,7 +57,7 @@ void system_evaluate(row_system *self, const node_state *nodes, const ehd_contac
                             compressible ? memory + 2 * num_needed : NULL,
                             compressible ? memory + 3 * num_needed : NULL};
     const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
-                                           squeeze ? squeeze->earlier : NULL};
+                                           squeeze ? squeeze->previous : NULL};
 
     reynolds_fluid_evaluate(&fluid, contact, nodes->now.pressure, num_needed);
     reynolds_rows(self->rows, self->model->grid.step, contact->entrainment,

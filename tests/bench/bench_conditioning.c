@@ -391,17 +391,17 @@ static void solve_scene(measurement *result, reduced_state *state, const problem
 }
 
 /* rho H of the stationary solution times -rate, which makes it that of a step in time as well. */
-typedef struct earlier_mass {
+typedef struct previous_mass {
     double *at_rows;  // [num_rows]
     double *at_nodes; // [num_nodes]
-} earlier_mass;
+} previous_mass;
 
-static double earlier_at(void *context, size_t node) {
-    return ((const earlier_mass *)context)->at_nodes[node];
+static double previous_at(void *context, size_t node) {
+    return ((const previous_mass *)context)->at_nodes[node];
 }
 
-static void earlier_init(earlier_mass *self, double rate, const problem *stationary,
-                         const char *path) {
+static void previous_init(previous_mass *self, double rate, const problem *stationary,
+                          const char *path) {
     const reduced_model *model = stationary->model;
     const ehd_contact *contact = stationary->contact;
     size_t num_nodes = model->grid.num_nodes;
@@ -490,15 +490,17 @@ static void measure(const problem *self, const char *variant) {
 
 static void measure_in_time(const problem *stationary, double rate, const char *variant,
                             const char *path) {
-    earlier_mass earlier;
-    earlier_init(&earlier, rate, stationary, path);
-    const reduced_squeeze squeeze = {
-        .rate = rate, .earlier = earlier.at_rows, .earlier_at = earlier_at, .context = &earlier};
+    previous_mass previous;
+    previous_init(&previous, rate, stationary, path);
+    const reduced_squeeze squeeze = {.rate = rate,
+                                     .previous = previous.at_rows,
+                                     .previous_at = previous_at,
+                                     .context = &previous};
     const problem step = {stationary->model, stationary->contact, &squeeze};
 
     measure(&step, variant);
-    free(earlier.at_rows);
-    free(earlier.at_nodes);
+    free(previous.at_rows);
+    free(previous.at_nodes);
 }
 
 int main(int argc, char **argv) {

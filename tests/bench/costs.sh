@@ -63,19 +63,19 @@ heap() {
 table() {
     local per=$1 unit=$2
     shift 2
-    printf '%-18s %10s %6s %9s %9s %9s %9s %9s %9s %9s %9s %8s\n' scene "$unit" rows all solver rows earlier rest fluid viscosity density heap/kB
+    printf '%-18s %10s %6s %9s %9s %9s %9s %9s %9s %9s %9s %8s\n' scene "$unit" rows all solver rows previous rest fluid viscosity density heap/kB
     for name; do
         awk -v name="$name" -v per="$per" -v heap="$(cat "$name.heap")" '
             { calls[$1] = $2; cost[$1] = $3 }
             $1 ~ /_log_viscosity$/ { viscosity += $3 }
-            $1 ~ /^earlier_(prepare|mass|film_prepare|film_masses)$/ { earlier += $3 }
+            $1 ~ /^previous_(prepare|mass|film_prepare|film_masses)$/ { previous += $3 }
             $1 ~ /^(full_solve_gmres|least_squares_(solve|keep|again))$/ { solver += $3 }
             function share(x) { return sprintf(" %9.1f", x / calls[per] / 1000) }
             END {
                 fluid = cost["reynolds_fluid_evaluate"]
                 rows = cost["reynolds_rows"]
                 printf "%-18s %10d %6d", name, calls[per], calls["reynolds_rows"]
-                print share(cost["total"]) share(solver) share(rows) share(earlier) share(cost["total"] - solver - rows - earlier - fluid) \
+                print share(cost["total"]) share(solver) share(rows) share(previous) share(cost["total"] - solver - rows - previous - fluid) \
                     share(fluid) share(viscosity) share(cost["dowson_higginson"]) sprintf(" %8d", heap)
             }' "$name.calls"
     done
@@ -98,7 +98,7 @@ check_terms() {
     local kind=$1
     none "$kind-base" '^(dowson_higginson|roelands_|wlf_)'
     none "$kind-wlf" '^(dowson_higginson|roelands_|barus_)'
-    none "$kind-base" '^(histories_(at|next)|frame_|march_|bdf_|earlier_|film_splines_build|time_run|gsl_spline|full_march|reduced_march)'
+    none "$kind-base" '^(histories_(at|next)|frame_|march_|bdf_|previous_|film_splines_build|time_run|gsl_spline|full_march|reduced_march)'
     none "$kind-time" '^dowson_higginson'
 }
 

@@ -23,6 +23,6 @@ contact_frame frame_of_case(const contact_kind *kind, size_t i) {
 
 void fill_times(double *time, double now, const double *lengths) {
     time[0] = now;
-    for (size_t i = 0; i < BDF_EARLIER; i++)
+    for (size_t i = 0; i < BDF_PREVIOUS; i++)
         time[i + 1] = time[i] - lengths[i];
 }

@@ -15,7 +15,7 @@ contact_frame frame_of(const contact_kind *kind, double load, double speed, doub
                        double modulus, double approach);
 contact_frame frame_of_case(const contact_kind *kind, size_t i);
 
-/* Times of the state being solved and of those before it, [BDF_EARLIER + 1]; lengths[0] is that of
+/* Times of the state being solved and of those before it, [BDF_PREVIOUS + 1]; lengths[0] is that of
  * the step under way. */
 void fill_times(double *time, double now, const double *lengths);
 

@@ -22,14 +22,14 @@ static double power(double time, size_t exponent) {
 static void formula_is_exact_to_its_order(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
-        for (size_t num_earlier = 1; num_earlier <= BDF_EARLIER; num_earlier++) {
-            bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_earlier);
-            double time[BDF_EARLIER + 1];
+        for (size_t num_previous = 1; num_previous <= BDF_PREVIOUS; num_previous++) {
+            bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
+            double time[BDF_PREVIOUS + 1];
             fill_times(time, 0.7, steps[s]);
-            assert_int_equal(formula.order, num_earlier > 1 ? 2 : 1);
+            assert_int_equal(formula.order, num_previous > 1 ? 2 : 1);
             for (size_t n = 0; n <= formula.order + 1; n++) {
                 double rate = formula.rate * power(time[0], n);
-                for (size_t i = 0; i < num_earlier; i++)
+                for (size_t i = 0; i < num_previous; i++)
                     rate += formula.weight[i] * power(time[i + 1], n);
                 double exact = n == 0 ? 0 : (double)n * power(time[0], n - 1);
                 if (n <= formula.order)
@@ -37,7 +37,7 @@ static void formula_is_exact_to_its_order(void **state) {
                 else
                     assert_false(is_close(rate, exact, 1e-14, 1e-14 * formula.rate));
             }
-            for (size_t i = formula.order; i < BDF_EARLIER; i++)
+            for (size_t i = formula.order; i < BDF_PREVIOUS; i++)
                 check_close(formula.weight[i], 0, 0, 0);
         }
 }
@@ -45,13 +45,13 @@ static void formula_is_exact_to_its_order(void **state) {
 static void predictor_is_exact_to_its_degree(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
-        for (size_t num_earlier = 1; num_earlier <= BDF_EARLIER; num_earlier++) {
-            bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_earlier);
-            double time[BDF_EARLIER + 1];
+        for (size_t num_previous = 1; num_previous <= BDF_PREVIOUS; num_previous++) {
+            bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
+            double time[BDF_PREVIOUS + 1];
             fill_times(time, 0.7, steps[s]);
-            for (size_t n = 0; n < num_earlier; n++) {
+            for (size_t n = 0; n < num_previous; n++) {
                 double value = 0, size = 1;
-                for (size_t i = 0; i < num_earlier; i++) {
+                for (size_t i = 0; i < num_previous; i++) {
                     value += formula.predictor[i] * power(time[i + 1], n);
                     size += fabs(formula.predictor[i]);
                 }
@@ -60,21 +60,21 @@ static void predictor_is_exact_to_its_degree(void **state) {
         }
 }
 
-/* With exact earlier states the solution of dy/dT = given is off by the local error, which formula and
+/* With exact previous states the solution of dy/dT = given is off by the local error, which formula and
  * prediction give exactly for the first power that the formula gets wrong. */
 static void error_is_that_of_the_next_power(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)
-        for (size_t num_earlier = 2; num_earlier <= BDF_EARLIER; num_earlier++) {
-            bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_earlier);
+        for (size_t num_previous = 2; num_previous <= BDF_PREVIOUS; num_previous++) {
+            bdf_formula formula = bdf_step(steps[s][0], steps[s] + 1, num_previous);
             // the formula of first order is what two states are judged by
-            bdf_formula judged = bdf_step(steps[s][0], steps[s] + 1, num_earlier - 1);
-            size_t n = num_earlier;
-            double time[BDF_EARLIER + 1], given, solution, prediction = 0;
+            bdf_formula judged = bdf_step(steps[s][0], steps[s] + 1, num_previous - 1);
+            size_t n = num_previous;
+            double time[BDF_PREVIOUS + 1], given, solution, prediction = 0;
             fill_times(time, 0, steps[s]);
             given = 0; // derivative of T^n at 0
             solution = given;
-            for (size_t i = 0; i < num_earlier; i++) {
+            for (size_t i = 0; i < num_previous; i++) {
                 solution -= judged.weight[i] * power(time[i + 1], n);
                 prediction += formula.predictor[i] * power(time[i + 1], n);
             }
@@ -90,15 +90,15 @@ static void error_is_that_of_the_next_power(void **state) {
 static void ring_keeps_the_last_states(void **state) {
     (void)state;
     bdf_ring ring = bdf_ring_empty();
-    double content[BDF_EARLIER + 1] = {0};
+    double content[BDF_PREVIOUS + 1] = {0};
 
-    assert_int_equal(ring.num_earlier, 0);
+    assert_int_equal(ring.num_previous, 0);
     for (int step = 0; step < 9; step++) {
         double time = 0.1 * step * step;
         content[ring.place[0]] = time;
         bdf_ring_accept(&ring, time);
-        assert_int_equal(ring.num_earlier, step < BDF_EARLIER ? step + 1 : BDF_EARLIER);
-        for (size_t i = 1; i <= ring.num_earlier; i++) {
+        assert_int_equal(ring.num_previous, step < BDF_PREVIOUS ? step + 1 : BDF_PREVIOUS);
+        for (size_t i = 1; i <= ring.num_previous; i++) {
             double before = 0.1 * (step + 1 - (int)i) * (step + 1 - (int)i);
             check_close(content[ring.place[i]], before, 0, 0);
             check_close(ring.time[ring.place[i]], before, 0, 0);
@@ -109,14 +109,14 @@ static void ring_keeps_the_last_states(void **state) {
 
 static void ring_gives_the_formula_of_its_times(void **state) {
     (void)state;
-    for (size_t num_earlier = 1; num_earlier <= BDF_EARLIER; num_earlier++) {
+    for (size_t num_previous = 1; num_previous <= BDF_PREVIOUS; num_previous++) {
         bdf_ring ring = bdf_ring_empty();
         const double times[] = {0, 0.25, 0.375}, backwards[] = {0.125, 0.25};
-        for (size_t i = 0; i < num_earlier; i++)
+        for (size_t i = 0; i < num_previous; i++)
             bdf_ring_accept(&ring, times[i]);
         bdf_formula ours = bdf_ring_formula(&ring, 0.5);
         bdf_formula expected =
-            bdf_step(0.5, num_earlier == 2 ? backwards + 1 : backwards, num_earlier);
+            bdf_step(0.5, num_previous == 2 ? backwards + 1 : backwards, num_previous);
         assert_memory_equal(&ours, &expected, sizeof ours);
     }
 }

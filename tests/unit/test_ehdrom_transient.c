@@ -305,7 +305,7 @@ static void after_a_jump_the_past_does_not_count(void **unused) {
     assert_true(state.local_error > 0);
     ehdrom_restart(contact);
     state = step_from(contact, 10 * STEP, STEP);
-    check_close(state.local_error, 0, 0, 0); // one earlier state tells none
+    check_close(state.local_error, 0, 0, 0); // one previous state tells none
     ehdrom_transient_free(contact);
 }
 

@@ -43,16 +43,16 @@ static int tear_down(void **state) {
 
 /* The stationary equations, but with exits that go by the signs of pressure and multiplier, as in
  * time. */
-static double nothing_earlier(void *context, size_t node) {
+static double nothing_previous(void *context, size_t node) {
     (void)context, (void)node;
     return 0;
 }
 
 static reduced_squeeze no_squeeze(const reduced_model *model) {
-    double *earlier = calloc(model->rows.num_rows, sizeof *earlier);
+    double *previous = calloc(model->rows.num_rows, sizeof *previous);
 
-    assert_non_null(earlier);
-    return (reduced_squeeze){.rate = 0, .earlier = earlier, .earlier_at = nothing_earlier};
+    assert_non_null(previous);
+    return (reduced_squeeze){.rate = 0, .previous = previous, .previous_at = nothing_previous};
 }
 
 // ---- an exit that is held
@@ -109,7 +109,7 @@ static reduced_info solve_held(size_t s, size_t behind) {
                      EHD_OK);
     assert_int_equal(reduced.state.exit, exit);
     assert_true(other.calls > 5);
-    free((void *)squeeze.earlier);
+    free((void *)squeeze.previous);
     free(other.on);
     free(other.back);
     least_squares_free(other.own);
@@ -181,7 +181,7 @@ static void solve_in_narrow_band(const reduced_basis *basis, const ehd_contact *
             assert_int_equal(exit, min > 0 ? band->min_exit : band->max_exit);
     }
     free(start);
-    free((void *)squeeze.earlier);
+    free((void *)squeeze.previous);
     reduced_problem_free(&reduced);
 }
 

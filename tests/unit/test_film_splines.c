@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry over. */
-#include "fullrun/earlier.h"
+#include "fullrun/previous.h"
 #include "romrun/online/fields.h"
 #include "romrun/online/film_splines.h"
 #include "tests/unit/check.h"
@@ -20,14 +20,14 @@ static ehd_error error;
     if (call) fail_msg("%s", error.text)
 
 /* The same state as the full model holds it: pressure by the modes up to the exit, film by definition. */
-static void fill_full(earlier_state *full, earlier_carrier *carrier, const earlier_film *reduced,
+static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
     const double *z = reduced->state.coordinates;
     size_t num_pressure = basis->num_pressure;
     const double *nodes = carrier->nodes;
 
-    check_ok(earlier_init(full, reference, &error));
+    check_ok(previous_init(full, reference, &error));
     full->frame = reduced->frame;
     full->state.exit = reduced->state.exit;
     full->state.rigid_approach = z[num_pressure + basis->num_deformation];
@@ -45,7 +45,7 @@ static void fill_full(earlier_state *full, earlier_carrier *carrier, const earli
         for (size_t j = 0; j < basis->num_deformation; j++)
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
     }
-    earlier_prepare(full, carrier);
+    previous_prepare(full, carrier);
 }
 
 static contact_frame frame_under(double load, double radius, double time) {
@@ -60,39 +60,39 @@ static void compare(const reduced_basis *basis, const ehd_contact *reference,
     double *expected = malloc(grid->num_inner * sizeof *expected);
     reduced_model model;
     film_splines splines;
-    earlier_film film;
-    earlier_carrier carrier;
-    earlier_state full;
+    previous_film film;
+    previous_carrier carrier;
+    previous_state full;
 
     assert_non_null(expected);
-    check_ok(earlier_carrier_init(&carrier, reference, &error));
+    check_ok(previous_carrier_init(&carrier, reference, &error));
     check_ok(reduced_model_build(&model, basis, NULL, 0, &error));
     check_ok(
         film_splines_build(&splines, &model, basis->pressure, basis->deformation_modes, &error));
-    check_ok(earlier_film_init(&film, &model, &error));
+    check_ok(previous_film_init(&film, &model, &error));
     film.frame = then;
     film.state.exit = basis->states.exit[STATE];
     memcpy(film.state.coordinates, basis->states.coordinates + STATE * model.num_unknowns,
            model.num_unknowns * sizeof(double));
-    earlier_film_prepare(&film, &model, &splines, reference);
+    previous_film_prepare(&film, &model, &splines, reference);
     fill_full(&full, &carrier, &film, basis, reference);
-    earlier_mass(expected, &full, now, &carrier);
+    previous_mass(expected, &full, now, &carrier);
     for (size_t k = 1; k <= grid->num_inner; k++) {
         // the same state three times, and once alone
-        const earlier_film *films[] = {&film, &film, &film};
+        const previous_film *films[] = {&film, &film, &film};
         double mass[3], alone;
         double place = frame_stretch(now, &then) * grid_x(grid, k);
         if (place < from) continue;
         if (place > 2) break; // the grid's other end, behind every exit
-        earlier_film_masses(mass, films, 3, k, now, &model, &splines, reference);
-        earlier_film_masses(&alone, films, 1, k, now, &model, &splines, reference);
+        previous_film_masses(mass, films, 3, k, now, &model, &splines, reference);
+        previous_film_masses(&alone, films, 1, k, now, &model, &splines, reference);
         check_close(mass[0], expected[k - 1], tolerance, 0);
         check_close(mass[1], mass[0], 1e-13, 0);
         check_close(mass[2], alone, 1e-13, 0);
     }
-    earlier_film_free(&film);
-    earlier_free(&full);
-    earlier_carrier_free(&carrier);
+    previous_film_free(&film);
+    previous_free(&full);
+    previous_carrier_free(&carrier);
     film_splines_free(&splines);
     reduced_model_free(&model);
     free(expected);
@@ -157,7 +157,7 @@ typedef struct point_film {
     ehd_contact reference;
     reduced_model model;
     film_splines splines;
-    earlier_film film;
+    previous_film film;
 } point_film;
 
 static contact_frame point_frame(double load, double radius) {
@@ -173,7 +173,7 @@ static void point_film_init(point_film *self, const reduced_basis *basis, bool t
     check_ok(reduced_model_build(&self->model, basis, NULL, 0, &error));
     check_ok(film_splines_build(&self->splines, &self->model, basis->pressure,
                                 basis->deformation_modes, &error));
-    check_ok(earlier_film_init(&self->film, &self->model, &error));
+    check_ok(previous_film_init(&self->film, &self->model, &error));
     self->film.frame = point_frame(1, 1);
     memcpy(self->film.state.coordinates, states->coordinates + STATE * states->num_unknowns,
            states->num_unknowns * sizeof(double));
@@ -185,22 +185,22 @@ static void point_film_init(point_film *self, const reduced_basis *basis, bool t
         size_t from_centre = basis->grid.half ? l : l > central ? l - central : central - l;
         self->film.state.exits[l] = from_centre % 3 ? line->min_exit : line->max_exit;
     }
-    earlier_film_prepare(&self->film, &self->model, &self->splines, &self->reference);
+    previous_film_prepare(&self->film, &self->model, &self->splines, &self->reference);
 }
 
 static void point_film_free(point_film *self) {
-    earlier_film_free(&self->film);
+    previous_film_free(&self->film);
     film_splines_free(&self->splines);
     reduced_model_free(&self->model);
 }
 
 static double mass_at(const point_film *self, size_t node, const contact_frame *now) {
-    const earlier_film *films[] = {&self->film, &self->film, &self->film};
+    const previous_film *films[] = {&self->film, &self->film, &self->film};
     double mass[3], alone;
 
-    earlier_film_masses(mass, films, 3, node, now, &self->model, &self->splines, &self->reference);
-    earlier_film_masses(&alone, films, 1, node, now, &self->model, &self->splines,
-                        &self->reference);
+    previous_film_masses(mass, films, 3, node, now, &self->model, &self->splines, &self->reference);
+    previous_film_masses(&alone, films, 1, node, now, &self->model, &self->splines,
+                         &self->reference);
     for (size_t i = 0; i < 3; i++)
         check_close(mass[i], alone, 1e-13, 0);
     return alone;

@@ -509,7 +509,7 @@ static void bad_saves_are_refused(void **state) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         saved[0] = bad[i];
         assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
-        assert_non_null(strstr(error.text, "earlier states"));
+        assert_non_null(strstr(error.text, "previous states"));
     }
     memset(saved, 0, size * sizeof *saved);
     saved[0] = 3;

@@ -23,18 +23,18 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A step in time of a trained contact from its stationary solution, with an earlier film that is a
+/* A step in time of a trained contact from its stationary solution, with an previous film that is a
  * little off. */
 typedef struct time_step {
     size_t state;
     double rate;
-    double earlier[400]; // of inner nodes
+    double previous[400]; // of inner nodes
 } time_step;
 
-static double earlier_film(void *context, size_t node) {
+static double previous_film(void *context, size_t node) {
     const time_step *self = context;
 
-    return self->earlier[node - 1];
+    return self->previous[node - 1];
 }
 
 /* Solves it, with factors kept for a step `shorter` times as short; 0: with none. */
@@ -55,10 +55,12 @@ static reduced_info take_time_step(time_step *self, double shorter) {
     reduced_row_values(pressure, mass, reduced.solver, contact);
     for (size_t r = 0; r < model->rows.num_rows; r++) {
         double x = grid_x(&model->grid, model->rows.node[r]);
-        self->earlier[r] = -self->rate * mass[r] * (1 + 1e-3 * sin(2 * x));
+        self->previous[r] = -self->rate * mass[r] * (1 + 1e-3 * sin(2 * x));
     }
-    const reduced_squeeze squeeze = {
-        .rate = self->rate, .earlier = self->earlier, .earlier_at = earlier_film, .context = self};
+    const reduced_squeeze squeeze = {.rate = self->rate,
+                                     .previous = self->previous,
+                                     .previous_at = previous_film,
+                                     .context = self};
     if (shorter > 0)
         reduced_keep_factors(reduced.solver, &reduced.state, contact, shorter * self->rate);
     assert_int_equal(

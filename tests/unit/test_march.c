@@ -19,7 +19,7 @@ typedef struct follower {
     double delay, first_value;
     bool by_history; // the load enters; 0 else, so that y = exp(-T/delay)
     bdf_ring ring;
-    double value[BDF_EARLIER + 1];
+    double value[BDF_PREVIOUS + 1];
     double load_of_start;
     // troubles
     double fails_after;     // no step beyond this time converges
@@ -45,7 +45,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     bdf_formula formula = bdf_ring_formula(&self->ring, step);
     double goal = self->by_history ? frame->load : 0, sum = 0, prediction = 0;
 
-    for (size_t i = 0; i < self->ring.num_earlier; i++) {
+    for (size_t i = 0; i < self->ring.num_previous; i++) {
         sum += formula.weight[i] * *value_before(self, i + 1);
         prediction += formula.predictor[i] * *value_before(self, i + 1);
     }
@@ -86,7 +86,7 @@ static void restart(void *solver) {
     if (self->num_restarts < 8)
         self->restart_time[self->num_restarts] = self->ring.time[self->ring.place[1]];
     self->num_restarts++;
-    self->ring.num_earlier = 1;
+    self->ring.num_previous = 1;
 }
 
 /* With the approach given, the load that belongs to it is not the one asked for. */
@@ -99,7 +99,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .scalars = {.central_film_thickness = self->first_value,
                                         .rigid_approach = -0.6,
                                         .load = self->load_of_start}};
-    self->ring.num_earlier = 0;
+    self->ring.num_previous = 0;
     *value_before(self, 0) = self->first_value;
     self->ring.time[self->ring.place[0]] = frame->time;
     accept(self);
@@ -434,7 +434,7 @@ static void times_that_differ_by_rounding_are_one(void **state) {
     }
 }
 
-/* A jump is a new start: the earlier states do not count, and the first step is short again. */
+/* A jump is a new start: the previous states do not count, and the first step is short again. */
 static void jump_restarts(void **state) {
     (void)state;
     run_begin(&first, "end_time: 20, tolerance: 1e-3, load: {law: step, to: 1.5, at: 10}");

@@ -134,27 +134,27 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     const ehd_grid *grid = &nodes.grid;
     const contact_frame now = frame_under(1.05, STEP);
     full_settings settings = full_default_settings();
-    double *earlier = calloc(grid->num_inner + 2 * grid->num_nodes, sizeof *earlier);
-    double *pressure = earlier + grid->num_inner, *film = pressure + grid->num_nodes;
+    double *previous = calloc(grid->num_inner + 2 * grid->num_nodes, sizeof *previous);
+    double *pressure = previous + grid->num_inner, *film = pressure + grid->num_nodes;
     full_solver *solver;
     full_state full;
     full_info info;
-    earlier_film first;
+    previous_film first;
     ehd_contact contact;
     marching self;
 
     marching_init(&self, &nodes);
-    check_ok(earlier_film_init(&first, &self.model, &error));
+    check_ok(previous_film_init(&first, &self.model, &error));
     const reduced_state start = reduced_march_state(self.march, &first.frame);
     memcpy(first.state.coordinates, start.coordinates, self.model.num_unknowns * sizeof(double));
     reduced_state_set_exits(&first.state, &self.model, start.exits);
-    earlier_film_prepare(&first, &self.model, &self.splines, &self.reference);
+    previous_film_prepare(&first, &self.model, &self.splines, &self.reference);
     check_ok(reduced_fields(pressure, film, &start, &self.model, nodes.pressure, &error));
     for (size_t r = 0; r < grid->num_inner; r++) {
-        const earlier_film *films[] = {&first};
-        earlier_film_masses(&earlier[r], films, 1, grid_node_of_row(grid, r), &now, &self.model,
-                            &self.splines, &self.reference);
-        earlier[r] /= -STEP;
+        const previous_film *films[] = {&first};
+        previous_film_masses(&previous[r], films, 1, grid_node_of_row(grid, r), &now, &self.model,
+                             &self.splines, &self.reference);
+        previous[r] /= -STEP;
     }
     settings.tolerance = 1e-12;
     settings.linear_tolerance = 1e-10;
@@ -164,7 +164,7 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     full.rigid_approach = start.coordinates[self.model.num_unknowns - 1];
     full_state_set_zone(&full, grid, start.exit);
     frame_contact(&contact, &now, &self.reference);
-    const reynolds_squeeze squeeze = {1 / STEP, earlier};
+    const reynolds_squeeze squeeze = {1 / STEP, previous};
     check_ok(full_solve(&info, &full, solver, &contact, &squeeze, &error));
     assert_string_equal(info.reason, "");
 
@@ -175,10 +175,10 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     check_close_array(film, full.film, grid->num_nodes, 0, 1e-8);
     full_state_free(&full);
     full_solver_free(solver);
-    earlier_film_free(&first);
+    previous_film_free(&first);
     marching_free(&self);
     reduced_basis_free(&nodes);
-    free(earlier);
+    free(previous);
 }
 
 /* Nor do several steps differ by more than the splines do at the ends of the grid, which is wider here. */

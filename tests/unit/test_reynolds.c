@@ -168,9 +168,9 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     reynolds_rows(rows, grid.step, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
 }
 
-/* rate rho H + earlier, at the row's own node only. */
+/* rate rho H + previous, at the row's own node only. */
 static void check_squeeze_derivatives(const ehd_contact *contact) {
-    double pressure[NUM_NODES], film[NUM_NODES], earlier[NUM_NODES - 2];
+    double pressure[NUM_NODES], film[NUM_NODES], previous[NUM_NODES - 2];
     reynolds_row rows[NUM_NODES - 2], steady[NUM_NODES - 2], up[NUM_NODES - 2], down[NUM_NODES - 2];
     const double h = 1e-5;
 
@@ -179,14 +179,14 @@ static void check_squeeze_derivatives(const ehd_contact *contact) {
         film[k] = 0.4 + 0.1 * cos(3. * (double)k);
     }
     for (size_t r = 0; r < NUM_NODES - 2; r++)
-        earlier[r] = sin(5. * (double)r);
-    const reynolds_squeeze squeeze = {37, earlier};
+        previous[r] = sin(5. * (double)r);
+    const reynolds_squeeze squeeze = {37, previous};
     squeezed_rows(rows, contact, &squeeze, pressure, film);
     squeezed_rows(steady, contact, NULL, pressure, film);
     for (size_t r = 0; r < NUM_NODES - 2; r++) {
         double mass = film[r + 1] * lubricant_density(&contact->lubricant,
                                                       pressure[r + 1] * contact->hertz_pressure);
-        check_close(rows[r].residual, steady[r].residual - 37 * mass - earlier[r], 1e-12,
+        check_close(rows[r].residual, steady[r].residual - 37 * mass - previous[r], 1e-12,
                     1e-12 * fabs(steady[r].residual));
     }
     for (size_t k = 1; k + 1 < NUM_NODES; k++)

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Earlier states of the full model, carried over into the current frame (Maier et al. (2015),
+/* Previous states of the full model, carried over into the current frame (Maier et al. (2015),
  * eq. 15; common/time/README.md) by cubic splines along the grid's lines and, of a point contact,
  * from line to line. */
-#ifndef EHD_EARLIER_H
-#define EHD_EARLIER_H
+#ifndef EHD_PREVIOUS_H
+#define EHD_PREVIOUS_H
 
 #include "common/time/frame.h"
 #include "fullrun/full_solver.h"
 
 #include <gsl/gsl_spline.h>
 
-typedef struct earlier_state {
+typedef struct previous_state {
     contact_frame frame;
     full_state state;
     size_t num_lines;
     gsl_spline **deflection; // [num_lines] film without gap, along each line
     gsl_spline **pressure;   // NULL when incompressible: rho H is then the film
-} earlier_state;
+} previous_state;
 
 /* Memory for carrying states over. */
-typedef struct earlier_carrier {
+typedef struct previous_carrier {
     ehd_contact reference;
     double *nodes;           // [width of the grid] X along a line
     double *values;          // [num_nodes] scratch
@@ -28,28 +28,28 @@ typedef struct earlier_carrier {
     size_t num_across;       // lines of the whole grid with its boundary
     double *lines, *across_values; // [num_across] their Y, and scratch
     gsl_spline *across;            // NULL on a line contact
-} earlier_carrier;
+} previous_carrier;
 
 /* EHD_MEMORY. */
-ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *reference,
-                                ehd_error *error);
-void earlier_carrier_free(earlier_carrier *self);
+ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *reference,
+                                 ehd_error *error);
+void previous_carrier_free(previous_carrier *self);
 
-ehd_status earlier_init(earlier_state *self, const ehd_contact *reference, ehd_error *error);
-void earlier_free(earlier_state *self);
+ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error);
+void previous_free(previous_state *self);
 
 /* Bytes of a carrier and of num_states states. */
-double earlier_bytes(const ehd_contact *reference, size_t num_states);
+double previous_bytes(const ehd_contact *reference, size_t num_states);
 
 /* Makes the splines of a state that is set. */
-void earlier_prepare(earlier_state *self, earlier_carrier *carrier);
+void previous_prepare(previous_state *self, previous_carrier *carrier);
 
-/* rho H of an earlier state at the inner nodes of frame `now`. Beyond the state's grid,
+/* rho H of an previous state at the inner nodes of frame `now`. Beyond the state's grid,
  * where a contact that has grown has nodes, P is zero and gap and deflection are evaluated. */
-void earlier_mass(
+void previous_mass(
     // output:
     double *mass, // [num_inner]
     // input:
-    const earlier_state *self, const contact_frame *now, earlier_carrier *carrier);
+    const previous_state *self, const contact_frame *now, previous_carrier *carrier);
 
 #endif

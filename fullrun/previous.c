@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "fullrun/earlier.h"
+#include "fullrun/previous.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,7 +25,7 @@ static gsl_spline **make_splines(size_t count, size_t num_nodes) {
     return splines;
 }
 
-ehd_status earlier_init(earlier_state *self, const ehd_contact *reference, ehd_error *error) {
+ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
     bool compressible = reference->lubricant.density != NULL;
     ehd_status status = full_state_init(&self->state, grid, error);
@@ -35,18 +35,18 @@ ehd_status earlier_init(earlier_state *self, const ehd_contact *reference, ehd_e
     self->deflection = make_splines(self->num_lines, grid_width(grid));
     self->pressure = compressible ? make_splines(self->num_lines, grid_width(grid)) : NULL;
     if (self->deflection && (self->pressure || !compressible)) return EHD_OK;
-    earlier_free(self);
-    return ehd_fail(error, EHD_MEMORY, "earlier state: found no memory for %zu nodes",
+    previous_free(self);
+    return ehd_fail(error, EHD_MEMORY, "previous state: found no memory for %zu nodes",
                     grid->num_nodes);
 }
 
-void earlier_free(earlier_state *self) {
+void previous_free(previous_state *self) {
     full_state_free(&self->state);
     self->deflection = free_splines(self->deflection, self->num_lines);
     self->pressure = free_splines(self->pressure, self->num_lines);
 }
 
-double earlier_bytes(const ehd_contact *reference, size_t num_states) {
+double previous_bytes(const ehd_contact *reference, size_t num_states) {
     const double of_spline = 6 * sizeof(double); // abscissae, values and GSL's own
     const double of_state = sizeof(full_state) + 2 * sizeof(double),
                  of_carrier = 5 * sizeof(double);
@@ -57,15 +57,15 @@ double earlier_bytes(const ehd_contact *reference, size_t num_states) {
 }
 
 /* Y of all lines of the whole grid, to which the values of a half grid are mirrored. */
-static void set_line_positions(earlier_carrier *self) {
+static void set_line_positions(previous_carrier *self) {
     const ehd_grid whole = grid_whole(&self->reference.grid);
 
     for (size_t l = 0; l < self->num_across; l++)
         self->lines[l] = grid_y(&whole, l * grid_width(&whole));
 }
 
-ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *reference,
-                                ehd_error *error) {
+ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *reference,
+                                 ehd_error *error) {
     const ehd_grid *grid = &reference->grid, whole = grid_whole(grid);
     size_t width = grid_width(grid);
 
@@ -83,8 +83,8 @@ ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *refere
     if (across) self->across = gsl_spline_alloc(gsl_interp_cspline, self->num_across);
     if (!self->nodes || !self->values || !self->film || !self->pressure || !self->along ||
         !self->lines || !self->across_values || (across && !self->across)) {
-        earlier_carrier_free(self);
-        return ehd_fail(error, EHD_MEMORY, "earlier states: found no memory for %zu nodes",
+        previous_carrier_free(self);
+        return ehd_fail(error, EHD_MEMORY, "previous states: found no memory for %zu nodes",
                         grid->num_nodes);
     }
     for (size_t k = 0; k < width; k++)
@@ -93,7 +93,7 @@ ehd_status earlier_carrier_init(earlier_carrier *self, const ehd_contact *refere
     return EHD_OK;
 }
 
-void earlier_carrier_free(earlier_carrier *self) {
+void previous_carrier_free(previous_carrier *self) {
     free(self->nodes);
     free(self->values);
     free(self->film);
@@ -107,7 +107,7 @@ void earlier_carrier_free(earlier_carrier *self) {
 
 // ---- splines
 
-static void fit_lines(gsl_spline **splines, const double *field, const earlier_carrier *carrier) {
+static void fit_lines(gsl_spline **splines, const double *field, const previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     size_t width = grid_width(grid), num_lines = grid_lines(grid);
 
@@ -115,7 +115,7 @@ static void fit_lines(gsl_spline **splines, const double *field, const earlier_c
         gsl_spline_init(splines[l], carrier->nodes, field + l * width, width);
 }
 
-void earlier_prepare(earlier_state *self, earlier_carrier *carrier) {
+void previous_prepare(previous_state *self, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
 
     // natural splines of the film without gap, whose curvature at the grid's ends is small
@@ -125,7 +125,7 @@ void earlier_prepare(earlier_state *self, earlier_carrier *carrier) {
     if (self->pressure) fit_lines(self->pressure, self->state.pressure, carrier);
 }
 
-static bool is_on_grid(const earlier_carrier *self, double x, double y) {
+static bool is_on_grid(const previous_carrier *self, double x, double y) {
     const double *nodes = self->nodes, *lines = self->lines;
     size_t last = grid_width(&self->reference.grid) - 1;
 
@@ -135,7 +135,7 @@ static bool is_on_grid(const earlier_carrier *self, double x, double y) {
 
 /* Interpolates every line at the stretched X. */
 static void resample_along(double *along, gsl_spline *const *splines, double stretch,
-                           const earlier_carrier *self) {
+                           const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid);
 
@@ -150,7 +150,7 @@ static void resample_along(double *along, gsl_spline *const *splines, double str
 }
 
 /* Values of column `i` on the lines of the whole grid; those of a half grid are mirrored. */
-static void gather_column(earlier_carrier *self, size_t i) {
+static void gather_column(previous_carrier *self, size_t i) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid), mirror = grid->half ? num_lines - 1 : 0;
 
@@ -163,7 +163,7 @@ static void gather_column(earlier_carrier *self, size_t i) {
 
 /* A field at the current frame's inner nodes, as far as these lie on the state's grid. */
 static void resample(double *inner, gsl_spline *const *splines, double stretch,
-                     earlier_carrier *self) {
+                     previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
 
     resample_along(self->across ? self->along : inner, splines, stretch, self);
@@ -181,7 +181,7 @@ static void resample(double *inner, gsl_spline *const *splines, double stretch,
 }
 
 /* H0 and deflection at a point beyond the grid. */
-static double deflection_beyond(const earlier_state *self, const ehd_contact *reference, double x,
+static double deflection_beyond(const previous_state *self, const ehd_contact *reference, double x,
                                 double y) {
     const ehd_grid *grid = &reference->grid;
     double sum = self->state.rigid_approach;
@@ -197,8 +197,8 @@ static double deflection_beyond(const earlier_state *self, const ehd_contact *re
     return sum;
 }
 
-void earlier_mass(double *mass, const earlier_state *self, const contact_frame *now,
-                  earlier_carrier *carrier) {
+void previous_mass(double *mass, const previous_state *self, const contact_frame *now,
+                   previous_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;
     const ehd_grid *grid = &reference->grid;
     const lubricant_law *law = reference->lubricant.density;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Earlier states in the present frame, and the equation in time that is made of them. */
+/* Previous states in the present frame, and the equation in time that is made of them. */
 #include "common/physics/reynolds.h"
 #include "common/time/bdf.h"
-#include "fullrun/earlier.h"
+#include "fullrun/previous.h"
 #include "tests/unit/check.h"
 #include "tests/unit/frames.h"
 #include "tests/unit/sample.h"
@@ -12,12 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An earlier state whose film and pressure are smooth functions of X, without elasticity: film without gap
+/* An previous state whose film and pressure are smooth functions of X, without elasticity: film without gap
  * and pressure vanish with two derivatives at the grid's ends, as a natural spline wants it. */
 typedef struct carried {
     ehd_contact reference;
-    earlier_carrier carrier;
-    earlier_state state;
+    previous_carrier carrier;
+    previous_state state;
     double *mass;
 } carried;
 
@@ -35,8 +35,8 @@ static void carried_init(carried *self, const ehd_contact *reference, const cont
     self->reference = *reference;
     self->mass = calloc(grid->num_inner, sizeof(double));
     assert_non_null(self->mass);
-    assert_int_equal(earlier_carrier_init(&self->carrier, reference, NULL), EHD_OK);
-    assert_int_equal(earlier_init(&self->state, reference, NULL), EHD_OK);
+    assert_int_equal(previous_carrier_init(&self->carrier, reference, NULL), EHD_OK);
+    assert_int_equal(previous_init(&self->state, reference, NULL), EHD_OK);
     self->state.frame = *frame;
     for (size_t k = 0; k < grid->num_nodes; k++) {
         double x = grid_x(grid, k), y = grid_y(grid, k);
@@ -46,13 +46,13 @@ static void carried_init(carried *self, const ehd_contact *reference, const cont
 }
 
 static void carry(carried *self, const contact_frame *now) {
-    earlier_prepare(&self->state, &self->carrier);
-    earlier_mass(self->mass, &self->state, now, &self->carrier);
+    previous_prepare(&self->state, &self->carrier);
+    previous_mass(self->mass, &self->state, now, &self->carrier);
 }
 
 static void carried_free(carried *self) {
-    earlier_free(&self->state);
-    earlier_carrier_free(&self->carrier);
+    previous_free(&self->state);
+    previous_carrier_free(&self->carrier);
     free(self->mass);
 }
 
@@ -286,13 +286,13 @@ static void set_wanted(carried *self, double time) {
     }
 }
 
-/* The earlier masses' sum by the formula, in frame `now`. */
-static void add_earlier(double *sum, carried *self, const bdf_formula *formula,
-                        const contact_frame *now, const double *time, size_t num_earlier) {
+/* The previous masses' sum by the formula, in frame `now`. */
+static void add_previous(double *sum, carried *self, const bdf_formula *formula,
+                         const contact_frame *now, const double *time, size_t num_previous) {
     size_t num_inner = self->reference.grid.num_inner;
 
     memset(sum, 0, num_inner * sizeof *sum);
-    for (size_t i = 0; i < num_earlier; i++) {
+    for (size_t i = 0; i < num_previous; i++) {
         set_wanted(self, time[i + 1]);
         carry(self, now);
         for (size_t r = 0; r < num_inner; r++)
@@ -312,10 +312,10 @@ typedef struct manufactured_error {
 
 /* Largest errors at one time, in the physical frame. */
 static manufactured_error manufactured(double grid_step, const double *lengths,
-                                       size_t num_earlier) {
+                                       size_t num_previous) {
     contact_frame now = wanted_frame(1.3);
-    double time[BDF_EARLIER + 1];
-    bdf_formula formula = bdf_step(lengths[0], lengths + 1, num_earlier);
+    double time[BDF_PREVIOUS + 1];
+    bdf_formula formula = bdf_step(lengths[0], lengths + 1, num_previous);
     manufactured_error error = {0};
     ehd_contact contact;
     carried self;
@@ -331,7 +331,7 @@ static manufactured_error manufactured(double grid_step, const double *lengths,
     reynolds_row *rows = calloc(num_inner, sizeof *rows);
     assert_true(sum && memory && stencils && rows);
 
-    add_earlier(sum, &self, &formula, &now, time, num_earlier);
+    add_previous(sum, &self, &formula, &now, time, num_previous);
     set_wanted(&self, now.time);
     reynolds_fluid fluid = {memory, memory + num_nodes, memory + 2 * num_nodes,
                             memory + 3 * num_nodes};
@@ -360,18 +360,18 @@ static manufactured_error manufactured(double grid_step, const double *lengths,
 }
 
 static void scale_steps(double *scaled, const double *lengths, double factor) {
-    for (size_t i = 0; i < BDF_EARLIER; i++)
+    for (size_t i = 0; i < BDF_PREVIOUS; i++)
         scaled[i] = factor * lengths[i];
 }
 
 /* The rate of change at fixed physical places while load, speed, radius and modulus change: of second
- * order in the step, variable or not, and of first order from one earlier state. */
+ * order in the step, variable or not, and of first order from one previous state. */
 static void rate_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[][3] = {{0.1, 0.1, 0.1}, {0.1, 0.05, 0.1}, {0.05, 0.1, 0.2}};
     for (size_t i = 0; i < sizeof lengths / sizeof *lengths; i++)
         for (size_t order = 1; order <= 2; order++) {
-            double halved[BDF_EARLIER], quartered[BDF_EARLIER];
+            double halved[BDF_PREVIOUS], quartered[BDF_PREVIOUS];
             scale_steps(halved, lengths[i], 0.5);
             scale_steps(quartered, lengths[i], 0.25);
             double coarse = manufactured(0.02, lengths[i], order).rate;
@@ -389,7 +389,7 @@ static void equation_is_of_second_order(void **state) {
     static const double lengths[] = {0.1, 0.07, 0.1};
     double error[3];
     for (int i = 0; i < 3; i++) {
-        double scaled[BDF_EARLIER], factor = ldexp(1, -i);
+        double scaled[BDF_PREVIOUS], factor = ldexp(1, -i);
         scale_steps(scaled, lengths, factor);
         error[i] = manufactured(0.05 * factor, scaled, 2).residual;
     }
