@@ -110,10 +110,10 @@ static error_t parse_own(int key, char *argument, struct argp_state *state) {
 static void print_methods(void) {
     puts("Methods of row selection:");
     for (const selection_method *method = selection_methods; method->name; method++)
-        printf("  %-10s %s\n", method->name, method->help);
+        printf("  %-12s%s\n", method->name, method->help);
     puts("Weights of the rows:");
     for (const weighting *weights = weightings; weights->name; weights++)
-        printf("  %-10s %s\n", weights->name, weights->help);
+        printf("  %-12s%s\n", weights->name, weights->help);
 }
 
 // ---- the residuals

@@ -20,9 +20,9 @@ const selection_method selection_methods[] = {
      "over the norms of "
      "their columns; any number of rows"},
     {"exits", selection_exits, 0,
-     "joint, from as many rows as pressure modes on the row that helps the worst exit of training "
-     "most; any number "
-     "of rows"},
+     "joint up to as many rows as pressure modes, then the row that helps the worst exit of "
+     "training "
+     "most; any number of rows"},
     {NULL, NULL, 0, NULL},
 };
 

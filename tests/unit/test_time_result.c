@@ -549,6 +549,7 @@ static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
         check_result(num_times, true);
         unlink(path);
     }
+    unlink(partial); // of the run that came through
     assert_true(least + 2 >= num_times);
     return kills;
 }
