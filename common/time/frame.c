@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static const double MOST_MOES_M = 1e5;
+static const double MAX_MOES_M = 1e5;
 
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,
                        double approach) {
@@ -52,7 +52,7 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     contact->hertz_pressure *= frame->hertz_pressure;
     contact->alpha_p_H *= frame->hertz_pressure;
     // the stationary contact of the same lambda U
-    contact->moes_M = fmin(kind->moes_M(contact->lambda * contact->entrainment), MOST_MOES_M);
+    contact->moes_M = fmin(kind->moes_M(contact->lambda * contact->entrainment), MAX_MOES_M);
     contact->moes_L = reference->moes_L * frame->hertz_pressure *
                       kind->alpha_p_H(reference->moes_M, 1) / kind->alpha_p_H(contact->moes_M, 1);
     contact->half_width *= width;

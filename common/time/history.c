@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST_LINEAR = 2, LEAST_SPLINE = 3 }; // rows of a table
+enum { MIN_LINEAR = 2, MIN_SPLINE = 3 }; // rows of a table
 
 static const double ROUNDING = 1e-12; // of a factor
-static const double MOST_TIME = 1e12,
-                    LEAST_DISTANCE = 1e-9; // of a table's times, as of other times
+static const double MAX_TIME = 1e12,
+                    MIN_DISTANCE = 1e-9; // of a table's times, as of other times
 
 typedef struct history_law history_law;
 
@@ -32,31 +32,31 @@ struct ehd_histories {
     history of[NUM_VARY];
 };
 
-typedef struct least_value {
+typedef struct minimum_value {
     double value, time;
-} least_value;
+} minimum_value;
 
 /* A law is a row of a table. */
 struct history_law {
     const char *name;
     ehd_status (*prepare)(history *self, double end_time, ehd_error *error); // NULL: nothing to do
     double (*value)(const history *self, double time);
-    least_value (*least)(const history *self, double end_time); // from 0 to end_time
+    minimum_value (*minimum)(const history *self, double end_time); // from 0 to end_time
     /* The first kink or jump after `time`; NULL: it has none. */
     double (*next_kink)(const history *self, double time, bool *jump);
     double (*shortest_time)(const history *self); // NULL: it varies at once or not at all
 };
 
-static void take_lower(least_value *least, const history *self, double time) {
+static void lower_to(minimum_value *minimum, const history *self, double time) {
     const double value = self->law->value(self, time);
-    if (value < least->value) *least = (least_value){value, time};
+    if (value < minimum->value) *minimum = (minimum_value){value, time};
 }
 
-/* Of what never turns back. */
-static least_value least_of_ends(const history *self, double end_time) {
-    least_value least = {self->law->value(self, 0), 0};
-    take_lower(&least, self, end_time);
-    return least;
+/* Of a law that is monotonic. */
+static minimum_value minimum_of_ends(const history *self, double end_time) {
+    minimum_value minimum = {self->law->value(self, 0), 0};
+    lower_to(&minimum, self, end_time);
+    return minimum;
 }
 
 // ---- constant
@@ -74,13 +74,13 @@ static double sine_value(const history *self, double time) {
     return 1 + given->amplitude * sin(2 * M_PI * time / given->period + given->phase);
 }
 
-static least_value sine_least(const history *self, double end_time) {
+static minimum_value sine_minimum(const history *self, double end_time) {
     const history_settings *given = &self->given;
-    const double trough = given->amplitude > 0 ? -M_PI_2 : M_PI_2; // phase of the least value
+    const double trough = given->amplitude > 0 ? -M_PI_2 : M_PI_2; // phase of the minimum
     const double turns = (trough - given->phase) / (2 * M_PI);
     const double first = (turns - floor(turns)) * given->period; // its first time from 0 on
-    if (first > end_time) return least_of_ends(self, end_time);
-    return (least_value){1 - fabs(given->amplitude), first};
+    if (first > end_time) return minimum_of_ends(self, end_time);
+    return (minimum_value){1 - fabs(given->amplitude), first};
 }
 
 static double sine_shortest_time(const history *self) {
@@ -135,15 +135,15 @@ static ehd_status read_table(history *self, ehd_error *error) {
 static ehd_status check_row(const history *self, size_t i, ehd_error *error) {
     const char *path = self->given.file;
     const double *time = self->time, *values = self->values;
-    if (!(fabs(time[i]) <= MOST_TIME))
+    if (!(fabs(time[i]) <= MAX_TIME))
         return ehd_fail(error, EHD_DATA,
                         "%s: found the time %g in row %zu, expected one from %g to %g", path,
-                        time[i], i + 1, -MOST_TIME, MOST_TIME);
-    if (i > 0 && !(time[i] - time[i - 1] >= LEAST_DISTANCE))
+                        time[i], i + 1, -MAX_TIME, MAX_TIME);
+    if (i > 0 && !(time[i] - time[i - 1] >= MIN_DISTANCE))
         return ehd_fail(error, EHD_DATA,
                         "%s: found the time %.10g in row %zu, expected at least %g after %.10g in "
                         "the row before",
-                        path, time[i], i + 1, LEAST_DISTANCE, time[i - 1]);
+                        path, time[i], i + 1, MIN_DISTANCE, time[i - 1]);
     if (!(fabs(values[i]) <= MAX_FACTOR))
         return ehd_fail(error, EHD_DATA,
                         "%s: %s: found %g in row %zu, expected a factor on the reference value "
@@ -154,11 +154,11 @@ static ehd_status check_row(const history *self, size_t i, ehd_error *error) {
 
 static ehd_status check_table(const history *self, double end_time, ehd_error *error) {
     const char *path = self->given.file, *interpolation = self->given.interpolation;
-    const size_t least = strcmp(interpolation, "linear") == 0 ? LEAST_LINEAR : LEAST_SPLINE;
+    const size_t needed = strcmp(interpolation, "linear") == 0 ? MIN_LINEAR : MIN_SPLINE;
     ehd_status status = EHD_OK;
-    if (self->count < least)
+    if (self->count < needed)
         return ehd_fail(error, EHD_DATA, "%s: found %zu row%s, expected at least %zu (%s)", path,
-                        self->count, self->count == 1 ? "" : "s", least, interpolation);
+                        self->count, self->count == 1 ? "" : "s", needed, interpolation);
     for (size_t i = 0; i < self->count && !status; i++)
         status = check_row(self, i, error);
     if (status) return status;
@@ -205,7 +205,7 @@ static double table_value(const history *self, double time) {
 }
 
 /* Where the spline turns within an interval: its slope there is a parabola. */
-static void take_turns(least_value *least, const history *self, size_t i, double end_time) {
+static void lower_to_turns(minimum_value *minimum, const history *self, size_t i, double end_time) {
     const double left = self->time[i], right = self->time[i + 1];
     const double slope = gsl_spline_eval_deriv(self->spline, left, NULL);
     const double bend = gsl_spline_eval_deriv2(self->spline, left, NULL);
@@ -215,17 +215,17 @@ static void take_turns(least_value *least, const history *self, size_t i, double
                                                slope, &turn[0], &turn[1]);
     for (int k = 0; k < count; k++) {
         const double time = left + turn[k];
-        if (time > fmax(left, 0) && time < fmin(right, end_time)) take_lower(least, self, time);
+        if (time > fmax(left, 0) && time < fmin(right, end_time)) lower_to(minimum, self, time);
     }
 }
 
-static least_value table_least(const history *self, double end_time) {
-    least_value least = least_of_ends(self, end_time);
+static minimum_value table_minimum(const history *self, double end_time) {
+    minimum_value minimum = minimum_of_ends(self, end_time);
     for (size_t i = 0; i < self->count; i++)
-        if (self->time[i] > 0 && self->time[i] < end_time) take_lower(&least, self, self->time[i]);
+        if (self->time[i] > 0 && self->time[i] < end_time) lower_to(&minimum, self, self->time[i]);
     for (size_t i = 0; self->spline && i + 1 < self->count; i++)
-        take_turns(&least, self, i, end_time);
-    return least;
+        lower_to_turns(&minimum, self, i, end_time);
+    return minimum;
 }
 
 /* Only lines have corners. */
@@ -245,11 +245,11 @@ static double table_shortest_time(const history *self) {
 // ---- the laws
 
 static const history_law laws[] = {
-    {"constant", NULL, constant_value, least_of_ends, NULL, NULL},
-    {"sine", NULL, sine_value, sine_least, NULL, sine_shortest_time},
-    {"ramp", NULL, ramp_value, least_of_ends, ramp_next_kink, ramp_shortest_time},
-    {"step", NULL, step_value, least_of_ends, step_next_kink, NULL},
-    {"table", prepare_table, table_value, table_least, table_next_kink, table_shortest_time}};
+    {"constant", NULL, constant_value, minimum_of_ends, NULL, NULL},
+    {"sine", NULL, sine_value, sine_minimum, NULL, sine_shortest_time},
+    {"ramp", NULL, ramp_value, minimum_of_ends, ramp_next_kink, ramp_shortest_time},
+    {"step", NULL, step_value, minimum_of_ends, step_next_kink, NULL},
+    {"table", prepare_table, table_value, table_minimum, table_next_kink, table_shortest_time}};
 
 /* What is given no law is constant. */
 static const history_law *find_law(const char *name) {
@@ -258,22 +258,22 @@ static const history_law *find_law(const char *name) {
     return &laws[0];
 }
 
-static ehd_status check_speed(least_value least, ehd_error *error) {
-    if (least.value >= -ROUNDING) return EHD_OK;
+static ehd_status check_speed(minimum_value minimum, ehd_error *error) {
+    if (minimum.value >= -ROUNDING) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "transient.speed: found %.6g at T = %.6g, expected at least 0: a reversal of "
                     "the entrainment direction is not supported",
-                    least.value, least.time);
+                    minimum.value, minimum.time);
 }
 
 static ehd_status check_history(const history *self, int quantity, double end_time,
                                 ehd_error *error) {
-    const least_value least = self->law->least(self, end_time);
+    const minimum_value minimum = self->law->minimum(self, end_time);
     if (quantity == VARY_APPROACH) return EHD_OK; // any finite value
-    if (quantity == VARY_SPEED) return check_speed(least, error);
-    if (least.value > 0) return EHD_OK;
+    if (quantity == VARY_SPEED) return check_speed(minimum, error);
+    if (minimum.value > 0) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected more than 0",
-                    vary_names[quantity], least.value, least.time);
+                    vary_names[quantity], minimum.value, minimum.time);
 }
 
 ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error *error) {

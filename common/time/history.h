@@ -39,7 +39,7 @@ double histories_next_kink(
     bool *jump); // whether some history jumps there
 
 /* The shortest time scale of all, for a sensible first step: a period / 2 pi, the duration of a ramp or
- * the least distance of a table's times; INFINITY when nothing varies smoothly. */
+ * the smallest distance of a table's times; INFINITY when nothing varies smoothly. */
 double histories_shortest_time(const ehd_histories *self);
 
 #endif

@@ -16,13 +16,13 @@ const double march_exit_margin = 0.1;
  * twenty times the tolerance off at most, and errors go as the tolerance to the power 2/3. */
 static const double PASSAGE = 30;
 
-static const double MOST_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
-static const double LEAST_SHRINK = 0.2;
+static const double MAX_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
+static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
 static const double SAFETY = 0.85;
 static const double NOISE_KEPT = 0.9; // of what was met of the solver's noise, a step later
 enum { WATCHED_ATTEMPTS = 3000 };
-static const double LEAST_STEP = 1e-9;          // relative to the first one
+static const double MIN_STEP = 1e-9;            // relative to the first one
 static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums and multiples
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
@@ -139,8 +139,8 @@ static double error_after_kink(const march *self, double step, double local_erro
 }
 
 /* Below it the march ends: shorter steps lead nowhere, or are lost in the rounding of the time. */
-static double least_step(const march *self) {
-    return fmax(LEAST_STEP * self->settings.first_step, ROUNDING * self->state.time);
+static double min_step(const march *self) {
+    return fmax(MIN_STEP * self->settings.first_step, ROUNDING * self->state.time);
 }
 
 /* Where a step is shorter than the one tried before and its error not even less by as much, what is left is the
@@ -164,8 +164,8 @@ static double accepted_error(const march *self) {
 static double next_step(const march *self, const march_step *outcome) {
     if (!isnan(self->settings.fixed_step)) return self->settings.fixed_step;
     double relative = outcome->local_error / accepted_error(self);
-    double factor = relative > 0 ? SAFETY * pow(relative, -1. / 3) : MOST_GROWTH;
-    return outcome->step * fmin(fmax(factor, LEAST_SHRINK), MOST_GROWTH);
+    double factor = relative > 0 ? SAFETY * pow(relative, -1. / 3) : MAX_GROWTH;
+    return outcome->step * fmin(fmax(factor, MIN_SHRINK), MAX_GROWTH);
 }
 
 /* Attempts the step to the next time. */
@@ -207,10 +207,10 @@ static void reject(march *self, const march_step *outcome) {
     state->rejected_step = failed ? 0 : step;
     state->rejected_error = outcome->local_error;
     state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, outcome), 0.9 * step);
-    if (!(state->step > least_step(self)))
+    if (!(state->step > min_step(self)))
         snprintf(self->reason, sizeof self->reason,
                  "found a step size of %.1e at T = %.10g (%s), expected above %.1e", state->step,
-                 state->time, failed ? outcome->reason : "local error", least_step(self));
+                 state->time, failed ? outcome->reason : "local error", min_step(self));
 }
 
 /* The length of the next attempt after an accepted step. Neither a step cut short by an event nor one
@@ -246,7 +246,7 @@ static void accept(march *self, const march_step *outcome, const next_stop *reac
     }
     state->rejected_step = 0;
     // where this is too long, the march ends as soon as it is rejected
-    state->step = fmax(state->step, 2 * least_step(self));
+    state->step = fmax(state->step, 2 * min_step(self));
 }
 
 /* One attempt, accepted or not. */
@@ -267,9 +267,9 @@ static ehd_status advance(march *self, ehd_error *error) {
 /* Ends a march that crawls: where a model's own noise is above the tolerance, steps get shorter until the noise
  * of a step is, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
-    const double least_progress = 0.01; // of the usual one, in so many attempts
+    const double min_progress = 0.01; // of the usual one, in so many attempts
 
-    if (!(self->state.time - *mark > least_progress * usual))
+    if (!(self->state.time - *mark > min_progress * usual))
         snprintf(self->reason, sizeof self->reason,
                  "found %d attempts between T = %.8g and %.8g, expected them to get further (step "
                  "%.1e)",

@@ -70,7 +70,8 @@ static void print_record(const char *what, const cold_record *record, const cold
 
 static int compare_truncated(const cold_record *converged, double product, size_t repeats) {
     const cold_task task = task_of(COMPARED_CELLS, TRUNCATED, repeats);
-    const double finer = 4.801; // H_c of twice the cells (model.md, section 6)
+    const double finer =
+        4.801; // H_c of twice the cells by the multigrid program of Venner and Lubrecht
     cold_record record = {0};
 
     cold_solve(&record, &task);
