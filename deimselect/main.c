@@ -2,6 +2,7 @@
 /* deimselect: selects the rows of the online model and writes it. */
 #include "common/artefact/artefact.h"
 #include "common/output/check.h"
+#include "common/output/print.h"
 #include "common/program/program.h"
 #include "deimselect/row_choice.h"
 #include "romrun/model/basis_file.h"
@@ -280,6 +281,7 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
+    if (self.print) return output_print(&self);
     ehd_status status = check_usage(&own, &error);
     if (!status) status = run(&self, &own, &error);
     return program_finish(&self, status, &error);

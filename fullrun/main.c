@@ -2,6 +2,7 @@
 /* fullrun: solves one scene with the full model. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
+#include "common/output/print.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
 #include "common/program/program.h"
@@ -468,6 +469,7 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
+    if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* podbuild: bases of training solutions. */
 #include "common/output/check.h"
+#include "common/output/print.h"
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
@@ -214,6 +215,7 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
+    if (self.print) return output_print(&self);
     if (own.weight->needs_contacts != (own.plan != NULL))
         return program_finish(&self,
                               ehd_fail(&error, EHD_USAGE,

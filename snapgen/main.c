@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* snapgen: runs a training plan. */
 #include "common/output/check.h"
+#include "common/output/print.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
 #include "common/training/pool.h"
@@ -378,6 +379,7 @@ int main(int argc, char **argv) {
 
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
+    if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -191,6 +191,14 @@ ehd_status artefact_open(
  * removed otherwise. Accepts a NULL file. */
 void artefact_close(artefact **file);
 
+/* The same also of a file that is being written or was left unfinished (PATH.partial), of which the growing
+ * axis tells how far it goes: what is on it may be longer, so that it is read by artefact_get_part. */
+ehd_status artefact_open_unfinished(
+    // output:
+    artefact **file,
+    // input:
+    const char *path, const artefact_schema *const *schemas, ehd_error *error);
+
 const artefact_schema *artefact_kind(const artefact *file);
 const char *artefact_path(const artefact *file);
 /* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
@@ -199,6 +207,10 @@ ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error
 bool artefact_has(const artefact *file, const char *field_or_attribute);
 /* Length of an axis; 0 when the file does not have it. */
 size_t artefact_length(const artefact *file, const char *axis);
+/* The axes of a field in this file, without the optional ones that it does not have. Returns their
+ * number. */
+size_t artefact_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
+                     const artefact_field *field);
 /* Whether artefact_get_axis has values to give. */
 bool artefact_has_scale(const artefact *file, const char *axis);
 
@@ -219,6 +231,12 @@ ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *
                                 ehd_error *error);
 /* Free the text with free(). */
 ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error);
+/* Any attribute of the root as text, numbers with as many digits as they have; free(). */
+ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
+                                   ehd_error *error);
+/* Visits the names of all attributes of the root, also of those that no schema knows. */
+void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
+                               void *data);
 
 /* --check FILE: opens the file as any of the known schemas and reads every dataset that the schema
  * knows, so that every checksum is verified. */

@@ -63,7 +63,7 @@ static ehd_status copy_field(artefact *to, artefact *from, const artefact_field 
                              ehd_error *error) {
     bool integer = field->type == ARTEFACT_INTEGER;
     const char *axes[ARTEFACT_MAX_RANK];
-    size_t count = 1, rank = field_axes(axes, from, field);
+    size_t count = 1, rank = artefact_axes(axes, from, field);
     ehd_status status;
 
     for (size_t i = 0; i < rank; i++)

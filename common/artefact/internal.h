@@ -73,6 +73,8 @@ bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *v
 
 bool hdf5_has_dataset(hid_t root, const char *name);
 bool hdf5_has_attribute(hid_t object, const char *name);
+/* Visits the names of all attributes of an object, in the order of their names. */
+void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *data), void *data);
 
 // ---- provenance.c
 
@@ -117,10 +119,6 @@ const artefact_attribute *find_attribute(const artefact *file, const char *name)
 size_t *find_length(const artefact *file, const char *axis); // NULL: no such axis in the schema
 const char *shown_name(const artefact *file);                // of the file on disk, for messages
 bool axis_is_optional(const artefact_schema *schema, const char *name);
-/* The axes of a field in this file, without the optional ones that it does not have. Returns their
- * number. */
-size_t field_axes(const char *axes[ARTEFACT_MAX_RANK], const artefact *file,
-                  const artefact_field *field);
 bool field_grows(const artefact *file, const artefact_field *field);
 
 /* Whether a field is in the file. */
@@ -148,6 +146,8 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
 /* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
  * the axis lengths. */
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
+/* The name in the schema of the axis whose scale has no bound; NULL: none. */
+const char *find_growing(const artefact *file);
 /* Reads every dataset that the schema knows, so that every checksum is verified. Of a file being
  * written with a growing axis only the axes and what is on that one, because the rest is
  * overwritten in place. */

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -28,6 +29,9 @@ static ehd_status check_readable(const char *path, ehd_error *error) {
     return EHD_OK;
 }
 
+/* What HDF5 says of a file that is being written or whose writer was killed. */
+static const char has_writer[] = "already open for";
+
 static ehd_status open_failed(const char *path, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     if (reason.system) {
@@ -37,7 +41,7 @@ static ehd_status open_failed(const char *path, ehd_error *error) {
     if (strstr(reason.text, "file signature")) {
         return ehd_fail(error, EHD_DATA, "%s: found no HDF5 file, expected one", path);
     }
-    if (strstr(reason.text, "already open for")) {
+    if (strstr(reason.text, has_writer)) {
         return ehd_fail(
             error, EHD_DATA,
             "%s: found a file that is being written or whose writer was killed, expected "
@@ -225,7 +229,7 @@ static bool use_fits(const artefact *file, hid_t scale, const scale_use *use, co
     *field = find_field(file, name[0] == '/' ? name + 1 : name);
     if (!*field) return true;
     const char *axes[ARTEFACT_MAX_RANK];
-    const size_t rank = field_axes(axes, file, *field);
+    const size_t rank = artefact_axes(axes, file, *field);
     return use->axis >= 0 && use->axis < (int)rank && strcmp(axes[use->axis], axis) == 0;
 }
 
@@ -311,11 +315,26 @@ static ehd_status check_fields(artefact *file, ehd_error *error) {
                             shown_name(file), field->name, field->long_name);
         }
         const char *axes[ARTEFACT_MAX_RANK];
-        const size_t rank = field_axes(axes, file, field);
+        const size_t rank = artefact_axes(axes, file, field);
         ehd_status status = check_dataset(file, field->name, field->type, axes, rank, error);
         if (status != EHD_OK) return status;
     }
     return EHD_OK;
+}
+
+const char *find_growing(const artefact *file) {
+    const char *growing = NULL;
+    for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
+        if (!hdf5_has_dataset(file->id, axis->name)) continue;
+        hsize_t max_dims[H5S_MAX_RANK] = {0};
+        hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
+        hid_t space = H5Dget_space(dataset);
+        H5Sget_simple_extent_dims(space, NULL, max_dims);
+        if (max_dims[0] == H5S_UNLIMITED) growing = axis->name;
+        hdf5_release(space);
+        hdf5_release(dataset);
+    }
+    return growing;
 }
 
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error) {
@@ -337,8 +356,10 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     return status;
 }
 
-ehd_status artefact_open(artefact **result, const char *path, const artefact_schema *const *schemas,
-                         ehd_error *error) {
+/* Opens a file that was finished or, where `unfinished` is allowed, that is being written or was left. */
+static ehd_status open_file(artefact **result, const char *path,
+                            const artefact_schema *const *schemas, bool unfinished,
+                            ehd_error *error) {
     *result = NULL;
     ehd_status status = check_readable(path, error);
     if (status != EHD_OK) return status;
@@ -347,21 +368,33 @@ ehd_status artefact_open(artefact **result, const char *path, const artefact_sch
         return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
 
     file->id = hdf5_open(path, H5F_ACC_RDONLY, false);
-    if (file->id < 0) {
-        status = open_failed(path, error);
-    } else {
-        status = recognise(file, schemas, error);
-    }
+    if (file->id < 0 && unfinished && strstr(hdf5_last_reason().text, has_writer))
+        file->id = hdf5_open(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, false);
+    if (file->id < 0) status = open_failed(path, error);
+    if (status == EHD_OK) status = recognise(file, schemas, error);
     if (status == EHD_OK && completeness(file) != 1 && hdf5_has_attribute(file->id, "complete")) {
-        status = ehd_fail(error, EHD_DATA,
-                          "%s: found an unfinished file (complete is not 1), expected "
-                          "a finished one",
-                          path);
+        if (unfinished)
+            file->growing = find_growing(file);
+        else
+            status = ehd_fail(error, EHD_DATA,
+                              "%s: found an unfinished file (complete is not 1), expected "
+                              "a finished one",
+                              path);
     }
     if (status == EHD_OK) status = examine(file, schemas, error);
     if (status != EHD_OK) artefact_close(&file);
     *result = file;
     return status;
+}
+
+ehd_status artefact_open(artefact **result, const char *path, const artefact_schema *const *schemas,
+                         ehd_error *error) {
+    return open_file(result, path, schemas, false, error);
+}
+
+ehd_status artefact_open_unfinished(artefact **result, const char *path,
+                                    const artefact_schema *const *schemas, ehd_error *error) {
+    return open_file(result, path, schemas, true, error);
 }
 
 // ---- content
@@ -417,7 +450,8 @@ ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, e
         return ehd_fail(error, EHD_DATA, "%s: found no values of axis %s, expected its scale",
                         shown_name(file), axis);
     }
-    return transfer(file, axis, ARTEFACT_REAL, 0, WHOLE_FIELD, values, NULL, error);
+    // the axis of a file that is being written may have grown since
+    return transfer(file, axis, ARTEFACT_REAL, 0, artefact_length(file, axis), values, NULL, error);
 }
 
 static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t wanted, void *value,
@@ -442,6 +476,33 @@ ehd_status artefact_get_text(artefact *file, const char *attribute, char **text,
     if (*text) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected a text", shown_name(file),
                     attribute);
+}
+
+ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
+                                   ehd_error *error) {
+    char number[NUMBER_TEXT];
+    int64_t integer;
+    double real;
+
+    *text = hdf5_get_text(file->id, attribute);
+    if (*text) return EHD_OK;
+    if (hdf5_get_number(file->id, attribute, H5T_INTEGER, &integer))
+        snprintf(number, sizeof number, "%" PRId64, integer);
+    else if (hdf5_get_number(file->id, attribute, H5T_FLOAT, &real))
+        number_show(number, real);
+    else
+        return ehd_fail(error, EHD_DATA,
+                        "%s: %s: found something else, expected a number or a text",
+                        shown_name(file), attribute);
+    *text = strdup(number);
+    if (*text) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
+                    shown_name(file));
+}
+
+void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
+                               void *data) {
+    hdf5_visit_attributes(file->id, visit, data);
 }
 
 // ---- check
@@ -484,7 +545,7 @@ ehd_status read_everything(artefact *file, ehd_error *error) {
         if (file->growing && !field_grows(file, field)) continue;
         if (hdf5_has_dataset(file->id, field->name)) {
             const char *axes[ARTEFACT_MAX_RANK];
-            const size_t rank = field_axes(axes, file, field);
+            const size_t rank = artefact_axes(axes, file, field);
             status = read_slices(file, field->name, axes, rank, error);
         }
     }

@@ -74,22 +74,6 @@ static ehd_status check_same_settings(const artefact *file, const char *settings
     return same ? EHD_OK : not_resumable(file, "other settings", error);
 }
 
-/* The name in the schema of the axis whose scale has no bound; NULL: none. */
-static const char *find_growing(const artefact *file) {
-    const char *growing = NULL;
-    for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
-        if (!hdf5_has_dataset(file->id, axis->name)) continue;
-        hsize_t max_dims[H5S_MAX_RANK] = {0};
-        hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
-        hid_t space = H5Dget_space(dataset);
-        H5Sget_simple_extent_dims(space, NULL, max_dims);
-        if (max_dims[0] == H5S_UNLIMITED) growing = axis->name;
-        hdf5_release(space);
-        hdf5_release(dataset);
-    }
-    return growing;
-}
-
 static ehd_status resume_streaming(artefact *file, const program *caller, const char *settings_text,
                                    ehd_error *error) {
     const artefact_schema *const schemas[] = {file->schema, NULL};

@@ -215,7 +215,7 @@ static ehd_status declare(artefact *file, const artefact_field *field, layout ki
                           ehd_error *error) {
     hsize_t dims[ARTEFACT_MAX_RANK];
     const char *axes[ARTEFACT_MAX_RANK];
-    int rank = (int)field_axes(axes, file, field);
+    int rank = (int)artefact_axes(axes, file, field);
     const bool growing = field_grows(file, field);
     for (int i = 0; i < rank; i++) {
         dims[i] = artefact_length(file, axes[i]);

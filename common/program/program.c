@@ -139,7 +139,7 @@ void program_warn(const program *self, const char *format, ...) {
 
 // ---- the command line
 
-enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK };
+enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT };
 
 static const struct argp_option common_options[] = {
     {.doc = "Common to all programs:", .group = 10},
@@ -154,6 +154,15 @@ static const struct argp_option common_options[] = {
      .key = KEY_CHECK,
      .arg = "FILE",
      .doc = "Only check that FILE is whole and valid: silent, exit 0 or 65",
+     .group = 10},
+    {.name = "print",
+     .key = KEY_PRINT,
+     .arg = "FILE NAME...",
+     .doc = "Only print these datasets, axes and attributes of FILE as CSV, a line for each entry; "
+            "without a NAME, which ones there are. An attribute is the same in each line. Datasets "
+            "along several axes are led by the axes that are not named, and an empty line follows "
+            "when the axis before the last goes on (two for the one before that), as splot and "
+            "index of gnuplot expect. FILE may be a NAME.partial",
      .group = 10},
     {.name = "quiet", .key = 'q', .doc = "No progress and no notes", .group = 10},
     {.name = "verbose", .key = 'v', .doc = "Also details", .group = 10},
@@ -210,6 +219,8 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         return add_override(self, argument, state);
     case KEY_CHECK:
         return set_file(&self->check, "--check", argument, state);
+    case KEY_PRINT:
+        return set_file(&self->print, "--print", argument, state);
     case 'o':
         return set_file(&self->output, "--output", argument, state);
     case 'f':
@@ -259,6 +270,9 @@ static ehd_status run_argp(program *self, const struct argp *argp, char **argume
 
 static ehd_status check_arguments(const program *self, const program_options *options,
                                   ehd_error *error) {
+    if (self->check && self->print)
+        return ehd_fail(error, EHD_USAGE, "--print: found --check too, expected one of them");
+    if (self->print) return EHD_OK;
     const bool enough = self->check || self->num_arguments >= options->min_arguments;
     if (!enough || self->num_arguments > options->max_arguments)
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",

@@ -10,7 +10,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Filled by the common options: --quiet --verbose --set --force --check FILE -o FILE. */
+/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o FILE. */
 typedef struct program {
     const char *name; // "fullrun"
     int argc;         // as main received them, for the history line
@@ -20,6 +20,7 @@ typedef struct program {
     bool force;
     const char *output;     // -o, --output; NULL when not given
     const char *check;      // --check FILE; NULL when not given
+    const char *print;      // --print FILE, the arguments are names in it; NULL when not given
     const char **overrides; // --set key=value, in order; [num_overrides]
     size_t num_overrides;
     const char **arguments; // positional; [num_arguments]
@@ -35,8 +36,8 @@ typedef struct program_options {
     const char *arguments_doc;           // "SCENE.yml -o result.h5"
     const char *doc;                     // what the program does
     void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
-    size_t min_arguments, max_arguments; // positional ones (not demanded with --check)
-    bool needs_output;                   // -o is demanded (not with --check)
+    size_t min_arguments, max_arguments; // positional ones (any number with --print)
+    bool needs_output;                   // -o is demanded (not with --check, --print)
 } program_options;
 
 /* Parses the command line. --help and --version print to stdout and exit with 0; misuse prints

@@ -1,0 +1,413 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/output/print.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SLICE_NUMBERS = 1 << 20 }; // read at a time, 8 MB
+
+/* One name of the command line, or an axis that leads the line. */
+typedef struct column {
+    const char *name;
+    const artefact_field *field; // NULL: an axis or an attribute
+    const char *axes[ARTEFACT_MAX_RANK];
+    size_t rank;       // 0: an attribute
+    double *reals;     // of a slice of the entries of a field, or of the whole axis
+    int64_t *integers; // the same of a field of integers
+    char *text;        // of an attribute
+} column;
+
+/* The entries that the lines stand for. */
+typedef struct entries {
+    const char *axes[ARTEFACT_MAX_RANK];
+    size_t lengths[ARTEFACT_MAX_RANK];
+    size_t rank; // 0: one line
+} entries;
+
+// ---- text
+
+static void print_text(const char *text, FILE *stream) {
+    if (!text[strcspn(text, ",\"\r\n")]) {
+        fputs(text, stream);
+        return;
+    }
+    fputc('"', stream);
+    for (; *text; text++) {
+        if (*text == '"') fputc('"', stream);
+        fputc(*text, stream);
+    }
+    fputc('"', stream);
+}
+
+static void print_real(double value, FILE *stream) {
+    char shown[NUMBER_TEXT];
+
+    if (!isnan(value)) number_show(shown, value);
+    fputs(isnan(value) ? "nan" : shown, stream); // which may have a sign
+}
+
+// ---- names
+
+static const artefact_axis *find_axis(const artefact *file, const char *name) {
+    for (const artefact_axis *axis = artefact_kind(file)->axes; axis->name; axis++) {
+        const bool known = artefact_length(file, axis->name) > 0 || artefact_has(file, axis->name);
+        if (known && strcmp(axis->name, name) == 0) return axis;
+    }
+    return NULL;
+}
+
+static const artefact_field *find_field(const artefact *file, const char *name) {
+    for (const artefact_field *field = artefact_kind(file)->fields; field->name; field++)
+        if (strcmp(field->name, name) == 0 && artefact_has(file, name)) return field;
+    return NULL;
+}
+
+/* What names are put into one after the other, as far as there is room. */
+typedef struct name_list {
+    char text[700]; // an error's text has room for a path beside it
+    size_t length;
+    bool full;
+} name_list;
+
+static void list_name(const char *name, void *data) {
+    name_list *list = data;
+    const size_t room = sizeof list->text - list->length;
+    char shown[SHOWN_TEXT];
+
+    text_show(shown, name);
+    if (list->full || strlen(shown) + 2 >= room) {
+        list->full = true;
+        return;
+    }
+    list->length += (size_t)snprintf(list->text + list->length, room, "%s%s",
+                                     list->length > 0 ? " " : "", shown);
+}
+
+static ehd_status unknown_name(const artefact *file, const char *name, ehd_error *error) {
+    name_list list = {.text = ""};
+    char shown[SHOWN_TEXT];
+
+    for (const artefact_axis *axis = artefact_kind(file)->axes; axis->name; axis++)
+        if (find_axis(file, axis->name)) list_name(axis->name, &list);
+    for (const artefact_field *field = artefact_kind(file)->fields; field->name; field++)
+        if (find_field(file, field->name)) list_name(field->name, &list);
+    artefact_visit_attributes(file, list_name, &list);
+    text_show(shown, name);
+    return ehd_fail(error, EHD_DATA, "%s: found no %s, expected one of: %s%s", artefact_path(file),
+                    shown, list.text, list.full ? " ... (all: --print without names)" : "");
+}
+
+typedef struct name_search {
+    const char *name;
+    bool found;
+} name_search;
+
+static void compare_name(const char *name, void *data) {
+    name_search *search = data;
+    search->found = search->found || strcmp(name, search->name) == 0;
+}
+
+static ehd_status find_column(column *found, artefact *file, const char *name, ehd_error *error) {
+    name_search attribute = {.name = name};
+
+    *found = (column){.name = name, .field = find_field(file, name)};
+    if (found->field) {
+        found->rank = artefact_axes(found->axes, file, found->field);
+        return EHD_OK;
+    }
+    if (find_axis(file, name)) {
+        found->axes[found->rank++] = name;
+        return EHD_OK;
+    }
+    artefact_visit_attributes(file, compare_name, &attribute);
+    if (!attribute.found) return unknown_name(file, name, error);
+    return artefact_show_attribute(file, name, &found->text, error);
+}
+
+// ---- axes
+
+static size_t axis_place(const char *const *axes, size_t rank, const char *name) {
+    size_t place = 0;
+    while (place < rank && strcmp(axes[place], name) != 0)
+        place++;
+    return place;
+}
+
+/* A dataset must have the axes of all others, an axis must be one of them. */
+static bool fits(const column *one, const entries *all) {
+    if (!one->field)
+        return one->rank == 0 || axis_place(all->axes, all->rank, one->name) < all->rank;
+    bool same = one->rank == all->rank;
+    for (size_t k = 0; k < all->rank && same; k++)
+        same = strcmp(one->axes[k], all->axes[k]) == 0;
+    return same;
+}
+
+/* Those of the column that has the most axes. */
+static ehd_status find_entries(entries *all, const artefact *file, const column *columns,
+                               size_t num_columns, ehd_error *error) {
+    const column *first = columns;
+
+    for (size_t i = 1; i < num_columns; i++)
+        if (columns[i].rank > first->rank) first = &columns[i];
+    all->rank = first->rank;
+    for (size_t k = 0; k < all->rank; k++) {
+        all->axes[k] = first->axes[k];
+        all->lengths[k] = artefact_length(file, first->axes[k]);
+    }
+    for (size_t i = 0; i < num_columns; i++)
+        if (!fits(&columns[i], all))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found %s and %s of different axes, expected datasets along the "
+                            "same ones, and no other axes",
+                            artefact_path(file), first->name, columns[i].name);
+    return EHD_OK;
+}
+
+static size_t count_long_axes(const entries *all) {
+    size_t count = 0;
+    for (size_t k = 0; k < all->rank; k++)
+        count += all->lengths[k] > 1;
+    return count;
+}
+
+/* Puts the axes that nobody named before the columns, where there are several of more than one entry. Returns
+ * the new number of columns. */
+static size_t add_leading_axes(column *columns, size_t num_columns, const entries *all) {
+    size_t num_leading = 0;
+
+    if (count_long_axes(all) < 2) return num_columns;
+    for (size_t k = 0; k < all->rank; k++) {
+        bool named = all->lengths[k] == 1;
+        for (size_t i = num_leading; i < num_columns + num_leading; i++)
+            named = named || strcmp(columns[i].name, all->axes[k]) == 0;
+        if (named) continue;
+        memmove(&columns[num_leading + 1], &columns[num_leading], num_columns * sizeof *columns);
+        columns[num_leading++] = (column){.name = all->axes[k], .axes = {all->axes[k]}, .rank = 1};
+    }
+    return num_columns + num_leading;
+}
+
+// ---- reading
+
+static ehd_status no_memory(const artefact *file, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
+                    artefact_path(file));
+}
+
+static ehd_status read_axis(column *axis, artefact *file, ehd_error *error) {
+    const size_t length = artefact_length(file, axis->name);
+
+    axis->reals = calloc(length + 1, sizeof *axis->reals);
+    if (!axis->reals) return no_memory(file, error);
+    if (artefact_has_scale(file, axis->name) && length > 0)
+        return artefact_get_axis(file, axis->name, axis->reals, error);
+    for (size_t i = 0; i < length; i++)
+        axis->reals[i] = (double)i;
+    return EHD_OK;
+}
+
+/* Takes memory for slices of `size` numbers, and reads what is no field whole. */
+static ehd_status prepare(column *columns, size_t num_columns, artefact *file, size_t size,
+                          ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < num_columns && !status; i++) {
+        column *one = &columns[i];
+        if (!one->field) {
+            if (one->rank > 0) status = read_axis(one, file, error);
+        } else if (one->field->type == ARTEFACT_INTEGER) {
+            one->integers = calloc(size + 1, sizeof *one->integers);
+            if (!one->integers) status = no_memory(file, error);
+        } else {
+            one->reals = calloc(size + 1, sizeof *one->reals);
+            if (!one->reals) status = no_memory(file, error);
+        }
+    }
+    return status;
+}
+
+static ehd_status read_slice(column *columns, size_t num_columns, artefact *file, size_t first,
+                             size_t count, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < num_columns && !status; i++) {
+        const column *one = &columns[i];
+        if (one->integers)
+            status =
+                artefact_get_integers_part(file, one->name, first, count, one->integers, error);
+        else if (one->field)
+            status = artefact_get_part(file, one->name, first, count, one->reals, error);
+    }
+    return status;
+}
+
+// ---- lines
+
+/* Where the entries go on with another index than the last one's, of all axes but the last: an empty line for
+ * the last of these, two for any other. */
+static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
+    size_t inner = 0; // axes of several entries that start again
+    for (size_t k = all->rank; k-- > 0;) {
+        if (all->lengths[k] == 1) continue;
+        if (index[k] > 0) break;
+        inner++;
+    }
+    for (size_t i = 0; i < inner && i < 2; i++)
+        fputc('\n', stream);
+}
+
+/* `place` of a field's entry in its slice, `index` along the axes. */
+static void print_value(const column *one, const entries *all, size_t place,
+                        const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
+    if (one->text)
+        print_text(one->text, stream);
+    else if (one->integers)
+        fprintf(stream, "%" PRId64, one->integers[place]);
+    else if (one->field)
+        print_real(one->reals[place], stream);
+    else
+        print_real(one->reals[index[axis_place(all->axes, all->rank, one->name)]], stream);
+}
+
+static void print_line(const column *columns, size_t num_columns, const entries *all, size_t place,
+                       const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
+    for (size_t i = 0; i < num_columns; i++) {
+        if (i > 0) fputc(',', stream);
+        print_value(&columns[i], all, place, index, stream);
+    }
+    fputc('\n', stream);
+}
+
+static void print_header(const column *columns, size_t num_columns, FILE *stream) {
+    for (size_t i = 0; i < num_columns; i++) {
+        if (i > 0) fputc(',', stream);
+        print_text(columns[i].name, stream);
+    }
+    fputc('\n', stream);
+}
+
+/* To the next entry, the last axis first. */
+static void go_on(size_t index[ARTEFACT_MAX_RANK], const entries *all) {
+    for (size_t k = all->rank; k-- > 0;) {
+        if (++index[k] < all->lengths[k]) return;
+        index[k] = 0;
+    }
+}
+
+static ehd_status print_lines(column *columns, size_t num_columns, artefact *file,
+                              const entries *all, FILE *stream, ehd_error *error) {
+    size_t index[ARTEFACT_MAX_RANK] = {0},
+           inner = 1; // numbers that one entry of the first axis has
+    const size_t length = all->rank > 0 ? all->lengths[0] : 1;
+
+    for (size_t k = 1; k < all->rank; k++)
+        inner *= all->lengths[k];
+    size_t slice = inner > 0 && inner < SLICE_NUMBERS ? SLICE_NUMBERS / inner : 1;
+    if (slice > length) slice = length;
+    ehd_status status = prepare(columns, num_columns, file, slice * inner, error);
+    if (!status) print_header(columns, num_columns, stream);
+    for (size_t first = 0; first < length && !status; first += slice) {
+        const size_t count = length - first < slice ? length - first : slice;
+        status = read_slice(columns, num_columns, file, first, count, error);
+        for (size_t i = 0; i < count * inner && !status; i++) {
+            if (first + i > 0) print_gap(all, index, stream);
+            print_line(columns, num_columns, all, i, index, stream);
+            go_on(index, all);
+            if (program_interrupted())
+                status = ehd_fail(error, EHD_INTERRUPTED,
+                                  "%s: found an interruption, expected none", artefact_path(file));
+            if (ferror(stream)) return EHD_OK; // program_finish says it
+        }
+    }
+    return status;
+}
+
+ehd_status print_entries(artefact *file, const char *const *names, size_t num_names, FILE *stream,
+                         ehd_error *error) {
+    entries all = {.rank = 0};
+    ehd_status status = EHD_OK;
+    column *columns = calloc(num_names + ARTEFACT_MAX_RANK, sizeof *columns);
+    size_t num_columns = num_names;
+
+    if (!columns) return no_memory(file, error);
+    for (size_t i = 0; i < num_names && !status; i++)
+        status = find_column(&columns[i], file, names[i], error);
+    if (!status) status = find_entries(&all, file, columns, num_names, error);
+    if (!status) {
+        num_columns = add_leading_axes(columns, num_names, &all);
+        status = print_lines(columns, num_columns, file, &all, stream, error);
+    }
+    for (size_t i = 0; i < num_columns; i++) {
+        free(columns[i].text);
+        free(columns[i].reals);
+        free(columns[i].integers);
+    }
+    free(columns);
+    return status;
+}
+
+// ---- what there is
+
+static void print_description(const char *name, const char *units, size_t rank,
+                              const char *const *axes, const artefact *file, const char *long_name,
+                              FILE *stream) {
+    print_text(name, stream);
+    fprintf(stream, ",%s,", units);
+    for (size_t k = 0; k < rank; k++)
+        fprintf(stream, "%s%zu", k > 0 ? " " : "", artefact_length(file, axes[k]));
+    fputc(',', stream);
+    for (size_t k = 0; k < rank; k++)
+        fprintf(stream, "%s%s", k > 0 ? " " : "", axes[k]);
+    fputc(',', stream);
+    print_text(long_name, stream);
+    fputc('\n', stream);
+}
+
+typedef struct description_target {
+    const artefact *file;
+    FILE *stream;
+} description_target;
+
+static void describe_attribute(const char *name, void *data) {
+    const description_target *target = data;
+    const artefact_attribute *known = artefact_kind(target->file)->attributes;
+
+    while (known->name && strcmp(known->name, name) != 0)
+        known++;
+    print_description(name, known->name ? known->units : "", 0, NULL, target->file,
+                      known->name ? known->long_name : "", target->stream);
+}
+
+void print_names(const artefact *file, FILE *stream) {
+    const artefact_schema *schema = artefact_kind(file);
+    description_target target = {file, stream};
+
+    fputs("name,units,lengths,axes,description\n", stream);
+    for (const artefact_axis *axis = schema->axes; axis->name; axis++)
+        if (find_axis(file, axis->name))
+            print_description(axis->name, axis->units, 1, &axis->name, file, axis->long_name,
+                              stream);
+    for (const artefact_field *field = schema->fields; field->name; field++) {
+        const char *axes[ARTEFACT_MAX_RANK];
+        if (!find_field(file, field->name)) continue;
+        const size_t rank = artefact_axes(axes, file, field);
+        print_description(field->name, field->units, rank, axes, file, field->long_name, stream);
+    }
+    artefact_visit_attributes(file, describe_attribute, &target);
+}
+
+int output_print(program *self) {
+    ehd_error error = {""};
+    artefact *file = NULL;
+    ehd_status status = artefact_open_unfinished(&file, self->print, artefact_schemas, &error);
+
+    if (!status && self->num_arguments > 0)
+        status = print_entries(file, self->arguments, self->num_arguments, stdout, &error);
+    else if (!status)
+        print_names(file, stdout);
+    artefact_close(&file);
+    return program_finish(self, status, &error);
+}

@@ -1,0 +1,65 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# --print FILE NAME...: what any of our files holds as CSV, by every program.
+
+load common
+
+setup() { common_setup; }
+
+@test "--print: what there is, entries, and attributes, the same from every program" {
+    fullrun scene.yml -o r.h5 >/dev/null
+    for name in fullrun snapgen podbuild deimselect romrun; do
+        $name --print r.h5 x pressure film_thickness >"$name.csv"
+        cmp fullrun.csv "$name.csv"
+        $name --help | grep -q -- '--print=FILE NAME'
+    done
+    [ "$(head -n 1 fullrun.csv)" = x,pressure,film_thickness ]
+    [ "$(wc -l <fullrun.csv)" -eq 302 ]
+    # to the last bit
+    /usr/bin/python3 - <<'PYTHON'
+import csv, h5py
+with h5py.File("r.h5") as file, open("fullrun.csv") as table:
+    rows = list(csv.reader(table))[1:]
+    for column, name in enumerate(["x", "pressure", "film_thickness"]):
+        assert [float(row[column]) for row in rows] == list(file[name][...].flat), name
+PYTHON
+    run fullrun --print r.h5 status moes_M contact
+    [ "$output" = "status,moes_M,contact
+0,12,line" ]
+    fullrun --print r.h5 >names.csv
+    grep -q '^pressure,1,1 301,time x,"pressure P, ' names.csv
+    # text of several lines is one field
+    fullrun --print r.h5 settings step >settings.csv
+    /usr/bin/python3 -c "import csv; rows = list(csv.reader(open('settings.csv'))); assert len(rows) == 2 and 'moes.M: 12' in rows[1][0] and rows[1][1] == '0.02', rows"
+}
+
+@test "--print: refusals" {
+    fullrun scene.yml -o r.h5 >/dev/null
+    refused 65 "r.h5: found no pressur, expected one of: time x pressure film_thickness .* moes_M" fullrun --print r.h5 pressur
+    refused 65 "r.h5: found pressure and load of different axes" fullrun --print r.h5 pressure load
+    refused 66 "none.h5: " romrun --print none.h5 x
+    refused 65 "scene.yml: found no HDF5 file" romrun --print scene.yml x
+    head -c 5000 r.h5 >cut.h5
+    refused 65 "cut.h5: " romrun --print cut.h5 x
+    refused 64 "--print: found --check too" fullrun --check r.h5 --print r.h5
+    refused 64 "--print" fullrun --print
+    run bash -c 'fullrun --print r.h5 x >/dev/full'
+    [[ $status == 74 && $output == "fullrun: stdout: "* ]]
+}
+
+@test "--print: a run that stopped early is printed as far as it came" {
+    sed -i -e 's/stationary/transient/' -e '$a transient: {load: {law: ramp, from: 1, to: 200, duration: 1}, end_time: 1}' scene.yml
+    run -3 fullrun scene.yml --quiet -o r.h5
+    fullrun --print r.h5.partial time load status >part.csv
+    awk -F, 'NR > 2 && !($1 > last && $2 > load) { exit 1 } { last = $1; load = $2 } END { exit !(NR > 3 && last < 1) }' part.csv
+}
+
+@test "--print: gnuplot reads maps of a point contact, blocks a line of the grid" {
+    point_scene 10 -2.5
+    fullrun scene.yml -o r.h5 --quiet >/dev/null
+    fullrun --print r.h5 x y pressure >map.csv
+    run gnuplot -e 'set datafile separator ","; set contour; unset surface; set cntrparam levels discrete 0.5; set table "contour"; splot "map.csv" skip 1 using 1:2:3'
+    [[ $status == 0 && -z $output ]]
+    # the contour of half the pressure closes around the contact
+    awk 'NF == 3 { if ($1 < low) low = $1; if ($1 > high) high = $1 } END { exit !(low < -0.7 && high > 0.7) }' contour
+}

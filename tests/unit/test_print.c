@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/output/print.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { NUM_TIMES = 2, NUM_LINES = 2, NUM_NODES = 3 };
+
+static char *words[] = {"fullrun", "a \"quoted\", name.yml", NULL};
+static const program caller = {.name = "fullrun", .argc = 2, .argv = words, .force = true};
+
+static char folder[64], path[128];
+static ehd_error error;
+
+static int set_up(void **state) {
+    (void)state;
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-print-XXXXXX");
+    if (!mkdtemp(folder)) return -1;
+    snprintf(path, sizeof path, "%s/file.h5", folder);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf %s", folder);
+    return system(command);
+}
+
+#define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
+
+/* A result of so many times, of a point contact or (one line) of a line contact. Pressures are 100 times the time's
+ * index, 10 times the line's and once the node's. */
+static void write_result(size_t num_times, size_t num_lines) {
+    const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
+    const double scalar[] = {0.1, NAN};
+    const int64_t counts[] = {3, INT64_MAX};
+    double pressure[NUM_TIMES * NUM_LINES * NUM_NODES], exits[NUM_TIMES * NUM_LINES] = {0};
+    artefact *file = NULL;
+
+    for (size_t i = 0; i < num_times * num_lines * NUM_NODES; i++)
+        pressure[i] = (double)(100 * (i / (num_lines * NUM_NODES)) +
+                               10 * (i / NUM_NODES % num_lines) + i % NUM_NODES);
+    check_ok(artefact_create(&file, path, &schema_result, &caller, "a: 1\n", NULL, &error));
+    check_ok(artefact_put_axis(file, "time", num_times, times, &error));
+    if (num_lines > 1) check_ok(artefact_put_axis(file, "y", num_lines, lines, &error));
+    check_ok(artefact_put_axis(file, "x", NUM_NODES, nodes, &error));
+    check_ok(artefact_put_text(file, "contact", "line", &error));
+    for (const artefact_attribute *one = schema_result.attributes; one->name; one++)
+        if (one->need != NEED_OPTIONAL && one->type == ARTEFACT_REAL)
+            check_ok(artefact_put_real(file, one->name, 1. / 3, &error));
+    check_ok(artefact_put(file, "pressure", pressure, &error));
+    check_ok(artefact_put(file, "exit_position", exits, &error));
+    for (const artefact_field *one = schema_result.fields; one->name; one++) {
+        if (one->need == NEED_OPTIONAL || strcmp(one->name, "exit_position") == 0) continue;
+        if (one->type == ARTEFACT_INTEGER)
+            check_ok(artefact_put_integers(file, one->name, counts, &error));
+        else
+            check_ok(artefact_put(file, one->name, scalar, &error));
+    }
+    check_ok(artefact_finish(&file, &error));
+}
+
+/* What is printed of these names, NULL at the end; free(). */
+static char *printed(ehd_status expected, const char *const *names) {
+    artefact *file = NULL;
+    char *text = NULL;
+    size_t size = 0, count = 0;
+
+    while (names[count])
+        count++;
+    check_ok(artefact_open_unfinished(&file, path, artefact_schemas, &error));
+    FILE *stream = open_memstream(&text, &size);
+    assert_int_equal(print_entries(file, names, count, stream, &error), expected);
+    fclose(stream);
+    artefact_close(&file);
+    return text;
+}
+
+#define check_printed(expected, ...)                                                               \
+    do {                                                                                           \
+        char *text = printed(EHD_OK, (const char *const[]){__VA_ARGS__, NULL});                    \
+        assert_string_equal(text, expected);                                                       \
+        free(text);                                                                                \
+    } while (0)
+
+#define check_refused(part, ...)                                                                   \
+    do {                                                                                           \
+        char *text = printed(EHD_DATA, (const char *const[]){__VA_ARGS__, NULL});                  \
+        assert_string_equal(text, "");                                                             \
+        if (!strstr(error.text, part)) fail_msg("found %s, expected %s", error.text, part);        \
+        free(text);                                                                                \
+    } while (0)
+
+static void a_line_for_each_entry(void **state) {
+    (void)state;
+    write_result(2, 1);
+    check_printed("time,load,status\n0,0.1,3\n0.1,nan,9223372036854775807\n", "time", "load",
+                  "status");
+    check_printed("load\n0.1\nnan\n", "load"); // one axis leads no line
+    check_printed("x\n-1\n0\n0.3333333333333333\n", "x");
+}
+
+static void attributes_are_one_line_or_the_same_in_each(void **state) {
+    (void)state;
+    write_result(2, 1);
+    check_printed("moes_M,contact\n0.3333333333333333,line\n", "moes_M", "contact");
+    check_printed("complete\n1\n", "complete");
+    check_printed("time,step\n0,0.3333333333333333\n0.1,0.3333333333333333\n", "time", "step");
+    check_printed("settings\n\"a: 1\n\"\n", "settings");
+    char *history = printed(EHD_OK, (const char *const[]){"history", NULL});
+    assert_non_null(strstr(history, "\"\"quoted\"\", name.yml"));
+    free(history);
+}
+
+static void several_axes_lead_and_empty_lines_part_them(void **state) {
+    (void)state;
+    write_result(2, 1);
+    check_printed("time,x,pressure\n0,-1,0\n0,0,1\n0,0.3333333333333333,2\n\n"
+                  "0.1,-1,100\n0.1,0,101\n0.1,0.3333333333333333,102\n",
+                  "pressure");
+    check_printed("time,pressure,x\n0,0,-1\n0,1,0\n0,2,0.3333333333333333\n\n"
+                  "0.1,100,-1\n0.1,101,0\n0.1,102,0.3333333333333333\n",
+                  "pressure", "x");
+    write_result(2, 2);
+    check_printed("time,y,pressure,x\n0,0,0,-1\n0,0,1,0\n0,0,2,0.3333333333333333\n\n"
+                  "0,0.5,10,-1\n0,0.5,11,0\n0,0.5,12,0.3333333333333333\n\n\n"
+                  "0.1,0,100,-1\n0.1,0,101,0\n0.1,0,102,0.3333333333333333\n\n"
+                  "0.1,0.5,110,-1\n0.1,0.5,111,0\n0.1,0.5,112,0.3333333333333333\n",
+                  "pressure", "x");
+}
+
+static void an_axis_of_one_entry_neither_leads_nor_parts(void **state) {
+    (void)state;
+    write_result(1, 1);
+    check_printed("pressure\n0\n1\n2\n", "pressure");
+    check_printed("x,pressure,time\n-1,0,0\n0,1,0\n0.3333333333333333,2,0\n", "x", "pressure",
+                  "time");
+    write_result(1, 2);
+    check_printed("y,x,pressure\n0,-1,0\n0,0,1\n0,0.3333333333333333,2\n\n"
+                  "0.5,-1,10\n0.5,0,11\n0.5,0.3333333333333333,12\n",
+                  "pressure");
+}
+
+static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
+    (void)state;
+    write_result(1, 1);
+    check_refused("found no pressur, expected one of: time x pressure central_film", "pressur");
+    check_refused("moes_M", "load", "y"); // of a point contact only
+    check_refused("found no a?b,", "a\nb");
+    check_refused("found no nothing", "");
+    check_refused("found pressure and load of different axes", "load", "pressure");
+    check_refused("found x and time of different axes", "x", "time");
+    check_refused("found load and x of different axes", "load", "x");
+}
+
+static void tells_what_there_is(void **state) {
+    (void)state;
+    artefact *file = NULL;
+    char *text = NULL;
+    size_t size = 0;
+
+    write_result(2, 2);
+    check_ok(artefact_open(&file, path, artefact_schemas, &error));
+    FILE *stream = open_memstream(&text, &size);
+    print_names(file, stream);
+    fclose(stream);
+    artefact_close(&file);
+    assert_non_null(strstr(text, "name,units,lengths,axes,description\n"));
+    assert_non_null(strstr(text, "\npressure,1,2 2 3,time y x,\"pressure P, in"));
+    assert_non_null(strstr(text, "\nhertz_pressure,Pa,,,Hertz pressure of the reference\n"));
+    assert_non_null(strstr(text, "\ncreator,,,,\n"));
+    assert_null(strstr(text, "film_thickness,1,2 2 3"));
+    free(text);
+}
+
+/* Leaves file.h5.partial as a run does that stops early: complete is 0, and what is on the axis may be ahead of
+ * it by an entry, or short of it by one. */
+static void leave_unfinished(size_t num_times) {
+    const double nodes[] = {-1, 0, 1}, times[] = {0, 0.5, 1}, loads[] = {1, 2};
+    const int64_t counts[] = {5, 6};
+    artefact *file = NULL;
+
+    check_ok(
+        artefact_create_growing(&file, path, &schema_result, "time", &caller, "", NULL, &error));
+    check_ok(artefact_put_axis(file, "x", NUM_NODES, nodes, &error));
+    check_ok(artefact_put_text(file, "contact", "line", &error));
+    for (const artefact_attribute *one = schema_result.attributes; one->name; one++)
+        if (one->need != NEED_OPTIONAL && one->type == ARTEFACT_REAL)
+            check_ok(artefact_put_real(file, one->name, 1, &error));
+    for (const artefact_field *one = schema_result.fields; one->name; one++)
+        if (one->need != NEED_OPTIONAL) check_ok(artefact_declare(file, one->name, &error));
+    check_ok(artefact_begin_streaming(file, &error));
+    for (const artefact_field *one = schema_result.fields; one->name; one++) {
+        if (one->need == NEED_OPTIONAL) continue;
+        if (one->type == ARTEFACT_REAL)
+            check_ok(artefact_put_part(file, one->name, 0, 2, loads, &error));
+        else
+            check_ok(artefact_put_integers_part(file, one->name, 0, 2, counts, &error));
+    }
+    check_ok(artefact_put_axis_part(file, "time", 0, num_times, times, &error));
+    check_ok(artefact_flush(file, &error));
+    artefact_close(&file);
+}
+
+static void an_unfinished_file_is_printed_as_far_as_it_goes(void **state) {
+    (void)state;
+    const size_t length = strlen(path);
+
+    leave_unfinished(1);
+    strcpy(path + length, ".partial");
+    check_printed("time,load,status,complete\n0,1,5,0\n", "time", "load", "status", "complete");
+    path[length] = '\0';
+}
+
+static char *read_bytes(size_t *size) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *size = (size_t)ftell(file);
+    char *bytes = malloc(*size);
+    assert_non_null(bytes);
+    rewind(file);
+    assert_int_equal(fread(bytes, 1, *size, file), *size);
+    fclose(file);
+    return bytes;
+}
+
+static void write_bytes(const char *bytes, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void damaged_data_are_no_silent_end(void **state) {
+    (void)state;
+    const double value = 101; // a pressure: its checksum finds the flipped bit
+    size_t size;
+
+    write_result(2, 1);
+    char *bytes = read_bytes(&size);
+    char *place = memmem(bytes, size, &value, sizeof value);
+    assert_non_null(place);
+    *place ^= 1;
+    write_bytes(bytes, size);
+    free(bytes);
+    char *text = printed(EHD_DATA, (const char *const[]){"pressure", NULL});
+    assert_non_null(strstr(error.text, "pressure: found damaged data"));
+    free(text);
+}
+
+/* Whatever byte of a finished or unfinished file is another one: no crash, and no other outcome than these. */
+static void any_byte_may_be_wrong(void **state) {
+    const char *const names[] = {"time", "load", "status", "history", "moes_M", "contact"};
+    const size_t length = strlen(path);
+    FILE *nowhere = fopen("/dev/null", "w");
+    size_t size;
+    (void)state;
+
+    assert_non_null(nowhere);
+    for (int unfinished = 0; unfinished < 2; unfinished++) {
+        if (unfinished)
+            leave_unfinished(2);
+        else
+            write_result(2, 1);
+        if (unfinished) strcpy(path + length, ".partial");
+        char *bytes = read_bytes(&size);
+        for (size_t i = 0; i < size; i += bytes[i] ? 11 : 211) {
+            artefact *file = NULL;
+            bytes[i] = (char)~bytes[i];
+            write_bytes(bytes, size);
+            bytes[i] = (char)~bytes[i];
+            ehd_status status = artefact_open_unfinished(&file, path, artefact_schemas, &error);
+            if (!status) status = print_entries(file, names, 6, nowhere, &error);
+            if (!status) print_names(file, nowhere);
+            artefact_close(&file);
+            if (status != EHD_OK && status != EHD_DATA && status != EHD_IO)
+                fail_msg("byte %zu: %s", i, error.text);
+        }
+        free(bytes);
+        if (unfinished) unlink(path);
+        path[length] = '\0';
+    }
+    fclose(nowhere);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_line_for_each_entry),
+        cmocka_unit_test(attributes_are_one_line_or_the_same_in_each),
+        cmocka_unit_test(several_axes_lead_and_empty_lines_part_them),
+        cmocka_unit_test(an_axis_of_one_entry_neither_leads_nor_parts),
+        cmocka_unit_test(names_that_are_not_there_and_other_axes_are_refused),
+        cmocka_unit_test(tells_what_there_is),
+        cmocka_unit_test(an_unfinished_file_is_printed_as_far_as_it_goes),
+        cmocka_unit_test(damaged_data_are_no_silent_end),
+        cmocka_unit_test(any_byte_may_be_wrong),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
