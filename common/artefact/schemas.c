@@ -132,6 +132,11 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("moes_L", ARTEFACT_REAL, "1", NEED_OWN, "Moes material number L of the reference"),
     ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS,
               "pressure-viscosity coefficient times Hertz pressure"),
+    ATTRIBUTE("half_width", ARTEFACT_REAL, "m", NEED_OPTIONAL,
+              "half width a of the reference, which X = 1 stands for; this and the next of a "
+              "contact given in SI units"),
+    ATTRIBUTE("film_unit", ARTEFACT_REAL, "m", NEED_OPTIONAL,
+              "a^2/R of the reference, which H = 1 and an approach of 1 stand for"),
     ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN,
               "time of the solution, without reading and writing"),
     ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL,
@@ -168,7 +173,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 3, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 4, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots

@@ -11,11 +11,16 @@
 // ---- writing
 
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
+    const double film_unit = contact_film_scale(contact); // NaN where no lengths are known
     ehd_status status = grid_write_attributes(file, contact->kind, &contact->grid, error);
     if (!status) status = artefact_put_real(file, "hertz_pressure", contact->hertz_pressure, error);
     if (!status) status = artefact_put_real(file, "moes_M", contact->moes_M, error);
     if (!status) status = artefact_put_real(file, "moes_L", contact->moes_L, error);
     if (!status) status = artefact_put_real(file, "alpha_p_H", contact->alpha_p_H, error);
+    if (!status && isfinite(film_unit)) {
+        status = artefact_put_real(file, "half_width", contact->half_width, error);
+        if (!status) status = artefact_put_real(file, "film_unit", film_unit, error);
+    }
     return status;
 }
 

@@ -63,3 +63,13 @@ PYTHON
     # the contour of half the pressure closes around the contact
     awk 'NF == 3 { if ($1 < low) low = $1; if ($1 > high) high = $1 } END { exit !(low < -0.7 && high > 0.7) }' contour
 }
+
+@test "--print: a contact in SI units has its half width and the unit of its film" {
+    sed -i -e 's/^moes:.*/physical: {load: 200e3, radius: 0.01, speed: 2, modulus: 226e9, viscosity: 0.04}/' scene.yml
+    fullrun scene.yml -o r.h5 --quiet --set lubricant.viscosity.law=barus >answer.txt
+    fullrun --print r.h5 central_film_thickness half_width film_unit >units.csv
+    # a = sqrt(8 w R / (pi E)), a^2 / R
+    awk -F, 'NR == 2 { pi = atan2(0, -1); a2 = 8 * 200e3 * 0.01 / (pi * 226e9); d = $2 ^ 2 / a2 - 1; e = $3 / (a2 / 0.01) - 1
+        exit !(d * d < 1e-24 && e * e < 1e-24) }' units.csv
+    close_to "$(awk -F, 'NR == 2 { print $1 * $3 * 1e6 }' units.csv)" "$(sed -n 's/^central film thickness *[^ ]* *\([^ ]*\) µm/\1/p' answer.txt)" 1e-5
+}
