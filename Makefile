@@ -61,7 +61,8 @@ BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)))
 LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats))
-SCENES       := $(patsubst %/Makefile,%,$(wildcard scenes/*/Makefile))
+STUDIES      := $(patsubst %/Makefile,%,$(wildcard scenes/studies/*/Makefile))
+EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
 # ---- Flags
 
@@ -98,10 +99,10 @@ all: $(PROGRAMS) $(LIB) ## build all programs (the default)
 .DEFAULT_GOAL := all
 
 demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
-	@$(MAKE) -C scenes/stationary-line demo BIN=$(abspath $(BIN))
+	@$(MAKE) -C scenes/studies/stationary-line demo BIN=$(abspath $(BIN))
 
 demo-point: $(PROGRAMS) ## the same with a stationary point contact
-	@$(MAKE) -C scenes/point-stationary demo BIN=$(abspath $(BIN))
+	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
 check: $(PROGRAMS) $(TESTS) ## unit and pipeline tests; last line: N passed, N failed
@@ -118,13 +119,18 @@ bench: $(PROGRAMS) $(BENCHES) ## measure speed
 costs: $(PROGRAMS) ## what each term of a scene costs, by instructions and heap
 	@BIN=$(abspath $(BIN)) tests/bench/costs.sh
 
-figures: $(PROGRAMS) ## draw the figures of all scenes
-	@for scene in $(SCENES); do \
-	    $(MAKE) -C $$scene figures BIN=$(abspath $(BIN)) || exit; \
+figures: $(PROGRAMS) ## run all studies and draw their figures
+	@for study in $(STUDIES); do \
+	    $(MAKE) -C $$study figures BIN=$(abspath $(BIN)) || exit; \
+	done
+
+examples: $(PROGRAMS) ## run all examples
+	@for example in $(EXAMPLES); do \
+	    $(MAKE) -C $$example BIN=$(abspath $(BIN)) || exit; \
 	done
 
 trade: $(PROGRAMS) ## deviation against time of models, full solutions and film formulas, minutes
-	@for scene in $(patsubst %/check-plan.yml,%,$(wildcard scenes/*/check-plan.yml)); do \
+	@for scene in $(patsubst %/check-plan.yml,%,$(wildcard scenes/studies/*/check-plan.yml)); do \
 	    $(MAKE) -C $$scene trade BIN=$(abspath $(BIN)) || exit; \
 	done
 
@@ -134,7 +140,7 @@ $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
 # A multibody code includes <romrun/online/ehdrom.h>; whatever that header includes is installed with it.
-install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages, library
+install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages, library, examples
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
 	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
 	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
@@ -142,6 +148,9 @@ install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages
 	install -D -m 644 $(BUILD)/ehdrom.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
 	@for header in $$($(CC) -I. -MM romrun/online/ehdrom.h | tr -d '\\' | sed 's/^[^:]*://'); do \
 	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
+	done
+	@cd scenes && find lib examples -name 'out*' -prune -o -type f -print | while read -r file; do \
+	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
 
 # Linked statically, so a user of the library needs all of its libraries.
@@ -176,7 +185,7 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps demo demo-point check check-long bench costs figures trade man install format lint clean help FORCE
+.PHONY: all deps demo demo-point check check-long bench costs figures examples trade man install format lint clean help FORCE
 
 # ---- What has to be installed
 

@@ -30,8 +30,8 @@ chain() {
         --rows "$rows" >/dev/null
 }
 
-low=$here/scenes/stationary-line
-high=$here/scenes/stationary-line-high
+low=$here/scenes/studies/stationary-line
+high=$here/scenes/studies/stationary-line-high
 
 section "POD: pod_build against LAPACK dgesdd, 3001 x 1500 to 160 modes (goal: at most 1.3)"
 "$BENCH/bench_pod" || failed=1
@@ -63,10 +63,10 @@ done
 
 # cases FOLDER NAME TOLERANCE MODES ROWS: a line each of the published cases
 cases() {
-    tail -n +2 "$1/cases.csv" | while IFS=, read -r lubricant M L p_H _; do
+    tail -n +2 "$1/cases.csv" | while IFS=, read -r _ lubricant M L p_H _; do
         printf '%s ' "$lubricant"
         "$BENCH/bench_online" "$work/$2-model.h5" "$1/scene.yml" 101 "$3" "$4" "$5" moes.M="$M" moes.L="$L" \
-            hertz_pressure="${p_H}e9" lubricant.viscosity.preset="$lubricant"
+            hertz_pressure="$p_H" lubricant.viscosity.preset="$lubricant"
     done | tee "$work/cases"
     awk -F', ' '{ split($2, word, " "); sum += word[1]; split($0, time, "iterations: "); split(time[2], ms, " ")
                   slowest = ms[1] > slowest ? ms[1] : slowest }

@@ -115,15 +115,24 @@ stop_when() {
     fi
 }
 
-# copy_scene NAME: that scene with a small grid, plan and models, as scenes/own.
-copy_scene() {
-    local root=$BATS_TEST_DIRNAME/../..
+# copy_scenes FOLDER...: examples/NAME or studies/NAME with what they share, as scenes/FOLDER.
+copy_scenes() {
+    local root=$BATS_TEST_DIRNAME/../.. folder
     mkdir -p "$BATS_TEST_TMPDIR/scenes"
     cd "$BATS_TEST_TMPDIR/scenes" || return
-    cp "$root"/scenes/*.* .
-    cp -r "$root/scenes/$1" own
+    cp -r "$root"/scenes/lib .
+    for folder in "$@" studies/trade studies/stationary-line; do
+        mkdir -p "$folder"
+        find "$root/scenes/$folder" -maxdepth 1 -type f -exec cp {} "$folder" \;
+    done
+}
+
+# copy_scene FOLDER: that one with a small grid, plan and models, as scenes/studies/own or scenes/examples/own.
+copy_scene() {
+    copy_scenes "$1"
+    cp -r "$1" "${1%/*}/own"
+    cd "${1%/*}" || return
     cd own || return
-    rm -rf out
     [ ! -e scene.yml ] || sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
     sed -i -e 's/^model.*PRESSURE_MODES *=.*/&\nmodel.PRESSURE_MODES = 12\nmodel-fast.PRESSURE_MODES = 10\nmodel-paper.PRESSURE_MODES = 12/' \
         -e 's/^model.*DEFORMATION_MODES *=.*/&\nmodel-paper.DEFORMATION_MODES = 8/' \

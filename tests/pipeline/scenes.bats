@@ -7,30 +7,18 @@ load common
 
 # One lubricant and a plan that covers its cases.
 small_low() {
-    copy_scene stationary-line
+    copy_scene studies/stationary-line
     sed -i -e 's/moes.M: .*/moes.M: [10, 12, 15, 17, 20]/' -e 's/moes.L: .*/moes.L: [11, 12, 13, 15]/' plan.yml
     sed -i -n '1,3p' cases.csv
-    sed -i 's/^PROFILE_CASES.*/PROFILE_CASES = no1-M17-L15-p1.04/' Makefile
-}
-
-# As scenes that another one asks for are: with their own folders.
-copy_scenes() {
-    local root=$BATS_TEST_DIRNAME/../.. scene
-    mkdir -p "$BATS_TEST_TMPDIR/scenes"
-    cd "$BATS_TEST_TMPDIR/scenes" || return
-    cp "$root"/scenes/*.* .
-    for scene; do
-        mkdir "$scene"
-        cp "$root"/scenes/$scene/*.* "$root"/scenes/$scene/Makefile "$scene"
-    done
+    sed -i 's/^PROFILES .*/PROFILES = no1-M17-L15-p1.04/' Makefile
 }
 
 small_high() {
-    copy_scene stationary-line-high
+    copy_scene studies/stationary-line-high
     awk -F, 'NR == 1 || ($1 >= 77 && $1 <= 118 && $2 >= 7 && $2 <= 15)' points.csv >few.csv
     mv few.csv points.csv
     sed -i -n '1,2p' cases.csv
-    sed -i -e 's/^PROFILE_CASES.*/PROFILE_CASES = no1-M100-L10-p1.69/' Makefile
+    sed -i -e 's/^PROFILES .*/PROFILES = no1-M100-L10-p1.69/' Makefile
 }
 
 setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
@@ -49,7 +37,7 @@ makes_nothing() {
     small_low
     run_make demo
     [ "$status" -eq 0 ]
-    [[ $output == *"301 nodes"*"no1"*"published"*"worst deviation: "* ]]
+    [[ $output == *"301 nodes"*"no1-M12"*"published"*"worst deviation: "* ]]
     [[ ! $output =~ nan|"no result"|"not converged" ]]
     awk -v deviation="$(sed -n 's/^worst deviation: \([0-9.]*\) .*/\1/p' <<<"$output")" \
         'BEGIN { exit !(deviation > 0 && deviation < 20) }'
@@ -84,9 +72,9 @@ makes_nothing() {
     makes "snapgen plan.yml -o out/snapshots.h5"
     touch -d '1 hour ago' plan.yml
 
-    touch out/basis.h5
-    makes "deimselect out/residuals.h5"
-    [[ ! $output =~ "bin/fullrun" && ! $output =~ "out/snapshots.h5 --force" && ! $output =~ "bin/podbuild" ]]
+    touch out/model-basis.h5
+    makes "deimselect out/model-residuals.h5"
+    [[ ! $output =~ "bin/fullrun scene.yml" && ! $output =~ "out/snapshots.h5 --force" && ! $output =~ "bin/podbuild" ]]
     run_make models demo
 
     touch -d '1 hour' scene.yml
@@ -94,7 +82,7 @@ makes_nothing() {
     touch -d '1 hour ago' scene.yml
 
     run_make -n models demo model.ROWS=38
-    [[ $output =~ "deimselect out/residuals.h5" && $output =~ "--rows 38" && ! $output =~ "bin/podbuild" ]]
+    [[ $output =~ "deimselect out/model-residuals.h5" && $output =~ "--rows 38" && ! $output =~ "bin/podbuild" ]]
     run_make models demo model.ROWS=38 SET='--set lubricant.density.law=incompressible'
     [ "$status" -eq 0 ]
     [[ $output =~ "out/snapshots.h5" ]]
@@ -102,7 +90,7 @@ makes_nothing() {
 
 @test "a case that is not trained is solved and marked; a missing one stops with a word" {
     small_low
-    echo "no1,40,18,,,,,,,," >>cases.csv
+    echo "far,no1,40,18,,,,,,,," >>cases.csv
     run_make demo
     [ "$status" -eq 0 ]
     [[ $output =~ "outside of training"|"not converged" ]]
@@ -114,7 +102,7 @@ makes_nothing() {
 
 # Two short trajectories on the small grid.
 small_transient() {
-    copy_scene transient-load
+    copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 0.2/' scene.yml
     sed -i 's/period: \[.*/period: [0.5, 1]/' plan.yml
     printf '%s\n' "$(head -n 1 cases.csv)" 0.5,0.2,0.005,5010,4192,3949,119 0.75,0.2,0.005,,,, >few.csv
@@ -139,14 +127,14 @@ small_transient() {
     # all nodes, and the pressure of the time asked for, in its own frame: p_H goes with the root of the load
     [ "$(wc -l <out/profile-full.dat)" -eq 301 ]
     close_to "$(awk '$1 * $1 < 1e-12 { print $2 }' out/profile-full.dat)" \
-        "$(awk '$1 > 0.1499 && $1 < 0.1501 { print $3 / sqrt($2) }' out/run-fixed-0.5-full.dat)" 1e-6
+        "$(awk '$1 > 0.1499 && $1 < 0.1501 { print $3 / sqrt($2) }' out/full/fixed-0.5.dat)" 1e-6
     run_make -n tables figures "${sizes[@]}"
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ trajectory.sh ]]
 
     # the comparison over time is that of romrun
     run -0 --separate-stderr romrun scene.yml --quiet --model out/model.h5 --set transient.load.period=0.75 \
-        --set transient.fixed_step=0.005 --against out/run-fixed-0.75-full.h5
-    close_to "$(awk -f ../deviation.awk -v largest=1 out/run-fixed-0.75-{full,model}.dat | cut -d ' ' -f 3)" \
+        --set transient.fixed_step=0.005 --against out/full/fixed-0.75.h5
+    close_to "$(awk -f ../../lib/common.awk -f ../../lib/deviation.awk -v largest=1 out/{full,model}/fixed-0.75.dat | cut -d ' ' -f 3)" \
         "$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' <<<"$output")" 0.01
 }
 
@@ -173,28 +161,29 @@ exit "$CODE"
 SH
     chmod +x stops
     for code in 3 4; do
-        CODE=$code BIN=$BIN run -0 --separate-stderr ../trajectory.sh "$PWD/short.h5" ./stops scene.yml
+        CODE=$code BIN=$BIN run -0 --separate-stderr ../../lib/trajectory.sh "$PWD/short.h5" ./stops scene.yml
         [[ ${lines[0]} == "# code $code steps "[1-9]* && ${lines[1]} == "# message stops: no further" ]]
         [[ ${lines[2]} == "0 1 "* && ${lines[-1]} == "0.2 "* ]]
         rm -f short.h5*
     done
-    CODE=70 BIN=$BIN run -70 --separate-stderr ../trajectory.sh "$PWD/short.h5" ./stops scene.yml
+    CODE=70 BIN=$BIN run -70 --separate-stderr ../../lib/trajectory.sh "$PWD/short.h5" ./stops scene.yml
     [[ -z $output && $stderr == "stops: no further" ]]
 }
 
 @test "deviations over time are exact for cubics, at the same times and between them" {
+    lib=$BATS_TEST_DIRNAME/../../scenes/lib
     cd "$BATS_TEST_TMPDIR"
     awk 'BEGIN { OFMT = "%.17g"; print "# code 0"; for (i = 0; i <= 10; i++) { t = i * i / 100; p = 1 + t ^ 3; print t, 1, p, 2 + t - t ^ 2 } }' >one.dat
     awk 'BEGIN { OFMT = "%.17g"; for (i = 0; i <= 12; i++) { t = i / 11; p = 1 + t ^ 3; print t, 1, 1.01 * p, (2 + t - t ^ 2) * (1 - 0.02 * (i == 5)) } }' >two.dat
-    run -0 awk -f "$BATS_TEST_DIRNAME/../../scenes/deviation.awk" one.dat two.dat
+    run -0 awk -f "$lib/common.awk" -f "$lib/deviation.awk" one.dat two.dat
     [ "${#lines[@]}" -eq 12 ] # the last time lies behind the end
     awk '{ d = $2 - 1; e = $3 + 2 * (NR == 6); if (d * d > 1e-20 || e * e > 1e-20) exit 1 }' <<<"$output"
-    run -0 awk -f "$BATS_TEST_DIRNAME/../../scenes/deviation.awk" -v largest=1 one.dat two.dat
+    run -0 awk -f "$lib/common.awk" -f "$lib/deviation.awk" -v largest=1 one.dat two.dat
     awk '{ d = $4 - 5 / 11; exit !($1 > 0.999999 && $1 < 1.000001 && $3 > 1.999999 && $3 < 2.000001 && d * d < 1e-10 && $5 == 12) }' <<<"$output"
 }
 
 @test "the cam: its history keeps the speed above zero, and the lift is solved full and reduced" {
-    copy_scene cam-tappet
+    copy_scene examples/cam-tappet
     run_make history
     [ "$status" -eq 0 ]
     awk -F, 'NR > 1 { for (i = 2; i <= 5; i++) if (!($i > 0)) exit 1 } NR == 2 || $6 == 120 { if ($2 != 1 || $3 != 1 || $4 != 1 || $5 != 1) exit 1; ends++ }
@@ -211,19 +200,21 @@ SH
 
     sed -i 's/end_time: .*/end_time: 20/' scene.yml
     sed -i 's/viscosity: \[.*/viscosity: [0.0085, 0.0118]/' plan.yml
-    run_make demo model.PRESSURE_MODES=40 model.ROWS=90
+    run_make
+    echo "$output"
     [ "$status" -eq 0 ]
-    [[ $output == *"reduced from full, at most: "* && ! $output =~ nan ]]
-    [ "$(head -c 4 out/cam.png | tail -c 3)" = PNG ]
+    [[ $output == *"against out/full.h5:"*"central film thickness   at most "* && ! $output =~ nan ]]
+    [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
     # film in the unit of the reference: a^2/R = 8 w/(pi E) = 1.12666 um
-    close_to "$(awk 'NR == 1 { print $3 }' out/film-full.dat)" \
-        "$(awk '!/^#/ { print $4 * 8 * 100e3 / (atan2(0, -1) * 226e9) * 1e6; exit }' out/lift-full.dat)" 1e-4
+    close_to "$(awk -F, 'NR == 2 { print $7 }' out/full.csv)" "$(awk 'BEGIN { print 8 * 100e3 / (atan2(0, -1) * 226e9) }')" 1e-5
+    run_make -n
+    [[ $status == 0 && ! $output =~ bin/$programs ]]
 }
 
 # A coarse grid has few modes to offer.
 small_oscillator() {
-    copy_scene oscillator
-    sed -i -e 's/^model.PRESSURE_MODES.*/model.PRESSURE_MODES = 40/' -e 's/^model.ROWS.*/model.ROWS = 64/' Makefile
+    copy_scene examples/oscillator
+    sed -i 's/^ENERGY.*/model.PRESSURE_MODES = 40\nmodel.ROWS = 64/' Makefile
 }
 
 @test "the oscillator: the library as a force element agrees with the full model" {
@@ -255,7 +246,7 @@ small_oscillator() {
 }
 
 @test "the convergence map: all points of a small one, and it tells those that fail" {
-    copy_scene convergence-map
+    copy_scene studies/convergence-map
     sed -i -e "s/M='1, .*' step=.*/M='5, 12' step=0.02 ;;/" -e "s/M='50, .*' step=.*/M='50, 70' step=0.01 ;;/" \
         -e 's/moes.L: .*/moes.L: [0, 5, 10]/' plan.sh
     run_make LEAST_POINTS=72
@@ -275,7 +266,7 @@ small_oscillator() {
 }
 
 @test "the convergence map: estimates of inlet and step beside what is measured" {
-    copy_scene convergence-map
+    copy_scene studies/convergence-map
     run_make estimates ESTIMATE_LOW=5 ESTIMATE_HIGH=60 ESTIMATE_L='5 20'
     [ "$status" -eq 0 ]
     [[ $output == *"inlet  noted and true 2, not noted and true 2, noted though less 0, missed 0;"* ]]
@@ -284,11 +275,12 @@ small_oscillator() {
     awk -F, 'function near(a, b) { return a / b > 0.7 && a / b < 1.4 }
         NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
     sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
-    [[ $(awk -v limit=1 -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
+    [[ $(awk -v limit=1 -f ../../lib/common.awk -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
 }
 
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
-    copy_scenes stationary-line silent-failures
+    copy_scenes studies/stationary-line studies/silent-failures
+    cd studies || return
     sed -i 's/step: [0-9.]*/step: 0.01/' stationary-line/scene.yml # of which all scenes then are
     cd silent-failures || return
     small='SEED=3 SCENES=24 CALIBRATION_SCENES=60 PROMISES=1e-2'
@@ -309,7 +301,7 @@ small_oscillator() {
     # a result that is off without a flag is one, however few they are
     printf '%s\n' '1e-2 inside own 0 1.02 1' '1e-2 inside other 4 1.5 1' '1e-2 outside other 3 - 1' \
         '1e-2 inside own 0 1.001 1' '1e-2 inside own 4 1.001 1' >runs.txt
-    run awk -f table.awk -v seed=1 -v calibration=2 runs.txt
+    run awk -f ../../lib/common.awk -f table.awk -v seed=1 -v calibration=2 runs.txt
     [[ $output == *"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
     [[ $output == *"silent failures: 1, the worst 0.02 off" ]]
     run_make -n $small
@@ -322,7 +314,8 @@ small_oscillator() {
 }
 
 @test "conditioning: all solvers on each case and size agree where the systems allow it" {
-    copy_scenes stationary-line conditioning
+    copy_scenes studies/stationary-line studies/conditioning
+    cd studies || return
     sed -i -n '1,2p' stationary-line/cases.csv
     sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
     cd conditioning || return
@@ -342,8 +335,7 @@ small_oscillator() {
 }
 
 @test "the study of rows and weights: every variant is in the table, and all rows are measured too" {
-    copy_scene row-study
-    cp -r "$BATS_TEST_DIRNAME/../../scenes/stationary-line" ..
+    copy_scene studies/row-study
     sed -i 's/step: [0-9.]*/step: 0.02/' ../stationary-line/scene.yml
     run_make REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
     [ "$status" -eq 0 ]
@@ -361,35 +353,88 @@ small_oscillator() {
     [[ $status == 0 && ! $output =~ measure.sh ]]
 }
 
-# dump M L H...: what h5dump says of one point on grids of these central films in Moes units
-dump() {
-    local M=$1 L=$2 film
+# states M L H...: what film.sh prints of one point on grids of these central films in Moes units, with the fit of fullrun
+states() {
+    local M=$1 L=$2
     shift 2
-    for film; do
-        printf 'HDF5 "x.h5" {\nDATASET "/moes_M" {\n   DATA {\n      %s\n   }\n}\n' "$M"
-        printf 'DATASET "/moes_L" {\n      %s\n}\nDATASET "/status" {\n      0\n}\n' "$L"
-        awk -v M="$M" -v film="$film" 'BEGIN {
-            printf "DATASET \"/central_film_thickness\" {\n      %.12g\n}\n", film / (1.5 * M) ^ (2 / 3) }'
-    done
+    awk -v M="$M" -v L="$L" -v films="$*" 'BEGIN {
+        for (i = 1; i <= split(films, film, " "); i++) printf "%d,%s,%s,0,%.12g,1,1e9,0\n", i, M, L, film[i] / (1.5 * M) ^ (2 / 3) }'
+    echo "fit,$M,$L,0.441725"
 }
 
 @test "the point film table: extrapolation and fit" {
-    copy_scene point-film
+    copy_scene studies/point-film
     # 4 + 0.1 h^2 with steps of 4, 2 and 1 is 4 without a step
-    dump 20 10 5.6 4.4 4.1 | awk -f film.awk >exact.csv
+    states 20 10 5.6 4.4 4.1 | awk -f film.awk >exact.csv
     tail -n 1 exact.csv | awk -F, '{ exit !($6 > 1.9999 && $6 < 2.0001 && $7 > 3.9999 && $7 < 4.0001) }'
     # by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
     tail -n 1 exact.csv | awk -F, '{ exit !($8 > 4.26480 && $8 < 4.26482) }'
     # what is far off is counted, and there is no table without a solution
-    dump 20 10 3.6 3.4 3.3 | awk -f film.awk >off.csv
-    run -0 awk -f table.awk off.csv
+    states 20 10 3.6 3.4 3.3 | awk -f film.awk >off.csv
+    run -0 awk -f ../../lib/common.awk -f table.awk off.csv
     [[ $output == *"1 points, 0 without a solution; largest difference 25.0 %, 1 beyond 10 %"* ]]
-    dump 20 10 4.4 4.3 4.25 | sed '$!b; s/.*/DATASET "\/status" {\n      1\n}/' | awk -f film.awk >lost.csv
-    run -1 awk -f table.awk lost.csv
+    states 20 10 4.4 4.3 4.25 | sed 's/^3,20,10,0/3,20,10,1/' | awk -f film.awk >lost.csv
+    run -1 awk -f ../../lib/common.awk -f table.awk lost.csv
 
     run_make CELLS='48 96 192' M=10 L='2.5, 5'
     [ "$status" -eq 0 ]
     [[ $output == *"2 points, 0 without a solution; largest difference "*", 0 beyond 10 %"* ]]
     run_make -n CELLS='48 96 192' M=10 L='2.5, 5'
     [[ ! $output =~ bin/$programs ]]
+}
+
+@test "a contact of one's own: a copied example, three files edited, the programs on the PATH" {
+    local root=$BATS_TEST_DIRNAME/../..
+    mkdir -p "$BATS_TEST_TMPDIR"/prefix/{bin,share/ehdrom} "$BATS_TEST_TMPDIR/my"
+    cp "$root"/scenes/examples/line/{Makefile,*.yml,cases.csv} "$BATS_TEST_TMPDIR/my"
+    cd "$BATS_TEST_TMPDIR/my"
+    # a roller at 50 to 400 kN/m and 0.5 to 5 m/s; on a coarse grid, to be quick
+    sed -i -e 's/^physical:.*/physical: {load: 200e3, radius: 0.01, speed: 2, modulus: 226e9, viscosity: 0.04}/' \
+        -e 's/eta0: 0.08/eta0: 0.04/' -e 's/^grid:.*/grid: {x_min: -8, x_max: 2.5, step: 0.025}/' scene.yml
+    sed -i -e 's/physical.load: .*/physical.load: [50e3, 85e3, 140e3, 235e3, 400e3]/' \
+        -e 's/physical.speed: .*/physical.speed: [0.5, 0.9, 1.6, 2.8, 5]/' plan.yml
+    printf '%s\n' '# any settings' 'name, physical.load, physical.speed, lubricant.viscosity.alpha' 'slow, 100e3, 0.7,' \
+        'fast, 300e3, 2.0, 1.9e-8' 'far, 900e3, 2.0,' >cases.csv
+    sed -i 's/^PROFILES.*/PROFILES = fast/' Makefile
+    unset BIN
+    run make ACCURACY=
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [[ $output == *"fast "*"worst deviation: "* && $output =~ far\ .*(outside of training|not converged) ]]
+    awk -F, 'NR > 1 && NR < 4 { off = $8 / $7 - 1; if (off * off > 1e-2 || !($11 * $7 > 1e-8 && $11 * $7 < 1e-5)) exit 1 } END { exit NR != 4 }' out/results.csv
+    [ "$(fullrun --print out/full/fast.h5 settings | grep -c '^physical.load: 300000\|^lubricant.viscosity.alpha: 1.9e-08')" -eq 2 ]
+    [ "$(head -c 4 out/profiles.png | tail -c 3)" = PNG ]
+    run make -n ACCURACY=
+    [[ $status == 0 && ! $output =~ $programs ]]
+
+    # installed programs bring the shared rules with them
+    ln -s "$(dirname "$(command -v fullrun)")"/* ../prefix/bin
+    cp -r "$root"/scenes/lib ../prefix/share/ehdrom
+    PATH=$PWD/../prefix/bin:$PATH run make list
+    [ "$output" = "slow
+fast
+far" ]
+    PATH=/usr/bin:/bin run -2 make list
+    [[ $output == *"BIN: found no ehdrom there, expected the folder of its programs"* ]]
+}
+
+@test "a line contact in SI units in time: an example at a small size" {
+    copy_scene examples/line-in-time
+    sed -i 's/end_time: 2 /end_time: 0.3 /' scene.yml
+    run_make
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [[ $output =~ "central film thickness   at most "([0-9.e-]+)" % off" ]]
+    awk -v off="${BASH_REMATCH[1]}" 'BEGIN { exit !(off < 0.5) }'
+    [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
+}
+
+@test "a point contact in SI units: an example at a small size" {
+    copy_scene examples/point
+    sed -i 's/step: 0.02/step: 0.125/' scene.yml
+    run_make
+    echo "$output"
+    [ "$status" -eq 0 ]
+    awk -v off="$(sed -n 's/^worst deviation: \([0-9.]*\) .*/\1/p' <<<"$output")" 'BEGIN { exit !(off > 0 && off < 2) }'
+    for picture in profiles maps; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
 }

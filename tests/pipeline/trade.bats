@@ -14,7 +14,7 @@ rows() { awk -F, -v name="$1" 'FNR > 1 && $1 == name && $6 + 0 >= $8 + 0 && $9 >
 value() { awk -F, -v name="$1" -v position="$2" -v column="$3" '$1 == name && $2 == position { print $column }' out/trade.csv; }
 
 @test "a stationary scene: sizes, grids, tolerances, starts and formulas in one picture" {
-    copy_scene stationary-line
+    copy_scene studies/stationary-line
     sed -i -e 's/moes.M: .*/moes.M: [10, 12, 15]/' -e 's/moes.L: .*/moes.L: [9, 11, 13]/' plan.yml
     sed -i -e 's/moes.M: .*/moes.M: [11, 13.5]/' -e 's/moes.L: .*/moes.L: [10, 12]/' check-plan.yml
     small="MODELS=model model.PRESSURE_MODES=9 model.ROWS=30 TRADE_STRETCHES=2 TRADE_TOLERANCES=1e-2 TRADE_REPEAT=1"
@@ -49,7 +49,7 @@ value() { awk -F, -v name="$1" -v position="$2" -v column="$3" '$1 == name && $2
     awk -F, 'NR > 1 && !($4 > 0 && $6 > 0 && $9 < 1e-9) { exit 1 } END { exit NR != 5 }' out/polish.csv
 
     run_make -n trade $small
-    [[ $status == 0 && ! $output =~ trade-run.sh && ! $output =~ bin/snapgen && ! $output =~ --calibrate ]]
+    [[ $status == 0 && ! $output =~ stationary.sh && ! $output =~ bin/snapgen && ! $output =~ --calibrate ]]
     # scenes that the calibration left out would be compared with nothing
     sed -i 's/moes.L: .*/moes.L: [10, 40]/' check-plan.yml
     run_make trade $small
@@ -57,7 +57,7 @@ value() { awk -F, -v name="$1" -v position="$2" -v column="$3" '$1 == name && $2
 }
 
 @test "a point contact: its own formulas, grids that are no whole multiples, no effect of the inlet" {
-    copy_scene point-stationary
+    copy_scene studies/point-stationary
     sed -i -e 's/step: 0.02/step: 0.125/' scene.yml
     sed -i -e 's/moes.M: .*/moes.M: [15, 17, 19.5, 22.5]/' -e 's/moes.L: .*/moes.L: [4.7, 5.5, 6.3]/' plan.yml
     sed -i -e 's/moes.M: .*/moes.M: [16, 21]/' -e 's/moes.L: .*/moes.L: [5, 6]/' check-plan.yml
@@ -80,7 +80,7 @@ hamrock-dowson-minimum minimum" ]
 }
 
 @test "a transient scene: sizes, steps, grids and formulas at each time" {
-    copy_scene transient-load
+    copy_scene studies/transient-load
     sed -i 's/end_time: .*/end_time: 0.2/' scene.yml
     sed -i 's/period: \[.*/period: [0.5, 1]/' plan.yml
     sed -i 's/period: \[.*/period: [0.75]/' check-plan.yml

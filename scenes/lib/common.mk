@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What the Makefiles of all scenes share: folders, settings, quiet commands, `clean` and `help`. Settings
+# of any scene can be given as SET='--set key=value ...'.
+
+SHARED := $(dir $(lastword $(MAKEFILE_LIST)))
+OUT    ?= out
+SET    ?=
+V      ?= 0
+
+# The programs: those on the PATH, else those built here.
+ifeq ($(BIN),)
+  BIN := $(or $(patsubst %/,%,$(dir $(shell command -v fullrun))),$(SHARED)../../build/release/bin)
+endif
+export BIN
+
+# More options of snapgen that change no result, such as --resume after an interruption.
+SNAPGEN_OPTIONS ?=
+
+ifeq ($(V),0)
+  quiet = @echo '  $1 $2';
+endif
+MAKEFLAGS += --no-builtin-rules --no-print-directory
+.DELETE_ON_ERROR:
+
+$(shell mkdir -p $(OUT))
+
+# $(call options,NAME,TEXT): a file that changes with its text only, so that what other options made is
+# made again.
+options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2)),$(file >$(OUT)/$1.options,$(strip $1 $2)))
+differs = $(subst |$(file <$1)|,,|$2|)
+
+# A picture $(OUT)/NAME.png with NAME.svg beside it.
+plot = gnuplot -e 'shared="$(SHARED)"; picture="$(basename $@)"; load shared."style.gp"'
+
+clean: ## remove what was made
+	rm -rf $(OUT)
+
+# Of the Makefile and of what it includes.
+help: ## this list
+	@sed -n -e ':join' -e '/\\$$/ { N; s/\\\n//; b join' -e '}' -e 's/^\([a-z-]*\):.* ## \(.*\)/  \1\t\2/p' $(MAKEFILE_LIST) | expand -t 12
+
+.PHONY: clean help

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# From a plan of trajectories to a reduced model (training.mk), and a scene in time with the full and the reduced model,
+# compared and drawn. A Makefile that includes this may set before:
+#   PICTURE  commands of gnuplot that draw it, from out/full.csv and out/reduced.csv: in-time.gp
+
+SHARED_IN_TIME := $(dir $(lastword $(MAKEFILE_LIST)))
+include $(SHARED_IN_TIME)training.mk
+
+PICTURE ?= $(SHARED)in-time.gp
+
+compare: $(OUT)/comparison.txt $(OUT)/picture.png ## train, run the scene full and reduced, compare, draw (the default)
+	@cat $<
+	@echo 'picture: $(abspath $(OUT)/picture.png), .svg'
+
+.DEFAULT_GOAL := compare
+.PHONY: compare
+
+# Tables that the scene names.
+TABLES ?=
+$(OUT)/snapshots.h5: $(TABLES)
+
+run_in_time = $(BIN)/$1 scene.yml -o $2 --force --quiet --set output.fields=false $(SET)
+
+$(OUT)/full.h5: scene.yml $(TABLES) $(BIN)/fullrun $(call options,fullrun,$(SET))
+	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) >$(OUT)/full.txt
+
+# A result that is not to be trusted (exit code 4) is one all the same, and says so.
+$(OUT)/comparison.txt: scene.yml $(TABLES) $(OUT)/$(MODEL).h5 $(OUT)/full.h5 $(BIN)/romrun
+	$(call quiet,romrun    ,$(OUT)/reduced.h5)$(call run_in_time,romrun,$(OUT)/reduced.h5) --model $(OUT)/$(MODEL).h5 \
+	    --against $(OUT)/full.h5 >$@ || [ $$? -eq 4 ]
+
+$(OUT)/reduced.h5: $(OUT)/comparison.txt
+
+# Of a scene in SI units: pressure and film are those numbers times their units.
+$(OUT)/full.csv $(OUT)/reduced.csv: $(OUT)/%.csv: $(OUT)/%.h5
+	@$(BIN)/fullrun --print $< time load central_pressure central_film_thickness minimum_film_thickness hertz_pressure film_unit > $@
+
+$(OUT)/picture.png: $(PICTURE) $(SHARED)style.gp $(OUT)/full.csv $(OUT)/reduced.csv
+	$(call quiet,gnuplot   ,$@)$(plot) -e 'out="$(OUT)"' $<
