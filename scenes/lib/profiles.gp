@@ -34,7 +34,7 @@ do for [ending in "png svg"] {
     set format y "10^{%L}"
     if (exists("film_lowest")) { set yrange [film_lowest:film_highest] } else { set yrange [*:*] }
     set ylabel "film thickness H = h R / a^2"
-    set key top center Left reverse width -6 samplen 2.5 spacing 1.2 box linecolor "#bbbbbb" opaque
+    set key top center Left reverse samplen 2.5 spacing 1.2 box linecolor "#bbbbbb" opaque
     plot for [i = 1:words(cases)] full(word(cases, i)) using 1:3 with lines linewidth 2 linecolor rgb colour(i) title label(word(cases, i)), \
          for [i = 1:words(cases)] reduced(word(cases, i)) using 1:3 every step::(i * step / 3) with points pointtype mark(i) pointsize 1.1 linewidth 1.6 linecolor rgb colour(i) notitle, \
          NaN with lines linewidth 2 linecolor "black" title "line: full model", \

@@ -346,7 +346,7 @@ small_oscillator() {
     # the band preconditioner, with all 301 rows, leaves less than D
     [[ $output == *"all 301 rows, 30 modes"* ]]
     awk '/^D of the basis/ { plain = $5 } /^band, kernel 10 nodes/ { band = $5 }
-        END { exit !(band > 0 && band < plain) }' out/low-30-level-i.txt
+        END { exit !(band > 0 && band < plain) }' out/low/30-level-i.txt
     [ "$(head -c 4 out/study.png | tail -c 3)" = PNG ]
     grep -q '</svg>' out/study.svg
     run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature

@@ -6,8 +6,8 @@
 set -eu
 out=$1 region=$2 weight=$3 modes=$4 method=$5 check=$6
 shift 6
-base=$out/$region-$weight-$modes
-name=$base-$method
+base=$out/$region/$weight/$modes
+name=$base/$method
 
 choose() { "$BIN"/deimselect "$base-residuals.h5" --basis "$base-basis.h5" --method "$method" --force "$@"; }
 

@@ -40,9 +40,6 @@ fi
 
 cp "$folder/full/$case.h5" "$work/full"
 lib=$(dirname "$0")/../../lib
-"$lib/collect.sh" "$work" full reduced -- "$case" | awk -v status=$status -v point="$kind $pressure $deformation $rows" '
+"$lib/collect.sh" "$work" full reduced -- "$case" | awk -v status=$status -v point="$kind $pressure $deformation $rows" "$(cat "$lib/common.awk")"'
     { film[$3] = $7 }
-    END {
-        deviation = film["reduced"] / film["full"] - 1
-        print point, status != 0, 1000 * (deviation < 0 ? -deviation : deviation)
-    }'
+    END { print point, status != 0, 1000 * abs(film["reduced"] / film["full"] - 1) }'

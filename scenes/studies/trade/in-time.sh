@@ -29,8 +29,8 @@ fi
 
 # Largest deviation, and what it does not exceed for 95 % and for half of the time.
 quantiles() {
-    awk -f "$shared/common.awk" -f "$shared/deviation.awk" "$1" "$2" | awk '
-        { time[NR] = $1; off[NR] = ($3 < 0 ? -$3 : $3) / 100 }
+    awk -f "$shared/common.awk" -f "$shared/deviation.awk" "$1" "$2" | awk "$(cat "$shared/common.awk")"'
+        { time[NR] = $1; off[NR] = abs($3) / 100 }
         END {
             for (i = 1; i <= NR; i++)
                 print off[i], (time[i < NR ? i + 1 : i] - time[i > 1 ? i - 1 : i]) / 2
