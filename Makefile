@@ -160,18 +160,23 @@ $(BUILD)/ehdrom.pc: $(BUILD)/flags FORCE
 	    'Cflags: -I$${prefix}/include/ehdrom' \
 	    'Libs: -L$${prefix}/lib -lehdrom $(ALL_LIBS) -pthread' > $@
 
-format: ## clang-format all sources in place
-	clang-format -i $(SOURCES) $(HEADERS)
+ALL_C := $(SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
-lint: | deps ## static analysis with cppcheck and clang-tidy, where installed
-	@if command -v cppcheck; then \
-	    cppcheck --quiet --std=c11 --enable=warning,portability --inline-suppr --error-exitcode=1 \
-	        --suppress=missingIncludeSystem -I. -D_GNU_SOURCE $(MAINS) $(LIB_SOURCES); \
-	fi
-	@if command -v clang-tidy; then \
-	    clang-tidy --quiet --checks=-clang-analyzer-security.insecureAPI.*,-clang-analyzer-valist.* \
-	        $(MAINS) $(LIB_SOURCES) -- -std=c17 $(ALL_CPPFLAGS); \
-	fi
+format: | lint-deps ## clang-format all sources in place
+	clang-format -i $(ALL_C) $(HEADERS)
+
+format-check: | lint-deps ## fails where clang-format would change a source
+	@clang-format --dry-run -Werror $(ALL_C) $(HEADERS)
+
+# Cheap checks first. Three sources to a run of clang-tidy, and a unit test is read after tests/lint.h.
+lint: format-check | deps lint-deps ## formatting, cppcheck and clang-tidy on all sources
+	@cppcheck -j $(JOBS) --quiet --std=c11 --enable=warning,portability --inline-suppr \
+	    --error-exitcode=1 --suppress=missingIncludeSystem -I. -D_GNU_SOURCE $(ALL_C)
+	@$(call tidy,$(filter-out tests/unit/%,$(ALL_C)))
+	@$(call tidy,$(UNIT_SOURCES),-include tests/lint.h)
+tidy = printf '%s\n' $1 | xargs -P $(JOBS) -n 3 sh -c 'clang-tidy --quiet "$$@" -- -std=c17 \
+    $2 $(ALL_CPPFLAGS) 2>&1 | \
+    { ! grep -vE "^[0-9]+ warnings? (generated|treated)|^Suppressed|^$$"; }' sh
 
 clean: ## remove build/
 	rm -rf build
@@ -185,7 +190,8 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps demo demo-point check check-long bench costs figures examples trade man install format lint clean help FORCE
+.PHONY: all deps lint-deps demo demo-point check check-long bench costs figures examples trade man install \
+        format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
@@ -193,24 +199,33 @@ PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitespar
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats gnuplot-nox \
             help2man netcdf-bin python3-numpy python3-xarray python3-h5py python3-netcdf4 python3-h5netcdf valgrind
 
+LINT_PACKAGES := cppcheck clang-tidy clang-format
+
 deps: ## install the Debian packages that are missing
+	@$(call install_missing,$(PACKAGES))
+
+lint-deps:
+	@$(call install_missing,$(LINT_PACKAGES))
+
 ifneq ($(DEPS),no)
-	@missing=$$(for package in $(PACKAGES); do echo $$package; done | grep -vxF \
-	    "$$(dpkg-query -W -f '$${db:Status-Status}/$${Package}\n' $(PACKAGES) 2>/dev/null \
-	        | sed -n 's,^installed/,,p')" | tr '\n' ' '); \
-	[ -n "$$missing" ] || exit 0; \
-	if ! command -v apt-get >/dev/null; then \
-	    echo "deps: found no apt-get, expected it to install what is missing: $$missing(installed otherwise? DEPS=no)" >&2; \
-	    exit 1; \
-	fi; \
-	if [ "$$(id -u)" -ne 0 ]; then sudo=sudo; fi; \
-	if [ -n "$$sudo" ] && ! command -v sudo >/dev/null; then \
-	    echo "deps: found no sudo and no root, expected one of them to install: $$missing(installed otherwise? DEPS=no)" >&2; \
-	    exit 1; \
-	fi; \
-	echo "deps: installing $$missing" >&2; \
-	$$sudo apt-get update -qq && \
-	$$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing
+define install_missing
+missing=$$(for package in $1; do echo $$package; done | grep -vxF \
+    "$$(dpkg-query -W -f '$${db:Status-Status}/$${Package}\n' $1 2>/dev/null \
+        | sed -n 's,^installed/,,p')" | tr '\n' ' '); \
+[ -n "$$missing" ] || exit 0; \
+if ! command -v apt-get >/dev/null; then \
+    echo "deps: found no apt-get, expected it to install what is missing: $$missing(installed otherwise? DEPS=no)" >&2; \
+    exit 1; \
+fi; \
+if [ "$$(id -u)" -ne 0 ]; then sudo=sudo; fi; \
+if [ -n "$$sudo" ] && ! command -v sudo >/dev/null; then \
+    echo "deps: found no sudo and no root, expected one of them to install: $$missing(installed otherwise? DEPS=no)" >&2; \
+    exit 1; \
+fi; \
+echo "deps: installing $$missing" >&2; \
+$$sudo apt-get update -qq && \
+$$sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $$missing
+endef
 endif
 
 # ---- Rules

@@ -189,7 +189,7 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
     const artefact_schema *const kinds[] = {&schema_snapshots, &schema_result, NULL};
     artefact *file = NULL;
     file_states states = {0};
-    ehd_grid grid;
+    ehd_grid grid = {0};
     ehd_status status = artefact_open(&file, path, kinds, error);
 
     if (!status && !artefact_has(file, "pressure"))

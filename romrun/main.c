@@ -458,7 +458,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
 static ehd_status choose_sizes(romrun_options *options, const program *self, bool in_time,
                                ehd_error *error) {
     trade_table table;
-    accuracy_choice choice;
+    accuracy_choice choice = {0};
     ehd_status status = trade_read(&table, options->model, error);
 
     if (!status)

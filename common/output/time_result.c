@@ -88,7 +88,7 @@ static ehd_status put_real(artefact *file, const char *name, size_t offset,
                            const time_entry *entries, size_t count, size_t index, double *column,
                            ehd_error *error) {
     for (size_t i = 0; i < count; i++)
-        column[i] = *(const double *)((const char *)&entries[i] + offset);
+        memcpy(&column[i], (const char *)&entries[i] + offset, sizeof *column);
     return artefact_put_part(file, name, index, count, column, error);
 }
 

@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#undef ehd_fail
 ehd_status ehd_fail(ehd_error *error, ehd_status status, const char *format, ...) {
     if (error) {
         va_list arguments;

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#undef place_fail
 ehd_status place_fail(ehd_error *error, place where, const char *format, ...) {
     ehd_error text;
     va_list arguments;
@@ -17,6 +18,7 @@ ehd_status place_fail(ehd_error *error, place where, const char *format, ...) {
     return ehd_fail(error, EHD_DATA, "%s:%zu: %s", where.file, where.line, text.text);
 }
 
+#undef place_no_memory
 ehd_status place_no_memory(ehd_error *error, const char *file) {
     return ehd_fail(error, EHD_MEMORY, "%s: found no memory left, expected enough to hold it",
                     file);

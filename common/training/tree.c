@@ -90,7 +90,7 @@ static int compare_ranked(const void *left, const void *right) {
 }
 
 ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, ehd_error *error) {
-    ranked *heights = malloc(num_points * sizeof *heights); // points on the longest way down
+    ranked *heights = calloc(num_points, sizeof *heights); // points on the longest way down
     if (!heights) return no_memory(num_points, error);
 
     for (size_t i = 0; i < num_points; i++)

@@ -35,7 +35,7 @@ static ehd_status load_state(full_state *state, ehdrom_solver *solver, const ehd
 ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_result *result,
                   const ehd_contact *contact, ehd_error *error) {
     full_state state = {0};
-    full_info info;
+    full_info info = {0};
     ehd_status status = full_state_init(&state, &contact->grid, error);
 
     if (!status) status = load_state(&state, solver, result, contact, error);

@@ -68,7 +68,7 @@ void reduced_states_free(reduced_states *states) {
     free(states->central_film_thickness);
     free(states->stationary);
     free(states->rate);
-    memset(states, 0, sizeof *states);
+    *states = (reduced_states){0};
 }
 
 void reduced_basis_free(reduced_basis *basis) {

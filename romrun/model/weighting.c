@@ -71,10 +71,11 @@ ehd_status weighting_quadrature(double *factors, const double *sampled, size_t n
             factors[r] = 1;
             slope[r] = -gram[r * num_rows + r];
         }
-        for (size_t i = 0; i < num_rows * num_rows; i++) {
-            gram[i] *= gram[i];
-            slope[i / num_rows] += gram[i];
-        }
+        for (size_t r = 0; r < num_rows; r++)
+            for (size_t s = r * num_rows; s < (r + 1) * num_rows; s++) {
+                gram[s] *= gram[s];
+                slope[r] += gram[s];
+            }
         solve_bounded(factors, slope, gram, num_rows, min_weight);
         for (size_t r = 0; r < num_rows; r++)
             factors[r] = sqrt(factors[r]);

@@ -30,6 +30,7 @@ static void solve_curvatures(double *curvatures, double *factor, const double *v
     }
     for (size_t k = num - 1; k-- > (even ? 0 : 1);)
         for (size_t j = 0; j < width; j++)
+            // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): all set above
             curvatures[k * stride + j] -= factor[k] * curvatures[(k + 1) * stride + j];
 }
 

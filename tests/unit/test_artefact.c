@@ -216,6 +216,13 @@ static void run_python(const char *script) {
     assert_int_equal(system(command), 0);
 }
 
+static void check_text(artefact *file, const char *name, const char *expected) {
+    char *text = NULL;
+    check_ok(artefact_get_text(file, name, &text, &error));
+    assert_string_equal(text, expected);
+    free(text);
+}
+
 // ---- writing and reading
 
 static void round_trip(void **state) {
@@ -317,18 +324,16 @@ static void provenance(void **state) {
     put_fields(file);
     check_ok(artefact_finish(&file, &error));
     file = reopen();
-    char *text = NULL;
-    check_ok(artefact_get_text(file, "settings", &text, &error));
-    assert_string_equal(text, "caf\xc3\xa9 ?");
-    free(text);
-    check_ok(artefact_get_text(file, "input_2_sha256", &text, &error));
-    assert_string_equal(text, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    free(text);
-    check_ok(artefact_get_text(file, "creator", &text, &error));
-    assert_non_null(strstr(text, program_build()));
-    free(text);
+    check_text(file, "settings", "caf\xc3\xa9 ?");
+    check_text(file, "input_2_sha256",
+               "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    char *creator = NULL;
+    check_ok(artefact_get_text(file, "creator", &creator, &error));
+    assert_non_null(strstr(creator, program_build()));
+    free(creator);
 
     // one line of the two equal inputs, one of our own
+    char *text = NULL;
     check_ok(artefact_get_text(file, "history", &text, &error));
     char *end = strchr(text, '\n');
     assert_non_null(end);
@@ -348,9 +353,7 @@ static void provenance(void **state) {
     char third[128];
     snprintf(third, sizeof third, "%s/third.h5", folder);
     check_ok(artefact_create(&file, third, &schema_snapshots, &caller, NULL, second, &error));
-    check_ok(artefact_get_text(file, "input_1_sha256", &text, &error));
-    assert_string_equal(text, identity);
-    free(text);
+    check_text(file, "input_1_sha256", identity);
     artefact_close(&file);
     assert_false(exists(third));
     inputs[1] = missing;

@@ -89,11 +89,11 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
     const ehd_grid *grid = &contact->grid;
     size_t n = grid->num_nodes;
     ehd_deflection *deflection = deflection_create(contact->kind, grid);
-    double *pressure = calloc(3 * n, sizeof *pressure), *delta = pressure + n;
-    double *direct = delta + n, largest = 0;
+    double *pressure = calloc(3 * n, sizeof *pressure), largest = 0;
     unsigned long long seed = 5;
 
     assert_true(deflection && pressure);
+    double *delta = pressure + n, *direct = delta + n;
     for (size_t k = 0; k < n; k++) {
         seed = seed * 6364136223846793005ull + 1442695040888963407ull;
         pressure[k] = (double)(seed >> 11) * 0x1p-53;

@@ -43,6 +43,7 @@ static void fill_full(previous_state *full, previous_carrier *carrier, const pre
             *film += full->state.pressure[i] *
                      basis->kind->kernel(fabs(nodes[k] - nodes[i]), 0, grid->step);
         for (size_t j = 0; j < basis->num_deformation; j++)
+            // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): num_deformation is 0 without
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
     }
     previous_prepare(full, carrier);
@@ -296,6 +297,7 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
     for (size_t i = 0; i < size; i++)
         for (size_t l = 0; l < self->lines && pressure->values[i] != 0; l++)
             for (size_t c = 0; c < self->width; c++) {
+                // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): c < width here
                 size_t apart = l > i / self->width ? l - i / self->width : i / self->width - l;
                 size_t along = c > i % self->width ? c - i % self->width : i % self->width - c;
                 *plane_node(self, l, c) +=

@@ -139,6 +139,7 @@ static void naive_pivoted_qr(size_t *rows, const selection_bases *bases, size_t 
                                  : bases->modes[1][(mode - num_first) * num_nodes + i];
     for (size_t n = 0; n < num_rows; n++) {
         double longest = -1.0;
+        rows[n] = 0;
         for (size_t i = 0; i < num_nodes; i++) {
             const double length = cblas_dnrm2((int)num_modes, columns + i * num_modes, 1);
             if (length <= longest) continue;

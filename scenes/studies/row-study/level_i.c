@@ -12,13 +12,13 @@
  * It stops here: a component of B^-1 f takes all rows of f, B^-1 being full, so that with selected rows it cannot be
  * had from them. */
 #include "common/physics/deflection.h"
+#include "common/training/training_set.h"
 #include "fullrun/continuation.h"
 #include "fullrun/full_solver.h"
+#include "romrun/calibrate/trade.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/online/least_squares.h"
 #include "romrun/online/reduced_solver.h"
-#include "romrun/calibrate/trade.h"
-#include "common/training/training_set.h"
 
 #include <cblas.h>
 #include <lapacke.h>
