@@ -18,6 +18,6 @@
 #define assert_true(holds)       ((holds) ? (void)0 : abort())
 #define assert_non_null(pointer) assert_true((pointer) != NULL)
 #define assert_int_equal(a, b)   assert_true((long long)(a) == (long long)(b))
-#define fail_msg(...)            abort()
+#define fail_msg(...)            (print_error(__VA_ARGS__), abort())
 
 #endif

@@ -101,7 +101,8 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     size_t num_modes =
         model->num_unknowns < stored->jacobian ? model->num_unknowns : stored->jacobian;
     arena memory = {0};
-    double *factors = arena_array(&memory, num_rows, sizeof *factors), *before, *sampled;
+    double *factors = arena_array(&memory, num_rows, sizeof *factors), *before = NULL;
+    double *sampled = NULL;
     ehd_status status = factors ? EHD_OK : no_memory(file, error);
 
     if (!status)
