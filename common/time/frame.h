@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The moving frame of a contact that varies with time: everything is scaled by the current contact size
- * and Hertz pressure, time by the reference (README.md; Maier et al. 2015, eq. 6). */
+ * and Hertz pressure, time by the reference (Maier et al. 2015, eq. 6; README.md). */
 #ifndef EHD_FRAME_H
 #define EHD_FRAME_H
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Full-order solver of a point contact: M = 20, L = 10, Barus, incompressible, cold start, half domain, one
- * thread, on the grids for which Venner and Lubrecht's multigrid program is known (257 nodes across: 46 times
- * a product of two matrices of 2000 rows to be converged, 4.7 times it to the truncation error).
+ * thread, on the grids for which the multigrid program of Venner and Lubrecht (Multilevel Methods in
+ * Lubrication, Elsevier 2000) is known (257 nodes across: 46 times a product of two matrices of 2000 rows
+ * to be converged, 4.7 times it to the truncation error).
  *
  *     bench_point [repeats [largest number of cells]] */
 #include "common/program/program.h"
@@ -70,8 +71,7 @@ static void print_record(const char *what, const cold_record *record, const cold
 
 static int compare_truncated(const cold_record *converged, double product, size_t repeats) {
     const cold_task task = task_of(COMPARED_CELLS, TRUNCATED, repeats);
-    const double finer =
-        4.801; // H_c of twice the cells by the multigrid program of Venner and Lubrecht
+    const double finer = 4.801; // H_c of twice the cells by the multigrid program
     cold_record record = {0};
 
     cold_solve(&record, &task);
