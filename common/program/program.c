@@ -18,7 +18,7 @@
 
 // defaults; the Makefile defines them
 #ifndef EHD_VERSION
-#define EHD_VERSION "0.1.0"
+#define EHD_VERSION "0.0.0"
 #endif
 #ifndef EHD_REVISION
 #define EHD_REVISION "unknown"

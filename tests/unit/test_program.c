@@ -183,7 +183,8 @@ static void version_goes_to_stdout(void **state) {
     (void)state;
     run(finish_well, "--version");
     assert_int_equal(child.code, 0);
-    assert_int_equal(strncmp(child.out, "trial (ehdrom) 0.1.0\n", 21), 0);
+    int major, minor, patch;
+    assert_int_equal(sscanf(child.out, "trial (ehdrom) %d.%d.%d\n", &major, &minor, &patch), 3);
     assert_non_null(strstr(child.out, program_build()));
 }
 
