@@ -772,7 +772,9 @@ static int write_with_limit(size_t size) {
 }
 
 static void failing_writes(void **state) {
+    const char *variant = getenv("VARIANT");
     (void)state;
+    if (variant && strcmp(variant, "cov") == 0) skip(); // its counts are files that are limited too
     for (int streaming = 0; streaming < 2; streaming++) {
         limited_streaming = streaming;
         check_ok(attempt(limited_streaming, &error));
