@@ -24,7 +24,7 @@ MARCH ?= $(eval MARCH := $$(if $$(filter x86_64%,$$(shell $(CC) -dumpmachine)),x
 CFLAGS_release := -O3 -g
 CFLAGS_debug   := -O0 -g3
 CFLAGS_san     := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover
-CFLAGS_cov     := -O0 -g --coverage
+CFLAGS_cov     := -O1 -g --coverage -fprofile-update=atomic
 CFLAGS         ?= $(CFLAGS_$(VARIANT))
 
 ifeq ($(filter $(VARIANT),release debug san cov),)
@@ -113,6 +113,14 @@ check-long: $(PROGRAMS) $(LONG_TESTS) ## the tests that take minutes
 
 run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) tests/run.sh $(BUILD)/test-logs
 
+# Counts of an earlier run do not count.
+coverage: | deps coverage-deps ## lines and branches that `make check` runs, a folder; files below 90 % of lines
+	@mkdir -p build/cov && find build/cov -name '*.gcda' -delete
+	@$(MAKE) check VARIANT=cov; code=$$?; \
+	gcovr --root . --object-directory build/cov $(addprefix --filter ,common/ $(PROGRAM_FOLDERS:%=%/)) \
+	    --csv > build/cov/coverage.csv && \
+	awk -F, -f tests/coverage.awk build/cov/coverage.csv && exit $$code
+
 bench: $(PROGRAMS) $(BENCHES) ## measure speed
 	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) tests/bench/run.sh
 
@@ -190,8 +198,8 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps lint-deps demo demo-point check check-long bench costs figures examples trade man install \
-        format format-check lint clean help FORCE
+.PHONY: all deps lint-deps coverage-deps demo demo-point check check-long coverage bench \
+        costs figures examples trade man install format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
@@ -199,13 +207,17 @@ PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitespar
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats gnuplot-nox \
             help2man netcdf-bin python3-numpy python3-xarray python3-h5py python3-netcdf4 python3-h5netcdf valgrind
 
-LINT_PACKAGES := cppcheck clang-tidy clang-format
+LINT_PACKAGES     := cppcheck clang-tidy clang-format
+COVERAGE_PACKAGES := gcovr
 
 deps: ## install the Debian packages that are missing
 	@$(call install_missing,$(PACKAGES))
 
 lint-deps:
 	@$(call install_missing,$(LINT_PACKAGES))
+
+coverage-deps:
+	@$(call install_missing,$(COVERAGE_PACKAGES))
 
 ifneq ($(DEPS),no)
 define install_missing
