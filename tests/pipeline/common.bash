@@ -76,13 +76,15 @@ refuse() {
     [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
 }
 
-# same_data A B: all datasets equal to the last bit; NaN equals NaN.
+# same_data A B: all datasets equal to the last bit, but what a resumed run starts from, which is written
+# by the clock; NaN equals NaN.
 same_data() {
     /usr/bin/python3 - "$1" "$2" <<'PYTHON'
 import sys, h5py
 with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
     assert set(left) == set(right), set(left) ^ set(right)
     for name in left:
+        if name in ("restart", "restart_entries"): continue
         assert left[name][...].tobytes() == right[name][...].tobytes(), name
 PYTHON
 }
