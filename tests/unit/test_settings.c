@@ -576,7 +576,7 @@ static void reads_a_transient_scene_and_fills_its_defaults(void **state) {
 static void reads_every_law_of_every_quantity(void **state) {
     static const char *const names[] = {"load", "speed", "radius", "modulus", "approach"};
     static const int numbers[] = {VARY_LOAD, VARY_SPEED, VARY_RADIUS, VARY_MODULUS, VARY_APPROACH};
-    scene of;
+    scene of = {0};
     (void)state;
     for (size_t i = 0; i < NUM_VARY; i++) {
         const char *head = numbers[i] == VARY_APPROACH ? "closure: approach\n" : "";
