@@ -238,6 +238,7 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
     }
     if (!status) status = write_model(self, options, &basis, &choice, identity, error);
     row_choice_free(&choice);
+    options->rows.given = NULL;
     given_rows_free(&given);
     residual_snapshots_free(&snapshots);
     reduced_basis_free(&basis);
