@@ -8,9 +8,9 @@
 #include <string.h>
 
 /* Of the start, over that of a film formula: Newton corrects a film that is too thick in a few
- * steps, while one that is too thin at the contact's edges is driven to zero there. Of 24 cold starts
- * at the corners of M and L (extremes_converge) 7 fail at half of the formula's film and 8 at the
- * film itself; at 2, 4, 10 and 20 times it all converge, in 432, 471, 536 and 594 iterations. */
+ * steps, while one that is too thin at the contact's edges is driven to zero there. Of 24 cold
+ * starts at the corners of M and L (extremes_converge) 7 fail at half of the formula's film and 8
+ * at the film itself; at 2, 4, 10 and 20 times all converge, in 432, 471, 536 and 594 steps. */
 static const double START_FILM = 2;
 
 // continuation strides, as parts of the way, below which it is given up
@@ -209,7 +209,7 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
                            const ehd_contact *contact, ehd_error *error) {
     // inner nodes along, below which a coarser grid would not resolve the film. Starts from still
     // coarser ones save no iterations on 1201 nodes, of 128 cells on a point contact neither, and
-    // lines take twice the time with 150; from the dry contact Newton takes two to three times as many
+    // lines take twice the time with 150; from the dry contact Newton needs 2 to 3 times more
     const size_t coarsest = contact->kind->dimensions > 1 ? 60 : 500;
     double before = program_seconds();
     ehd_status status = EHD_OK;

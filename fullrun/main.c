@@ -290,7 +290,7 @@ static void note_resolution(const program *self, const full_resolution *resoluti
                      path, grid->step, 100 * resolution->step_effect);
 }
 
-/* Effects of the grid on a solution: into the file, unless NULL, and a note where they are large. */
+/* Effects of the grid on a solution: into the file, unless NULL, and a note if they are large. */
 static ehd_status report_resolution(artefact *file, const program *self, const full_state *state,
                                     const ehd_contact *contact, ehd_error *error) {
     const double before = program_seconds();

@@ -63,7 +63,7 @@ void reduced_basis_free(reduced_basis *basis);
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
 /* EHD_DATA with fewer rows than the least squares of the unknowns need: the projected elasticity
- * equation and the load balance determine all but num_pressure of these. `object` leads the message. */
+ * equation and the load balance determine all but num_pressure. `object`: of the message. */
 ehd_status reduced_check_num_rows(size_t num_rows, size_t num_pressure, size_t num_deformation,
                                   const char *object, ehd_error *error);
 

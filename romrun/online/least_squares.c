@@ -23,8 +23,8 @@ struct least_squares {
     int num_work;
 };
 
-/* Of the Gram matrix, below which QR is taken. Measured on random columns: the solution's error is
- * 1e-5 at a condition of 1e6 and up to 1e-3 at 1e7, where this lies; at 1e8 nothing would be left. */
+/* Of the Gram matrix, below which QR is taken. Measured on random columns: the solution's error
+ * is 1e-5 at a condition of 1e6 and up to 1e-3 at 1e7, where this lies; at 1e8 no digit is left. */
 static const double MIN_RCOND = 1e-13;
 
 least_squares *least_squares_free(least_squares *self) {

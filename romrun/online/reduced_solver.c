@@ -190,7 +190,7 @@ static ehd_status observe(reduced_solver *self, ehd_error *error) {
 
 /* Damping as in the full solver. Measured between any two of twelve trained solutions
  * (any_trained_solution_leads_to_any_other): 863 iterations and 4 lost with a pressure change of
- * 0.1, 850 and none with 0.3, 893 and 2 lost with 1; the same with any part of the film up to 0.5. */
+ * 0.1, 850 and none with 0.3, 893 and 2 lost with 1; the same with film parts up to 0.5. */
 static const double MAX_PRESSURE_CHANGE = 0.3;
 static const double MIN_FILM_LEFT = 0.2;
 
