@@ -69,7 +69,7 @@ table() {
             { calls[$1] = $2; cost[$1] = $3 }
             $1 ~ /_log_viscosity$/ { viscosity += $3 }
             $1 ~ /^previous_(prepare|mass|film_prepare|film_masses)$/ { previous += $3 }
-            $1 ~ /^(full_solve_gmres|least_squares_(solve|keep|again))$/ { solver += $3 }
+            $1 ~ /^(full_solve_gmres|least_squares_(solve|factorise|again))$/ { solver += $3 }
             function share(x) { return sprintf(" %9.1f", x / calls[per] / 1000) }
             END {
                 fluid = cost["reynolds_fluid_evaluate"]
