@@ -332,48 +332,78 @@ static ehd_status make_exits(double **exits, const full_state *state, const ehd_
     return status;
 }
 
-static ehd_status run_stationary(const program *self, const fullrun_options *options,
+/* A stationary scene on its way from the command line to the result. */
+typedef struct stationary_run {
+    const program *caller;
+    const fullrun_options *options;
+    const ehd_contact *contact;
+    const scene *given;
+    ehd_contact start; // of the state that --start gives
+    double start_film; // its central film
+    full_state state;
+    full_info info;
+    double *exits; // of a point contact
+} stationary_run;
+
+static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
+    const fullrun_options *options = self->options;
+    const ehd_contact *contact = self->contact, *start = options->start ? &self->start : NULL;
+    ehd_status status =
+        solve(&self->info, &self->state, self->caller, contact, start, options, error);
+
+    if (!status) status = make_exits(&self->exits, &self->state, contact, error);
+    if (!status)
+        program_detail(self->caller, "%zu Newton and %zu GMRES iterations",
+                       self->info.newton_iterations, self->info.gmres_iterations);
+    return status;
+}
+
+/* Into the file, unless NULL, and onto stdout. */
+static ehd_status report_stationary(artefact **file, const stationary_run *self, ehd_error *error) {
+    const char *path = self->caller->arguments[0];
+    const ehd_contact *contact = self->contact;
+    const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
+    run_result result =
+        make_result(&self->info, &self->state, contact, self->given->output.fields != 0);
+    ehd_status status = EHD_OK;
+
+    result.exits = self->exits;
+    if (!result.status && self->given->output.resolution != 0)
+        status = report_resolution(*file, self->caller, &self->state, contact, error);
+    if (!status && *file) status = result_write(file, &result, contact, error);
+    if (!status && result.status)
+        status = ehd_fail(error, result.status, "%s: not converged: %s", path, result.reason);
+    if (status) return status;
+    result_print(&result, contact);
+    if (self->options->start) print_start(self->options->start, self->start_film, &result);
+    if (self->options->formulas) formulas_print(&scalars, contact);
+    return EHD_OK;
+}
+
+static ehd_status run_stationary(const program *caller, const fullrun_options *options,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
-    const char *const inputs[] = {self->arguments[0], options->start, NULL};
-    ehd_contact start = *contact;
-    full_state state = {0};
-    full_info info;
+    const char *const inputs[] = {caller->arguments[0], options->start, NULL};
+    stationary_run self = {.caller = caller,
+                           .options = options,
+                           .contact = contact,
+                           .given = given,
+                           .start = *contact,
+                           .start_film = NAN};
     artefact *file = NULL;
-    double start_film = NAN;
-    double *exits = NULL;
-    ehd_status status = grid_check_memory(self, self->arguments[0], contact,
+    ehd_status status = grid_check_memory(caller, caller->arguments[0], contact,
                                           full_solver_bytes(&contact->grid), 1, error);
 
-    if (!status) status = full_state_init(&state, &contact->grid, error);
+    if (!status) status = full_state_init(&self.state, &contact->grid, error);
     if (!status && options->start)
-        status = load_start(&state, &start, &start_film, options->start, error);
-    if (!status && self->output) status = result_create(&file, self, contact, text, inputs, error);
-    if (!status)
-        status =
-            solve(&info, &state, self, contact, options->start ? &start : NULL, options, error);
-    if (!status) status = make_exits(&exits, &state, contact, error);
-    if (status) goto done;
-
-    run_result result = make_result(&info, &state, contact, given->output.fields != 0);
-    result.exits = exits;
-    program_detail(self, "%zu Newton and %zu GMRES iterations", info.newton_iterations,
-                   info.gmres_iterations);
-    if (!result.status && given->output.resolution != 0)
-        status = report_resolution(file, self, &state, contact, error);
-    if (!status && file) status = result_write(&file, &result, contact, error);
-    if (!status && result.status)
-        status = ehd_fail(error, result.status, "%s: not converged: %s", self->arguments[0],
-                          result.reason);
-    if (status) goto done;
-    const contact_scalars scalars = full_evaluate_scalars(&state, contact);
-    result_print(&result, contact);
-    if (options->start) print_start(options->start, start_film, &result);
-    if (options->formulas) formulas_print(&scalars, contact);
-done:
+        status = load_start(&self.state, &self.start, &self.start_film, options->start, error);
+    if (!status && caller->output)
+        status = result_create(&file, caller, contact, text, inputs, error);
+    if (!status) status = solve_stationary(&self, error);
+    if (!status) status = report_stationary(&file, &self, error);
     artefact_close(&file);
-    full_state_free(&state);
-    free(exits);
+    full_state_free(&self.state);
+    free(self.exits);
     return status;
 }
 
