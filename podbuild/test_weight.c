@@ -61,7 +61,8 @@ typedef struct row_squares {
     size_t num_states;
 } row_squares;
 
-/* Called in place of the least-squares solver: adds up the norms of the rows and ends the iteration. */
+/* Called in place of the least-squares solver: adds up the norms of the rows and ends the
+ * iteration. */
 static ehd_status add_squares(double *step, void *context, const double *matrix,
                               const double *right, size_t num_equations, size_t num_unknowns) {
     row_squares *self = context;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Read by clang-tidy before each test: cmocka does not say that a failed assertion does not return. */
+/* Read by clang-tidy before each test: cmocka does not say that a failed assertion does not
+ * return. */
 #ifndef TESTS_LINT_H
 #define TESTS_LINT_H
 

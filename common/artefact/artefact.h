@@ -191,8 +191,9 @@ ehd_status artefact_open(
  * removed otherwise. Accepts a NULL file. */
 void artefact_close(artefact **file);
 
-/* The same also of a file that is being written or was left unfinished (PATH.partial), of which the growing
- * axis tells how far it goes: what is on it may be longer, so that it is read by artefact_get_part. */
+/* The same also of a file that is being written or was left unfinished (PATH.partial), of which the
+ * growing axis tells how far it goes: what is on it may be longer, so that it is read by
+ * artefact_get_part. */
 ehd_status artefact_open_unfinished(
     // output:
     artefact **file,

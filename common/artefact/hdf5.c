@@ -93,8 +93,9 @@ static void switch_on(hid_t access, const char *name) {
     if (H5Pexist(access, name) > 0) H5Pset(access, name, &yes);
 }
 
-/* Of metadata whose checksum fails because a writer is at it. HDF5 waits twice as long each time, from 1 ns on:
- * 33 ms in all, where its default of 100 attempts would never end on a damaged file. */
+/* Of metadata whose checksum fails because a writer is at it. HDF5 waits twice as long each time,
+ * from 1 ns on: 33 ms in all, where its default of 100 attempts would never end on a damaged
+ * file. */
 enum { READ_ATTEMPTS = 25 };
 
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {

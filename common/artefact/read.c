@@ -356,7 +356,8 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     return status;
 }
 
-/* Opens a file that was finished or, where `unfinished` is allowed, that is being written or was left. */
+/* Opens a file that was finished or, where `unfinished` is allowed, that is being written or was
+ * left. */
 static ehd_status open_file(artefact **result, const char *path,
                             const artefact_schema *const *schemas, bool unfinished,
                             ehd_error *error) {

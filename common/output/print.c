@@ -173,8 +173,8 @@ static size_t count_long_axes(const entries *all) {
     return count;
 }
 
-/* Puts the axes that nobody named before the columns, where there are several of more than one entry. Returns
- * the new number of columns. */
+/* Puts the axes that nobody named before the columns, where there are several of more than one
+ * entry. Returns the new number of columns. */
 static size_t add_leading_axes(column *columns, size_t num_columns, const entries *all) {
     size_t num_leading = 0;
 
@@ -246,8 +246,8 @@ static ehd_status read_slice(column *columns, size_t num_columns, artefact *file
 
 // ---- lines
 
-/* Where the entries go on with another index than the last one's, of all axes but the last: an empty line for
- * the last of these, two for any other. */
+/* Where the entries go on with another index than the last one's, of all axes but the last: an
+ * empty line for the last of these, two for any other. */
 static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     size_t inner = 0; // axes of several entries that start again
     for (size_t k = all->rank; k-- > 0;) {

@@ -8,24 +8,27 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Prints entries of an open file as CSV, of at least one name: a header with the names, then a line for each entry of the datasets
- * named. These must have the same axes, and axes named must be among them; an attribute is the same in each
- * line. Numbers read back as the same bits (NaN is "nan"), texts are quoted where needed.
+/* Prints entries of an open file as CSV, of at least one name: a header with the names, then a line
+ * for each entry of the datasets named. These must have the same axes, and axes named must be among
+ * them; an attribute is the same in each line. Numbers read back as the same bits (NaN is "nan"),
+ * texts are quoted where needed.
  *
- * Where the datasets have several axes of more than one entry, those that are not named come first as columns
- * of their own, and an empty line ends each run of the last axis, two end each of the axis before, as gnuplot's
- * splot and index expect. An axis without values in the file counts from 0.
+ * Where the datasets have several axes of more than one entry, those that are not named come first
+ * as columns of their own, and an empty line ends each run of the last axis, two end each of the
+ * axis before, as gnuplot's splot and index expect. An axis without values in the file counts from
+ * 0.
  *
- * EHD_DATA: a name that the file does not have (with those that it has), datasets of different axes, damaged
- * data; EHD_MEMORY; EHD_IO; EHD_INTERRUPTED. Lines before a failure are printed. */
+ * EHD_DATA: a name that the file does not have (with those that it has), datasets of different
+ * axes, damaged data; EHD_MEMORY; EHD_IO; EHD_INTERRUPTED. Lines before a failure are printed. */
 ehd_status print_entries(artefact *file, const char *const *names, size_t num_names, FILE *stream,
                          ehd_error *error);
 
-/* Prints what an open file has, a line of CSV each: name, units, lengths and names of the axes, description. */
+/* Prints what an open file has, a line of CSV each: name, units, lengths and names of the axes,
+ * description. */
 void print_names(const artefact *file, FILE *stream);
 
-/* Prints caller->arguments of caller->print, or what there is when none are given, on stdout; frees the
- * program and returns the exit code for main. */
+/* Prints caller->arguments of caller->print, or what there is when none are given, on stdout; frees
+ * the program and returns the exit code for main. */
 int output_print(program *caller);
 
 #endif

@@ -8,8 +8,9 @@
 #include <stdbool.h>
 
 /* Flux U rho H - eps dP/dx across the half node between two neighbouring nodes of a line, `before`
- * and `node`, as places in the arrays. In the pressurised zone of a stationary line contact it is the
- * same everywhere, and the exit condition P = dP/dx = 0 says that U rho H equals it at the exit. */
+ * and `node`, as places in the arrays. In the pressurised zone of a stationary line contact it is
+ * the same everywhere, and the exit condition P = dP/dx = 0 says that U rho H equals it at the
+ * exit. */
 double exit_flux(const reynolds_fluid *fluid,                // arrays [num_nodes]
                  const double *pressure, const double *film, // [num_nodes]
                  size_t before, size_t node, double entrainment, double step);
@@ -39,8 +40,8 @@ typedef struct exit_line {
 } exit_line;
 
 /* The node at which the exit should be: back on negative pressure, on where the multiplier at the
- * exit is negative; as far as the flux says, which an unpressurised film carries at the exit, so that
- * the number of moves does not grow with the number of nodes. */
+ * exit is negative; as far as the flux says, which an unpressurised film carries at the exit, so
+ * that the number of moves does not grow with the number of nodes. */
 size_t exit_by_flux(const exit_line *line, size_t exit);
 
 #endif

@@ -10,7 +10,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o FILE. */
+/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o
+ * FILE. */
 typedef struct program {
     const char *name; // "fullrun"
     int argc;         // as main received them, for the history line

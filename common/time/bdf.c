@@ -28,8 +28,8 @@ bdf_formula bdf_step(double step, const double *intervals, size_t num_previous) 
     formula.rate = (1 + 2 * ratio) / ((1 + ratio) * step);
     formula.weight[0] = -(1 + ratio) / step;
     formula.weight[1] = ratio * ratio / ((1 + ratio) * step);
-    // what the formula leaves out, by what the prediction does: third derivatives both; with one state
-    // less the first-order formula's second derivatives, which is on the safe side
+    // what the formula leaves out, by what the prediction does: third derivatives both; with one
+    // state less the first-order formula's second derivatives, which is on the safe side
     if (num_previous > 2)
         formula.error = step * ago[1] / ((step + ago[1]) * ago[2]);
     else

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Backward differences of order one and two with variable step (BDF2: Hairer, Norsett, Wanner,
- * Solving Ordinary Differential Equations I, section III.5), and the few states that they look at. */
+ * Solving Ordinary Differential Equations I, section III.5), and the few states that they look
+ * at. */
 #ifndef EHD_BDF_H
 #define EHD_BDF_H
 
@@ -11,8 +12,8 @@ enum {
 }; // previous states that a step looks at: two for the formula, one more for
     // the estimate of its error
 
-/* One step: dy/dT = rate y + sum of weight[i] y_i, where y_0 is the last state, y_1 the one before …
- * The local error is `error` times y minus its prediction, the sum of predictor[i] y_i. */
+/* One step: dy/dT = rate y + sum of weight[i] y_i, where y_0 is the last state, y_1 the one before
+ * … The local error is `error` times y minus its prediction, the sum of predictor[i] y_i. */
 typedef struct bdf_formula {
     size_t order;
     double rate;                    // 1 / time
@@ -25,8 +26,8 @@ typedef struct bdf_formula {
  * states lead up to: intervals[i] lies between states i and i + 1. */
 bdf_formula bdf_step(double step, const double *intervals, size_t num_previous);
 
-/* Which of BDF_PREVIOUS + 1 states is which: place[0] is the one being solved, place[i] the i-th before
- * it, of which the first num_previous count. */
+/* Which of BDF_PREVIOUS + 1 states is which: place[0] is the one being solved, place[i] the i-th
+ * before it, of which the first num_previous count. */
 typedef struct bdf_ring {
     size_t place[BDF_PREVIOUS + 1];
     size_t num_previous;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The moving frame of a contact that varies with time: everything is scaled by the current contact size
- * and Hertz pressure, time by the reference (Maier et al. 2015, eq. 6; README.md). */
+/* The moving frame of a contact that varies with time: everything is scaled by the current contact
+ * size and Hertz pressure, time by the reference (Maier et al. 2015, eq. 6; README.md). */
 #ifndef EHD_FRAME_H
 #define EHD_FRAME_H
 
@@ -19,33 +19,33 @@ typedef struct contact_frame {
     double film_scale;     // (a^2 / R) / (a_ref^2 / R_ref)
 } contact_frame;
 
-/* `values`: load, speed, radius, modulus (VARY_… of scene.h) relative to the reference; `approach` NaN
- * where the load is given. */
+/* `values`: load, speed, radius, modulus (VARY_… of scene.h) relative to the reference; `approach`
+ * NaN where the load is given. */
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,
                        double approach);
 
-/* The reference contact as it is in the frame: lambda, Hertz pressure, U, Moes numbers, closure. Moes M
- * grows beyond all bounds as the speed goes to zero and is cut at 1e5. */
+/* The reference contact as it is in the frame: lambda, Hertz pressure, U, Moes numbers, closure.
+ * Moes M grows beyond all bounds as the speed goes to zero and is cut at 1e5. */
 void frame_contact(
     // output:
     ehd_contact *contact,
     // input:
     const contact_frame *frame, const ehd_contact *reference);
 
-/* Where a place X of frame `now` lies in frame `then`, per X, and what turns a film of `then` into one
- * of `now`: the physical place and film are the same. */
+/* Where a place X of frame `now` lies in frame `then`, per X, and what turns a film of `then` into
+ * one of `now`: the physical place and film are the same. */
 double frame_stretch(const contact_frame *now, const contact_frame *then);
 double frame_film_ratio(const contact_frame *now, const contact_frame *then);
 
-/* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach is
- * given, a frame is scaled by an expected load, and `ratio` is the solution's. */
+/* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach
+ * is given, a frame is scaled by an expected load, and `ratio` is the solution's. */
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio);
 
 /* How fast a contact changes between two frames: |d ln a/dT| + |d(u/u_ref)/dT|. */
 double frame_rate(const contact_frame *now, const contact_frame *before);
 
-/* Scalars in the constant reference frame from those of the current one; the load becomes relative to
- * the reference. */
+/* Scalars in the constant reference frame from those of the current one; the load becomes relative
+ * to the reference. */
 contact_scalars frame_to_reference(const contact_scalars *current, const contact_frame *frame,
                                    const ehd_contact *reference);
 

@@ -10,10 +10,11 @@
 /* Read-only once it is made, so that threads can share it. */
 typedef struct ehd_histories ehd_histories;
 
-/* Reads tables and checks all histories on 0 <= T <= end_time of a valid scene; those of a stationary
- * scene are constant. EHD_DATA or EHD_NOINPUT: a table that is missing, unreadable, too short, not
- * finite, not increasing in time or does not cover the time; load, radius or modulus not above 0
- * somewhere, or speed below 0. EHD_MEMORY. Reads HDF5, so only one at a time (artefact.h). */
+/* Reads tables and checks all histories on 0 <= T <= end_time of a valid scene; those of a
+ * stationary scene are constant. EHD_DATA or EHD_NOINPUT: a table that is missing, unreadable, too
+ * short, not finite, not increasing in time or does not cover the time; load, radius or modulus not
+ * above 0 somewhere, or speed below 0. EHD_MEMORY. Reads HDF5, so only one at a time
+ * (artefact.h). */
 ehd_status histories_init(
     // output:
     ehd_histories **self, // free with histories_free; NULL after a failure
@@ -23,8 +24,8 @@ ehd_status histories_init(
 /* Accepts and returns NULL. */
 ehd_histories *histories_free(ehd_histories *self);
 
-/* Factors on the reference values at T = `time`. Continuous from the left: at a jump still the value
- * before it, so that a time step that ends there does not see it. */
+/* Factors on the reference values at T = `time`. Continuous from the left: at a jump still the
+ * value before it, so that a time step that ends there does not see it. */
 void histories_at(
     // output:
     double value[NUM_VARY], // by VARY_LOAD, …
@@ -38,8 +39,8 @@ double histories_next_kink(
     // output:
     bool *jump); // whether some history jumps there
 
-/* The shortest time scale of all, for a sensible first step: a period / 2 pi, the duration of a ramp or
- * the smallest distance of a table's times; INFINITY when nothing varies smoothly. */
+/* The shortest time scale of all, for a sensible first step: a period / 2 pi, the duration of a
+ * ramp or the smallest distance of a table's times; INFINITY when nothing varies smoothly. */
 double histories_shortest_time(const ehd_histories *self);
 
 #endif

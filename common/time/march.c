@@ -11,9 +11,10 @@
 
 const double march_exit_margin = 0.1;
 
-/* Local errors add up over the hundreds of steps that a film takes through the contact. What a step may make
- * is the tolerance by this, measured on a film that follows a load of period 1/2: its central value is then
- * twenty times the tolerance off at most, and errors go as the tolerance to the power 2/3. */
+/* Local errors add up over the hundreds of steps that a film takes through the contact. What a step
+ * may make is the tolerance by this, measured on a film that follows a load of period 1/2: its
+ * central value is then twenty times the tolerance off at most, and errors go as the tolerance to
+ * the power 2/3. */
 static const double PASSAGE = 30;
 
 static const double MAX_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
@@ -107,14 +108,16 @@ typedef struct next_stop {
     bool is_jump; // and they jump there
 } next_stop;
 
-/* A step further, or where the histories have an event, a fixed step's multiple is or the march ends. */
+/* A step further, or where the histories have an event, a fixed step's multiple is or the march
+ * ends. */
 static next_stop find_next_stop(const march *self) {
     const double time = self->state.time, step = self->state.step;
     double fixed = self->settings.fixed_step, end = self->settings.end_time;
     bool jump;
     double kink = histories_next_kink(self->histories, time, &jump), event = earlier(kink, end);
 
-    // a multiple, not a sum, so that times do not drift and a step that was cut falls back into place
+    // a multiple, not a sum, so that times do not drift and a step that was cut falls back into
+    // place
     if (!isnan(fixed)) event = earlier(next_multiple(time, fixed), event);
     if (step >= (event - time) * (1 - 1e-9) - ROUNDING * event)
         return (next_stop){event, event == kink, jump && event == kink};
@@ -123,11 +126,11 @@ static next_stop find_next_stop(const march *self) {
                            step > 0.5 * (event - time) ? time + 0.5 * (event - time) : time + step};
 }
 
-/* The solvers take the solution for smooth. Right after a kink its second derivative has jumped, by J say:
- * then J step^2 / 2 is what the prediction misses, and the part last_step / (2 step + last_step) of that
- * is what BDF2 does. After long steps that is much more than in a smooth solution. A step as short as
- * the first one of all is taken as that one is, because the first derivative may have jumped too, which
- * is harmless. */
+/* The solvers take the solution for smooth. Right after a kink its second derivative has jumped, by
+ * J say: then J step^2 / 2 is what the prediction misses, and the part last_step / (2 step +
+ * last_step) of that is what BDF2 does. After long steps that is much more than in a smooth
+ * solution. A step as short as the first one of all is taken as that one is, because the first
+ * derivative may have jumped too, which is harmless. */
 static double error_after_kink(const march *self, double step, double local_error) {
     const march_state *state = &self->state;
     const double intervals[] = {state->last_step, state->step_before};
@@ -143,9 +146,10 @@ static double min_step(const march *self) {
     return fmax(MIN_STEP * self->settings.first_step, ROUNDING * self->state.time);
 }
 
-/* Where a step is shorter than the one tried before and its error not even less by as much, what is left is the
- * solver's own noise, of exits that move by whole nodes, which no shorter one takes away: then that much more is
- * accepted, for some steps, and then it is tried again. Not more than what all steps together are asked for. */
+/* Where a step is shorter than the one tried before and its error not even less by as much, what is
+ * left is the solver's own noise, of exits that move by whole nodes, which no shorter one takes
+ * away: then that much more is accepted, for some steps, and then it is tried again. Not more than
+ * what all steps together are asked for. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
@@ -213,8 +217,8 @@ static void reject(march *self, const march_step *outcome) {
                  state->time, failed ? outcome->reason : "local error", min_step(self));
 }
 
-/* The length of the next attempt after an accepted step. Neither a step cut short by an event nor one
- * shortened for noise says anything about it. */
+/* The length of the next attempt after an accepted step. Neither a step cut short by an event nor
+ * one shortened for noise says anything about it. */
 static double step_after(const march *self, const march_step *outcome) {
     const march_state *state = &self->state;
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
@@ -264,8 +268,8 @@ static ehd_status advance(march *self, ehd_error *error) {
     return self->store(self->sink, &outcome, (size_t)self->state.num_steps, error);
 }
 
-/* Ends a march that crawls: where a model's own noise is above the tolerance, steps get shorter until the noise
- * of a step is, and the end is out of reach. */
+/* Ends a march that crawls: where a model's own noise is above the tolerance, steps get shorter
+ * until the noise of a step is, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
     const double min_progress = 0.01; // of the usual one, in so many attempts
 

@@ -23,32 +23,34 @@ typedef struct march_step {
     double residual;
 } march_step;
 
-/* The local error is looked at up to this far before the exit boundary, in half widths: nearer to it, the
- * exit's moves by whole nodes make a noise that no shorter step takes away. */
+/* The local error is looked at up to this far before the exit boundary, in half widths: nearer to
+ * it, the exit's moves by whole nodes make a noise that no shorter step takes away. */
 extern const double march_exit_margin;
 
 /* A solver that can take steps. `self` is its own. */
 typedef struct march_solver {
     void *self;
-    /* Solves the state that is `step` later, in the frame given, from the accepted states. These do not
-     * change, so that a step can be repeated. Not converged is an outcome, not an error. */
+    /* Solves the state that is `step` later, in the frame given, from the accepted states. These do
+     * not change, so that a step can be repeated. Not converged is an outcome, not an error. */
     ehd_status (*attempt)(march_step *outcome, void *self, const contact_frame *frame, double step,
                           ehd_error *error);
     void (*accept)(void *self); // the state of the last attempt
     void (*restart)(
         void *self); // accepted states before the last one no longer count (after a jump)
-    /* The state to start from: stationary in the frame given, which outcome->frame scales anew where the
-     * approach is given; NaN stands for the approach that belongs to the load. It is accepted. */
+    /* The state to start from: stationary in the frame given, which outcome->frame scales anew
+     * where the approach is given; NaN stands for the approach that belongs to the load. It is
+     * accepted. */
     ehd_status (*start)(march_step *outcome, void *self, const contact_frame *frame,
                         ehd_error *error);
-    /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are none. */
+    /* Everything needed to go on from the last accepted state, as numbers; EHD_DATA when they are
+     * none. */
     size_t (*saved_size)(const void *self);
     void (*save)(double *saved, const void *self);
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
     /* P and H of the last accepted state at all nodes, [num_nodes]. */
     ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
-    /* Its exits: the first column without pressure on all lines of the grid (1: none has any), counted with the
-     * boundary nodes, [grid_lines]. */
+    /* Its exits: the first column without pressure on all lines of the grid (1: none has any),
+     * counted with the boundary nodes, [grid_lines]. */
     void (*exits)(size_t *columns, const void *self);
 } march_solver;
 
@@ -94,7 +96,8 @@ typedef struct march {
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach);
 
-/* The frame at `time`, scaled by `load` where the approach is given (and by the history where not). */
+/* The frame at `time`, scaled by `load` where the approach is given (and by the history where
+ * not). */
 contact_frame march_frame(const march_settings *settings, const contact_kind *kind,
                           const ehd_histories *histories, double time, double load);
 
@@ -104,13 +107,13 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
 /* The load to scale the next frame with where it is an outcome: any near it would do. */
 double march_expected_load(double load, double load_rate, double step);
 
-/* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow. In
- * self->settings the reference approach NaN is replaced by that of the start. */
+/* Takes the march to its start, time 0. Not converged is an outcome: then nothing else may follow.
+ * In self->settings the reference approach NaN is replaced by that of the start. */
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error);
 
 /* Goes on to end_time. Where a step size underflows, the march ends there: *outcome is
- * EHD_NOT_CONVERGED, self->reason says why and everything stored stands; EHD_OK else. EHD_INTERRUPTED and
- * what the solver or `store` return are errors. */
+ * EHD_NOT_CONVERGED, self->reason says why and everything stored stands; EHD_OK else.
+ * EHD_INTERRUPTED and what the solver or `store` return are errors. */
 ehd_status march_run(ehd_status *outcome, march *self, ehd_error *error);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Hierarchical compression of 10000 snapshots of 1201 nodes, of rank about 250, and the POD of all of
- * them in one piece, both on one core.
+/* Hierarchical compression of 10000 snapshots of 1201 nodes, of rank about 250, and the POD of all
+ * of them in one piece, both on one core.
  *
  *     bench_compress [num_nodes num_snapshots [block]] */
 #include "common/program/program.h"

@@ -3,12 +3,13 @@
  *
  *     bench_conditioning MODEL.h5 SCENE.yml MODES ROWS VARIANT [key=value ...]
  *
- * A scene is solved with the first MODES and ROWS of the model (0: all) by Newton with a QR in extended
- * precision. Every system on the way is given to each solver too. Then each solves the scene alone. A line
- * of CSV each, of columns as HEADER below. VARIANT: one of tests/bench/variant.h, or
+ * A scene is solved with the first MODES and ROWS of the model (0: all) by Newton with a QR in
+ * extended precision. Every system on the way is given to each solver too. Then each solves the
+ * scene alone. A line of CSV each, of columns as HEADER below. VARIANT: one of
+ * tests/bench/variant.h, or
  *     rate=R            a step in time: the time derivative R (rho H - rho H of the solution)
- * To count instructions of the solvers: callgrind with --toggle-collect=time_solvers, where each solves the
- * same system REPEATS times. */
+ * To count instructions of the solvers: callgrind with --toggle-collect=time_solvers, where each
+ * solves the same system REPEATS times. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "fullrun/full_solver.h"
@@ -144,8 +145,8 @@ static ehd_status unscale(double *step, const workspace *self) {
     return EHD_OK;
 }
 
-/* Normal equations, and steps of iterative refinement whose residuals are those of the matrix itself, in
- * double precision. */
+/* Normal equations, and steps of iterative refinement whose residuals are those of the matrix
+ * itself, in double precision. */
 static ehd_status normal_equations(double *step, workspace *self, const double *matrix,
                                    const double *right, size_t num_rows, bool scaled, bool single,
                                    int refinements) {
@@ -218,8 +219,8 @@ static ehd_status solve_used(double *step, void *context, const double *matrix, 
     return least_squares_solve(step, self->used, matrix, right, num_rows);
 }
 
-/* Reflects the columns behind the first (shape [count, length]) as Householder's reflection of the first
- * does, which it makes zero but for its head; returns that. */
+/* Reflects the columns behind the first (shape [count, length]) as Householder's reflection of the
+ * first does, which it makes zero but for its head; returns that. */
 static long double reflect(long double *first, size_t count, size_t length, size_t stride) {
     long double norm = 0, head, squares;
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far the reduced least squares are from the rate that OpenBLAS reaches on a product of their size, on
- * one core.
+/* How far the reduced least squares are from the rate that OpenBLAS reaches on a product of their
+ * size, on one core.
  *
  *     bench_least_squares rows columns [repeats] */
 #include "common/program/program.h"

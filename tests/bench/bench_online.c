@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Online solver: time of a scene with the model open, where it goes, and what one more iteration would
- * change.
+/* Online solver: time of a scene with the model open, where it goes, and what one more iteration
+ * would change.
  *
  *     bench_online MODEL.h5 SCENE.yml repeats tolerance modes rows [key=value ...]
  *
- * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves once, from the trained solution nearest to the scene: for counting
- * instructions by callgrind with --toggle-collect=reduced_solve. */
+ * Tolerance as in reduced_settings; 0 modes or rows: all of the model. With repeats = 0 it solves
+ * once, from the trained solution nearest to the scene: for counting instructions by callgrind with
+ * --toggle-collect=reduced_solve. */
 #include "common/program/program.h"
 #include "common/settings/scene_contact.h"
 #include "romrun/model/model_file.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Full-order solver of a point contact: M = 20, L = 10, Barus, incompressible, cold start, half domain, one
- * thread, on the grids for which the multigrid program of Venner and Lubrecht (Multilevel Methods in
- * Lubrication, Elsevier 2000) is known (257 nodes across: 46 times a product of two matrices of 2000 rows
- * to be converged, 4.7 times it to the truncation error).
+/* Full-order solver of a point contact: M = 20, L = 10, Barus, incompressible, cold start, half
+ * domain, one thread, on the grids for which the multigrid program of Venner and Lubrecht
+ * (Multilevel Methods in Lubrication, Elsevier 2000) is known (257 nodes across: 46 times a product
+ * of two matrices of 2000 rows to be converged, 4.7 times it to the truncation error).
  *
  *     bench_point [repeats [largest number of cells]] */
 #include "common/program/program.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Selects 160 of 3001 rows with two random orthonormal bases of 160 modes, each method, on one core. With the name of
- * a method this one alone, once: for callgrind. */
+/* Selects 160 of 3001 rows with two random orthonormal bases of 160 modes, each method, on one
+ * core. With the name of a method this one alone, once: for callgrind. */
 #include "common/program/program.h"
 #include "deimselect/selection.h"
 #include "tests/bench/measure.h"

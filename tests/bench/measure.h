@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the benchmarks share: medians and extremes of repeated measurements, and an end where something fails. */
+/* What the benchmarks share: medians and extremes of repeated measurements, and an end where
+ * something fails. */
 #ifndef EHD_MEASURE_H
 #define EHD_MEASURE_H
 

@@ -49,7 +49,8 @@ static void mix_states(reduced_model *model, double by) {
     }
 }
 
-/* D of the first rows, from the whole model: what the weights are without the factors of their choice. */
+/* D of the first rows, from the whole model: what the weights are without the factors of their
+ * choice. */
 static void take_D_away(reduced_model *model, const char *path) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};
     artefact *file = NULL;

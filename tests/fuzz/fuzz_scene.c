@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* libFuzzer target: whatever the bytes, the scene reader answers, and a scene that it accepts survives
- * the way through its own text.
+/* libFuzzer target: whatever the bytes, the scene reader answers, and a scene that it accepts
+ * survives the way through its own text.
  *
  *     clang -g -O1 -fsanitize=fuzzer,address,undefined -std=c17 -D_GNU_SOURCE -I. \
  *         tests/fuzz/fuzz_scene.c common/settings/[!pv]*.c common/settings/place.c \

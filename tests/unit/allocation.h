@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Failing allocations on purpose. All unit tests are linked so that malloc, calloc and realloc called
- * in our own code (not inside of foreign libraries) pass through here.
+/* Failing allocations on purpose. All unit tests are linked so that malloc, calloc and realloc
+ * called in our own code (not inside of foreign libraries) pass through here.
  *
  *     size_t call = 0;
  *     do {

@@ -13,8 +13,8 @@
 #include <cmocka.h>
 #include <stdbool.h>
 
-/* True when |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an infinity
- * is only close to itself. */
+/* True when |actual - expected| <= absolute + relative * |expected|. Any NaN is false, and an
+ * infinity is only close to itself. */
 bool is_close(double actual, double expected, double relative, double absolute);
 
 /* Fail the running test, with values and limit in the message, unless is_close. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The full model in time on the grid of the paper's transient load: M = 120, L = 10, Barus, incompressible. */
+/* The full model in time on the grid of the paper's transient load: M = 120, L = 10, Barus,
+ * incompressible. */
 #include "tests/unit/marched.h"
 
 #include <math.h>

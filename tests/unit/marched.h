@@ -24,15 +24,16 @@ typedef struct marched {
     size_t stop_at; // entry whose store fails; 0: none
 } marched;
 
-/* A transient scene with a Barus lubricant on -4 … 2; `transient` is what stands below that key, and where
- * an approach is among it the closure is by approach. */
+/* A transient scene with a Barus lubricant on -4 … 2; `transient` is what stands below that key,
+ * and where an approach is among it the closure is by approach. */
 scene marched_scene(double moes_M, double moes_L, const char *density, double step,
                     const char *transient);
 
 /* A point contact with M = 20, L = 5, compressible, on half a grid of 37 by 33 nodes. */
 scene marched_point(const char *transient);
 
-/* To the start, which is the first entry. Tests fail where something goes wrong, unless said otherwise. */
+/* To the start, which is the first entry. Tests fail where something goes wrong, unless said
+ * otherwise. */
 void marched_begin(marched *self, const scene *of); // end with marched_end
 /* Goes on; whether it came to the end is in self->outcome. Stopping at `stop_at` is no failure. */
 void marched_on(marched *self);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A contact with what it takes to solve it with the full model, and what a solution is checked by. */
+/* A contact with what it takes to solve it with the full model, and what a solution is checked
+ * by. */
 #ifndef EHD_PROBLEM_H
 #define EHD_PROBLEM_H
 

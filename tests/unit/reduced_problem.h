@@ -25,17 +25,19 @@ void reduced_problem_init(
     const reduced_settings *settings);
 void reduced_problem_free(reduced_problem *self);
 
-/* Solves from the state that it has; the test fails where it does not converge or is not to be trusted. */
+/* Solves from the state that it has; the test fails where it does not converge or is not to be
+ * trusted. */
 void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact);
 
-/* Every inner node is a pressure mode of its own and, independent, every node a deformation mode: the reduced model is
- * the full one. */
+/* Every inner node is a pressure mode of its own and, independent, every node a deformation mode:
+ * the reduced model is the full one. */
 reduced_basis identity_basis(
     // input:
     const snapshot_set *set, deformation_kind kind,
     const double *weight); // [num_nodes]
 
-/* The basis of a half grid on the whole one, where both rows of a pair together count as the one of the half. */
+/* The basis of a half grid on the whole one, where both rows of a pair together count as the one of
+ * the half. */
 reduced_basis mirrored_basis(const reduced_basis *half);
 
 /* Builds a model of some rows, or of all, and writes it, as deimselect would. */

@@ -9,16 +9,16 @@
 enum { NUM_SAMPLE_LUBRICANTS = 5 };
 extern const char *const sample_lubricants[NUM_SAMPLE_LUBRICANTS]; // of every viscosity law
 
-/* Defaults with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa), or wlf by the name of
- * its preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
+/* Defaults with a lubricant: "barus" (20 1/GPa), "roelands" (0.04 Pa s, 20 1/GPa), or wlf by the
+ * name of its preset, "no1" … "no3". The density law is "incompressible" or "dowson-higginson". */
 scene sample_scene(const char *lubricant, const char *density, double moes_M, double moes_L);
 
 /* The contact of that scene on -4 … 2 with the given step; abort() if it is refused. */
 ehd_contact sample_contact(const char *lubricant, const char *density, double moes_M, double moes_L,
                            double step);
 
-/* The point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5, Y in -3 … 3, whose
- * ends are boundary nodes, with so many cells along and across; of an even number. */
+/* The point contact of that scene on the domain of Venner and Lubrecht, X in -4.5 … 1.5, Y in -3 …
+ * 3, whose ends are boundary nodes, with so many cells along and across; of an even number. */
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 

@@ -620,8 +620,8 @@ static void damage_is_named(void **state) {
     check_refused(artefact_check(path, &error), EHD_DATA, "pressure: found damaged");
 }
 
-/* Runs probe(i) for i = first, first + step, … below end in children, so that a crash is a finding and
- * not the end. Each returns 0 when all is well. */
+/* Runs probe(i) for i = first, first + step, … below end in children, so that a crash is a finding
+ * and not the end. Each returns 0 when all is well. */
 static void probe_all(const char *what, int (*probe)(size_t), size_t first, size_t end,
                       size_t step) {
     const size_t batch = 500;
@@ -736,7 +736,8 @@ static ehd_status attempt(bool streaming, ehd_error *text) {
 
 static bool limited_streaming;
 
-/* With files limited to `size` bytes: either EHD_IO and no file, or a whole file; and a silent exit. */
+/* With files limited to `size` bytes: either EHD_IO and no file, or a whole file; and a silent
+ * exit. */
 static int write_with_limit(size_t size) {
     fflush(NULL);
     pid_t child = fork();

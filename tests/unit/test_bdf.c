@@ -60,8 +60,8 @@ static void predictor_is_exact_to_its_degree(void **state) {
         }
 }
 
-/* With exact previous states the solution of dy/dT = given is off by the local error, which formula and
- * prediction give exactly for the first power that the formula gets wrong. */
+/* With exact previous states the solution of dy/dT = given is off by the local error, which formula
+ * and prediction give exactly for the first power that the formula gets wrong. */
 static void error_is_that_of_the_next_power(void **state) {
     (void)state;
     for (size_t s = 0; s < NUM_STEPS; s++)

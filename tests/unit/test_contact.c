@@ -113,8 +113,9 @@ static void grid_nodes(void **state) {
     check_close(grid_x(&contact.grid, 1201), 2, 1e-14, 0);
 }
 
-/* Three lines of a half, y = 0 first, and the boundary line: one that ends amid, one with none in between and a value
- * that is no pressure behind, one with none; on the whole grid the other half is mirrored. */
+/* Three lines of a half, y = 0 first, and the boundary line: one that ends amid, one with none in
+ * between and a value that is no pressure behind, one with none; on the whole grid the other half
+ * is mirrored. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
     const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true);

@@ -170,7 +170,8 @@ static void hertz_pressure_deflects_a_line_as_hertz(void **state) {
     assert_true(fine / finest > 2.2 && fine / finest < 3);
 }
 
-/* Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns the largest deviation. */
+/* Delta = 1 - r^2/2 inside, ((2 - r^2) asin(1/r) + sqrt(r^2 - 1))/pi outside. Returns the largest
+ * deviation. */
 static double point_deviation(size_t cells, bool half) {
     const ehd_contact contact = point_contact(cells, half);
     double *values = hertz_deflection(&contact), worst = 0;

@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A contact of 121 nodes whose load swings by 10 %; steps are a power of two, so that times are exact. */
+/* A contact of 121 nodes whose load swings by 10 %; steps are a power of two, so that times are
+ * exact. */
 static const char scene_of_training[] =
     "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\ngrid: {step: 0.05}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"

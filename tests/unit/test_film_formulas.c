@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Film formulas: their numbers from a physical scene, what they do not depend on, their asymptotes, and the
- * theory behind Grubin's. */
+/* Film formulas: their numbers from a physical scene, what they do not depend on, their asymptotes,
+ * and the theory behind Grubin's. */
 #include "common/physics/film_formulas.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -162,8 +162,8 @@ static double moes_units(double moes_M, double moes_L) {
 }
 
 static void moes_goes_to_its_asymptotes(void **unused) {
-    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity, and where the film ends, at
-    // x = 0.4754 sqrt(2 R h0), it is as thick as where the pressure is flat
+    // rigid isoviscous: Martin's h0/R = 4.896 U/W with the mean velocity, and where the film ends,
+    // at x = 0.4754 sqrt(2 R h0), it is as thick as where the pressure is flat
     const double martin = 4.896 / 2 * (1 + 0.4754 * 0.4754);
     (void)unused;
 
@@ -185,7 +185,8 @@ static void isoviscous_contact(void **unused) {
 
 // ---- theory
 
-/* int (H - H0)/H^3 dX over the inlet of a dry contact, X = -cosh s from -1 outwards, by the midpoint rule. */
+/* int (H - H0)/H^3 dX over the inlet of a dry contact, X = -cosh s from -1 outwards, by the
+ * midpoint rule. */
 static double inlet_integral(double film) {
     const double step = 2e-4;
     double sum = 0;
@@ -197,8 +198,8 @@ static double inlet_integral(double film) {
     return sum;
 }
 
-/* The film with which the reduced pressure of a Barus lubricant reaches 1/alpha at the contact's edge:
- * lambda int (H - H0)/H^3 dX = 1/(alpha p_H) (Ertel). */
+/* The film with which the reduced pressure of a Barus lubricant reaches 1/alpha at the contact's
+ * edge: lambda int (H - H0)/H^3 dX = 1/(alpha p_H) (Ertel). */
 static double ertel_film(const ehd_contact *contact) {
     const double wanted = 1 / (contact->alpha_p_H * contact->lambda);
     double least = 1e-6, most = 10;

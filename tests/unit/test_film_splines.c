@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry over. */
+/* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry
+ * over. */
 #include "fullrun/previous.h"
 #include "romrun/online/fields.h"
 #include "romrun/online/film_splines.h"
@@ -19,7 +20,8 @@ static ehd_error error;
 #define check_ok(call)                                                                             \
     if (call) fail_msg("%s", error.text)
 
-/* The same state as the full model holds it: pressure by the modes up to the exit, film by definition. */
+/* The same state as the full model holds it: pressure by the modes up to the exit, film by
+ * definition. */
 static void fill_full(previous_state *full, previous_carrier *carrier, const previous_film *reduced,
                       const reduced_basis *basis, const ehd_contact *reference) {
     const ehd_grid *grid = &basis->grid;
@@ -116,8 +118,8 @@ static void films_equal_those_of_the_full_model(void **unused) {
     }
 }
 
-/* Places before the grid, which a frame reaches that got wider: the deflection of the pressure there too, on
- * and beyond the part that is kept of it. */
+/* Places before the grid, which a frame reaches that got wider: the deflection of the pressure
+ * there too, on and beyond the part that is kept of it. */
 static void films_go_on_before_the_grid(void **unused) {
     (void)unused;
     reduced_basis basis;
@@ -266,7 +268,8 @@ static double plane_at(const plane *self, double x, double y) {
     return value;
 }
 
-/* Pressure of the state at the grid's nodes of the plane: by the modes, cut at the exit line or not. */
+/* Pressure of the state at the grid's nodes of the plane: by the modes, cut at the exit line or
+ * not. */
 static void fill_pressure(plane *self, const point_film *of, bool cut) {
     const ehd_grid *grid = &of->basis->grid;
     size_t num = of->basis->num_pressure, width = grid_width(grid), middle = self->lines / 2;
@@ -319,8 +322,8 @@ static bool is_before_exit(const point_film *self, double x, double y) {
     return x < grid_x(grid, 0) + grid->step * ((1 - part) * exit + part * next) - 1e-9;
 }
 
-/* Compares with direct tensor splines at nodes of a frame that is `now`, away from where the model's splines end: with
- * the farthest exits there is pressure up to there. */
+/* Compares with direct tensor splines at nodes of a frame that is `now`, away from where the
+ * model's splines end: with the farthest exits there is pressure up to there. */
 static void compare_point(const point_film *self, const contact_frame *now, double tolerance) {
     const ehd_grid *grid = &self->basis->grid;
     double stretch = frame_stretch(now, &self->film.frame);
@@ -414,7 +417,8 @@ static void films_of_the_half_are_those_of_the_whole(void **unused) {
     point_film_free(&whole);
 }
 
-/* Modes of an independent basis that are straight are themselves everywhere, before the grid and at its sides too. */
+/* Modes of an independent basis that are straight are themselves everywhere, before the grid and at
+ * its sides too. */
 static void straight_modes_go_on_straight(void **unused) {
     (void)unused;
     for (int i = 0; i < 2; i++) { // the half, and the whole, where they may lean across

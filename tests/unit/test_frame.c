@@ -80,8 +80,8 @@ static void frame_at_rest_is_finite(void **state) {
     assert_true(isfinite(contact.moes_L) && contact.lambda > 0);
 }
 
-/* Film at a place of the reference frame from formulas that know no frame: half widths and Hertz pressures
- * are those of the reference, `length` is that of the kernel's logarithm. */
+/* Film at a place of the reference frame from formulas that know no frame: half widths and Hertz
+ * pressures are those of the reference, `length` is that of the kernel's logarithm. */
 static double film_by_hand(double x, const double *place, const double *pressure, size_t count,
                            double step, const double *factor, double approach) {
     double film = approach + x * x / (2 * factor[2]);
@@ -91,8 +91,8 @@ static double film_by_hand(double x, const double *place, const double *pressure
     return film;
 }
 
-/* Film, pressure, places, approach and load of a state are the same from within its frame and from the
- * reference: scales, and the constant of the kernel. */
+/* Film, pressure, places, approach and load of a state are the same from within its frame and from
+ * the reference: scales, and the constant of the kernel. */
 static void scalars_of_a_frame_are_physical(void **state) {
     (void)state;
     enum { COUNT = 81 };
@@ -131,8 +131,8 @@ static void scalars_of_a_frame_are_physical(void **state) {
     }
 }
 
-/* The dry contact: H0 = -(1/4 + ln 2 / 2) in every frame, so that only the scale and the shift by the
- * logarithm of the half width make the approach. */
+/* The dry contact: H0 = -(1/4 + ln 2 / 2) in every frame, so that only the scale and the shift by
+ * the logarithm of the half width make the approach. */
 static void approach_of_dry_contacts(void **state) {
     (void)state;
     ehd_contact reference = physical_contact(&contact_line, (double[]){1, 1, 1, 1});

@@ -263,7 +263,8 @@ static void solution_satisfies_the_problem(void **state) {
     }
 }
 
-/* The converged digits of Venner and Lubrecht's multigrid program, in Moes units (bench_point.c). */
+/* The converged digits of Venner and Lubrecht's multigrid program, in Moes units
+ * (bench_point.c). */
 static void digits_of_the_multigrid_program(void **state) {
     (void)state;
     const ehd_contact contact = sample_point("barus", "incompressible", 20, 10, 64, true);

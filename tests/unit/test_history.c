@@ -22,7 +22,8 @@ static void write_file(const char *name, const char *text) {
 
 // ---- scenes
 
-/* A transient scene to T = 2 with what stands below `transient`; with `approach` in it, of that closure. */
+/* A transient scene to T = 2 with what stands below `transient`; with `approach` in it, of that
+ * closure. */
 static scene scene_of(const char *histories) {
     char text[1024];
     scene of;
@@ -236,8 +237,8 @@ static void a_reversal_is_refused_but_not_rest(void **state) {
     histories_free(self);
 }
 
-/* All knots are positive. The spline has the bend 1.14 at the inner ones, and so is 0.05 - 1.14/8 midway
- * between them. */
+/* All knots are positive. The spline has the bend 1.14 at the inner ones, and so is 0.05 - 1.14/8
+ * midway between them. */
 static void splines_are_checked_between_their_knots(void **state) {
     (void)state;
     write_file("dip.csv", "T,F\n-1,1\n0,0.05\n1,0.05\n2,1\n");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Viscosity and density of the laws. How laws are found by name and read from scenes is in test_laws.c. */
+/* Viscosity and density of the laws. How laws are found by name and read from scenes is in
+ * test_laws.c. */
 #include "common/physics/lubricant.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
@@ -100,7 +101,8 @@ static void wlf_coefficients_and_limits(void **state) {
     }
 }
 
-/* Below its limit a law rises with a finite slope; beyond, it is the value at the limit that counts. */
+/* Below its limit a law rises with a finite slope; beyond, it is the value at the limit that
+ * counts. */
 static void viscosity_rises_to_its_limit(void **state) {
     (void)state;
     for (int l = 2; l < NUM_SAMPLE_LUBRICANTS; l++) {

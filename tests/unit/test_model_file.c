@@ -68,7 +68,8 @@ static void write_basis(const reduced_basis *basis) {
     check_ok(basis_write(basis, &origin, &self, "energy: 1\n", NULL, &error));
 }
 
-/* `weights`: name of the weighting, NULL for a file that does not say what the weights follow from. */
+/* `weights`: name of the weighting, NULL for a file that does not say what the weights follow
+ * from. */
 static void write_weighted(const reduced_model *model, const reduced_basis *basis,
                            const char *weights) {
     double sigmas[TRAINED_STATES];
@@ -326,8 +327,8 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     }
 }
 
-/* The same training with fewer modes gives the same first modes; only where the exit band begins may
- * differ, which shows in the last digits. */
+/* The same training with fewer modes gives the same first modes; only where the exit band begins
+ * may differ, which shows in the last digits. */
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {

@@ -30,7 +30,8 @@ static void corners_of_a_grid_are_its_four(void **state) {
         assert_true(contains(corners, 4, (size_t[]){0, 4, 20, 24}[i]));
 }
 
-/* Points on a circle are all corners; where some distance outside is allowed, as many as it takes. */
+/* Points on a circle are all corners; where some distance outside is allowed, as many as it
+ * takes. */
 static void corners_of_a_circle_follow_the_tolerance(void **state) {
     enum { COUNT = 360 };
     double places[COUNT][2];
@@ -63,8 +64,8 @@ static void corners_of_few_points(void **state) {
 
 // ---- worst
 
-/* Twelve candidates on a line from 0 to 11, of which the first and the last are taken; the second coordinate
- * is the same for all. */
+/* Twelve candidates on a line from 0 to 11, of which the first and the last are taken; the second
+ * coordinate is the same for all. */
 enum { NUM_LINE = 12 };
 static tree_point line_points[NUM_LINE];
 static bool line_taken[NUM_LINE];
@@ -95,7 +96,8 @@ static void the_worst_come_first_and_apart(void **state) {
     const candidates from = make_line(indicated, 0);
     (void)state;
 
-    // 4 is 4 away from what is taken: then 9, which is 2 away from that, then 2, which is 2 from 0 and 4
+    // 4 is 4 away from what is taken: then 9, which is 2 away from that, then 2, which is 2 from 0
+    // and 4
     check_choice(&from, 3, (size_t[]){4, 9, 2}, 3);
 }
 

@@ -12,8 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An previous state whose film and pressure are smooth functions of X, without elasticity: film without gap
- * and pressure vanish with two derivatives at the grid's ends, as a natural spline wants it. */
+/* An previous state whose film and pressure are smooth functions of X, without elasticity: film
+ * without gap and pressure vanish with two derivatives at the grid's ends, as a natural spline
+ * wants it. */
 typedef struct carried {
     ehd_contact reference;
     previous_carrier carrier;
@@ -97,7 +98,8 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j) {
     return largest;
 }
 
-/* A pure change of frame moves no lubricant: the error is that of cubic splines, of fourth order. */
+/* A pure change of frame moves no lubricant: the error is that of cubic splines, of fourth
+ * order. */
 static void change_of_frame_keeps_the_physical_film(void **state) {
     (void)state;
     static const char *const densities[] = {"incompressible", "dowson-higginson"};
@@ -300,7 +302,8 @@ static void add_previous(double *sum, carried *self, const bdf_formula *formula,
     }
 }
 
-/* Away from the ends, where splines are natural and the first row's entrainment is of first order. */
+/* Away from the ends, where splines are natural and the first row's entrainment is of first
+ * order. */
 static bool is_inside(double x) {
     return x > -2.5 && x < 1;
 }
@@ -364,8 +367,8 @@ static void scale_steps(double *scaled, const double *lengths, double factor) {
         scaled[i] = factor * lengths[i];
 }
 
-/* The rate of change at fixed physical places while load, speed, radius and modulus change: of second
- * order in the step, variable or not, and of first order from one previous state. */
+/* The rate of change at fixed physical places while load, speed, radius and modulus change: of
+ * second order in the step, variable or not, and of first order from one previous state. */
 static void rate_is_of_second_order(void **state) {
     (void)state;
     static const double lengths[][3] = {{0.1, 0.1, 0.1}, {0.1, 0.05, 0.1}, {0.05, 0.1, 0.2}};

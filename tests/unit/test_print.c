@@ -33,8 +33,8 @@ static int tear_down(void **state) {
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
-/* A result of so many times, of a point contact or (one line) of a line contact. Pressures are 100 times the time's
- * index, 10 times the line's and once the node's. */
+/* A result of so many times, of a point contact or (one line) of a line contact. Pressures are 100
+ * times the time's index, 10 times the line's and once the node's. */
 static void write_result(size_t num_times, size_t num_lines) {
     const double times[] = {0, 0.1}, lines[] = {0, 0.5}, nodes[] = {-1, 0, 1. / 3};
     const double scalar[] = {0.1, NAN};
@@ -178,8 +178,8 @@ static void tells_what_there_is(void **state) {
     free(text);
 }
 
-/* Leaves file.h5.partial as a run does that stops early: complete is 0, and what is on the axis may be ahead of
- * it by an entry, or short of it by one. */
+/* Leaves file.h5.partial as a run does that stops early: complete is 0, and what is on the axis may
+ * be ahead of it by an entry, or short of it by one. */
 static void leave_unfinished(size_t num_times) {
     const double nodes[] = {-1, 0, 1}, times[] = {0, 0.5, 1}, loads[] = {1, 2};
     const int64_t counts[] = {5, 6};
@@ -254,7 +254,8 @@ static void damaged_data_are_no_silent_end(void **state) {
     free(text);
 }
 
-/* Whatever byte of a finished or unfinished file is another one: no crash, and no other outcome than these. */
+/* Whatever byte of a finished or unfinished file is another one: no crash, and no other outcome
+ * than these. */
 static void any_byte_may_be_wrong(void **state) {
     const char *const names[] = {"time", "load", "status", "history", "moes_M", "contact"};
     const size_t length = strlen(path);

@@ -82,7 +82,8 @@ static void marching_free(marching *self) {
     reduced_model_free(&self->model);
 }
 
-/* An accepted step; contacts that change are none of training, which is not what is looked at here. */
+/* An accepted step; contacts that change are none of training, which is not what is looked at
+ * here. */
 static void step_to(marching *self, double load, double time) {
     const contact_frame frame = frame_under(load, time);
 
@@ -181,7 +182,8 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     free(previous);
 }
 
-/* Nor do several steps differ by more than the splines do at the ends of the grid, which is wider here. */
+/* Nor do several steps differ by more than the splines do at the ends of the grid, which is wider
+ * here. */
 static void full_rank_marches_as_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();
@@ -234,8 +236,8 @@ static void check_march_alike(const reduced_basis *first, const reduced_basis *s
     marching_free(&other);
 }
 
-/* In a frame that gets wider and narrower, which looks beside the grid. Both are as far apart as modes of stationary
- * contacts are from contacts in time. */
+/* In a frame that gets wider and narrower, which looks beside the grid. Both are as far apart as
+ * modes of stationary contacts are from contacts in time. */
 static void an_independent_basis_marches_as_the_coupled_one(void **state) {
     (void)state;
     reduced_basis own_films;

@@ -68,8 +68,9 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     free(pressure);
 }
 
-/* On a grid as coarse as this two neighbouring exit lines may both be consistent: signs of pressure and multiplier
- * are right on both, and the films differ by 5e-6 or less. Of these states the full solver took the other one. */
+/* On a grid as coarse as this two neighbouring exit lines may both be consistent: signs of pressure
+ * and multiplier are right on both, and the films differ by 5e-6 or less. Of these states the full
+ * solver took the other one. */
 static bool has_two_exits(size_t s) {
     return s == 1 || s == 2 || s == 4 || s == 9;
 }
@@ -268,8 +269,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     }
 }
 
-/* An exit line apart from the solution's by a column or two on each line is found back: the full-rank model has
- * pressure behind it whose sign tells. */
+/* An exit line apart from the solution's by a column or two on each line is found back: the
+ * full-rank model has pressure behind it whose sign tells. */
 static void exit_lines_are_found(void **state) {
     (void)state;
     const size_t s = 6;
@@ -292,7 +293,8 @@ static void exit_lines_are_found(void **state) {
     reduced_basis_free(&basis);
 }
 
-/* Looked for on every other line the exit lies in the middle in between, and the film hardly differs. */
+/* Looked for on every other line the exit lies in the middle in between, and the film hardly
+ * differs. */
 static void exits_between_lines_are_interpolated(void **state) {
     (void)state;
     const size_t s = 6;
@@ -350,8 +352,9 @@ static void a_start_beside_a_row_of_neighbours_is_near_it(void **state) {
     reduced_problem_free(&reduced);
 }
 
-/* Beside the boundary lines, of which the band has nothing: with the only checkpoint's table followed by numbers that
- * would spoil all that they enter, exits there move to where they belong. */
+/* Beside the boundary lines, of which the band has nothing: with the only checkpoint's table
+ * followed by numbers that would spoil all that they enter, exits there move to where they
+ * belong. */
 static void exits_beside_the_boundary_need_nothing_behind_the_band(void **state) {
     (void)state;
     for (int g = 0; g < 2; g++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Estimates of what domain and step do to a solution, against solutions on wider and finer grids. */
+/* Estimates of what domain and step do to a solution, against solutions on wider and finer
+ * grids. */
 #include "fullrun/resolution.h"
 
 #include "tests/unit/allocation.h"
@@ -144,7 +145,8 @@ static void estimate_without_memory(void **state) {
     full_state_free(&solution);
 }
 
-/* Coarser grids of a point contact may reach farther to the sides than the grid does; of half of it they do as of all. */
+/* Coarser grids of a point contact may reach farther to the sides than the grid does; of half of it
+ * they do as of all. */
 static void half_and_whole_say_the_same(void **state) {
     (void)state;
     for (size_t cells = 48; cells <= 54; cells += 2) {

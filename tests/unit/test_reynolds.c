@@ -54,7 +54,8 @@ static void difference(double *derivative, small_problem *small, double *value) 
         derivative[r] = (up[r].residual - down[r].residual) / (2 * h);
 }
 
-/* The analytic derivative with respect to the value at `node`; zero where it is not in the stencil. */
+/* The analytic derivative with respect to the value at `node`; zero where it is not in the
+ * stencil. */
 static double by_node(const double *by, const reynolds_stencil *stencil, size_t node) {
     for (int a = 0; a < NUM_STENCIL; a++)
         if (stencil->node[a] == node) return by[a];

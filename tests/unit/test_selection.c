@@ -294,7 +294,8 @@ static void all_nodes_can_be_selected(void **state) {
     free(jacobian_modes);
 }
 
-/* Two bases that never act on the same node: a row taken for one is a row of zeros for the other. */
+/* Two bases that never act on the same node: a row taken for one is a row of zeros for the
+ * other. */
 static void survives_singular_systems(void **state) {
     (void)state;
     enum { NUM_NODES = 40, HALF = NUM_NODES / 2, NUM_ROWS = 16 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The acceptance test of the full model: Table 4 of Maier, Hager, Hetzler and Seemann (2015), column
- * "Full", every printed digit, from cold starts. */
+/* The acceptance test of the full model: Table 4 of Maier, Hager, Hetzler and Seemann (2015),
+ * column "Full", every printed digit, from cold starts. */
 #include "fullrun/full_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"

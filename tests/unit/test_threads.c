@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Repeatability of the library, whose caller says how many threads OpenBLAS has (the programs keep it at
- * one): the same bits again with one thread, and with two the same to a tolerance. */
+/* Repeatability of the library, whose caller says how many threads OpenBLAS has (the programs keep
+ * it at one): the same bits again with one thread, and with two the same to a tolerance. */
 #include "fullrun/full_solver.h"
 #include "podbuild/pod.h"
 #include "romrun/online/least_squares.h"
@@ -26,7 +26,8 @@ static double noise(unsigned long long *seed) {
     return (double)(*seed >> 11) * 0x1p-53 - 0.5;
 }
 
-// ---- what is repeated: each fills `result` with `count` numbers and leaves the tolerance to its caller
+// ---- what is repeated: each fills `result` with `count` numbers and leaves the tolerance to its
+// caller
 
 typedef struct repeated {
     const char *name;

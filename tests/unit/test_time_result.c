@@ -60,9 +60,9 @@ static int tear_down(void **state) {
 
 // ---- killing between writes
 
-/* HDF5 writes through these functions too. With a limit, the process is killed in the write that comes
- * after so many others, of which only the part on its first page gets into the file, as when the kernel
- * ends a write between two pages. */
+/* HDF5 writes through these functions too. With a limit, the process is killed in the write that
+ * comes after so many others, of which only the part on its first page gets into the file, as when
+ * the kernel ends a write between two pages. */
 static long writes_left = -1; // negative: no limit
 
 int ftruncate(int descriptor, off_t size) {
@@ -412,8 +412,8 @@ static void memory_failures(void **state) {
 
 // ---- following
 
-/* What a follower does: asks the axis for its length, and then finds as much of every field. Returns
- * that length. */
+/* What a follower does: asks the axis for its length, and then finds as much of every field.
+ * Returns that length. */
 static size_t follow(hid_t file) {
     static const char *const names[] = {"central_film_thickness", "status", "time_step",
                                         "pressure"};
@@ -504,8 +504,8 @@ static void followed_while_it_grows(void **state) {
 
 // ---- killing and resuming
 
-/* Entries from `first` on, a checkpoint after each second one, and once again, so that both slots may
- * have the same number of entries. */
+/* Entries from `first` on, a checkpoint after each second one, and once again, so that both slots
+ * may have the same number of entries. */
 static void run(artefact *file, size_t first, size_t num_times) {
     for (size_t i = first; i < num_times; i++) {
         check_ok(append(file, i, true));
@@ -533,8 +533,8 @@ static bool killed_run(size_t first, size_t num_times, long kill_at) {
     return false;
 }
 
-/* Wherever the run is killed, all up to a checkpoint is there, at most one checkpoint is lost, and the
- * rest can be added. Returns the number of kills. */
+/* Wherever the run is killed, all up to a checkpoint is there, at most one checkpoint is lost, and
+ * the rest can be added. Returns the number of kills. */
 static size_t kill_and_resume(size_t first, size_t num_times, long stride) {
     size_t num_entries = 0, least = first, kills = 0;
     artefact *file = NULL;

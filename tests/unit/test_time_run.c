@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs in time that end early, are resumed, and then report what an uninterrupted one does; with a solver
- * whose films are known. */
+/* Runs in time that end early, are resumed, and then report what an uninterrupted one does; with a
+ * solver whose films are known. */
 #include "common/output/time_run.h"
 
 #include "common/output/time_result.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What training on trajectories leaves behind: compressed snapshots that stand for all steps, and a few
- * states kept as they are. */
+/* What training on trajectories leaves behind: compressed snapshots that stand for all steps, and a
+ * few states kept as they are. */
 #include "fullrun/full_march.h"
 #include "podbuild/compress.h"
 #include "podbuild/pod.h"
@@ -225,8 +225,8 @@ static ehd_contact reference_contact(void) {
     return contact;
 }
 
-/* A march of given loads and exits in equal steps to T = 1. Frames are scaled by loads that are near only, as
- * where the approach is given. */
+/* A march of given loads and exits in equal steps to T = 1. Frames are scaled by loads that are
+ * near only, as where the approach is given. */
 static void consider_all(kept_states *kept, const ehd_contact *reference, size_t count,
                          const double *load, const size_t *exit) {
     for (size_t k = 0; k < count; k++) {

@@ -75,8 +75,8 @@ static double length(const tree_point *left, const tree_point *right) {
     return hypot(left->place[0] - right->place[0], (left->place[1] - right->place[1]) / 40);
 }
 
-/* A spanning tree is minimal when no edge can be exchanged: over each pair of points the way through
- * the tree has no longer edge than the direct one. */
+/* A spanning tree is minimal when no edge can be exchanged: over each pair of points the way
+ * through the tree has no longer edge than the direct one. */
 static double longest_edge(const tree_point *points, const size_t *parent, size_t from, size_t to) {
     double longest = 0;
     bool above[NUM_LARGE] = {false};

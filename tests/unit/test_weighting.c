@@ -13,8 +13,8 @@
 
 enum { NUM_MODES = 3, NUM_PAIRS = 12, NUM_NODES = 2 * NUM_PAIRS };
 
-/* Orthonormal cosines over NUM_PAIRS nodes, each node doubled, at some rows, [num_rows, NUM_MODES]: rows k
- * and k + NUM_PAIRS are equal. */
+/* Orthonormal cosines over NUM_PAIRS nodes, each node doubled, at some rows, [num_rows, NUM_MODES]:
+ * rows k and k + NUM_PAIRS are equal. */
 static void sample_cosines(double *sampled, const size_t *rows, size_t num_rows) {
     for (size_t r = 0; r < num_rows; r++)
         for (size_t j = 0; j < NUM_MODES; j++) {

@@ -7,7 +7,8 @@
 #include "tests/unit/check.h"
 #include <stdbool.h>
 
-/* Full solutions over M in {8, 11, 15, 20} times L in {2, 4, 6} with a compressible Barus lubricant. */
+/* Full solutions over M in {8, 11, 15, 20} times L in {2, 4, 6} with a compressible Barus
+ * lubricant. */
 enum { TRAINED_STATES = 12 };
 
 typedef struct trained {
@@ -16,11 +17,12 @@ typedef struct trained {
     double *film; // [TRAINED_STATES, num_nodes]
 } trained;
 
-/* Solves the points on -4 … 2 with the given step to a residual of 1e-13; the test fails when one does
- * not converge. */
+/* Solves the points on -4 … 2 with the given step to a residual of 1e-13; the test fails when one
+ * does not converge. */
 void trained_init(trained *self, double step); // free with trained_free
 
-/* The same points of a point contact on -2.5 … 1.5 and -2 … 2 in steps of 0.125, or on the half y >= 0. */
+/* The same points of a point contact on -2.5 … 1.5 and -2 … 2 in steps of 0.125, or on the half y
+ * >= 0. */
 void trained_init_point(trained *self, bool half);
 void trained_free(trained *self);
 

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A lubricated line contact as the force element of somebody else's integrator: a mass rests on it and is
- * shaken near its resonance.
+/* A lubricated line contact as the force element of somebody else's integrator: a mass rests on it
+ * and is shaken near its resonance.
  *
  *     oscillator SCENE.yml MODEL.h5 REDUCED.csv [--full FULL.csv]
  *
- * The integrator says where the mass is (the approach H0 of the contact) and gets the force back. It solves
- * each of its own steps by trials, all of which the contact takes from its last accepted state. With --full
- * the same is done with the full model, and the largest deviations are printed. */
+ * The integrator says where the mass is (the approach H0 of the contact) and gets the force back.
+ * It solves each of its own steps by trials, all of which the contact takes from its last accepted
+ * state. With --full the same is done with the full model, and the largest deviations are
+ * printed. */
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "fullrun/full_march.h"
@@ -19,14 +20,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Everything is dimensionless: time T = u t / a, position H0 = h R / a^2 (upwards), force w / w_ref. A mass
- * of m kg per metre then counts as m u^2 / (R w_ref): 0.0138 stands for 24 kg/m with the numbers of
- * scene.yml, a roller of steel of 31 mm radius. Seen from approach_length, the contact gives way by 1.49 a
- * unit of force, so the mass on it would swing with a period of 2 pi sqrt(0.0138 * 1.49) = 0.90. */
+/* Everything is dimensionless: time T = u t / a, position H0 = h R / a^2 (upwards), force w /
+ * w_ref. A mass of m kg per metre then counts as m u^2 / (R w_ref): 0.0138 stands for 24 kg/m with
+ * the numbers of scene.yml, a roller of steel of 31 mm radius. Seen from approach_length, the
+ * contact gives way by 1.49 a unit of force, so the mass on it would swing with a period of 2 pi
+ * sqrt(0.0138 * 1.49) = 0.90. */
 static const double MASS = 0.0138;
 
-/* Shaken by 0.8 % at a period near its own, the force swings by 7.5 % and beats: inside of the 12 % and of the
- * periods of 1/2 to 2 that were trained. */
+/* Shaken by 0.8 % at a period near its own, the force swings by 7.5 % and beats: inside of the 12 %
+ * and of the periods of 1/2 to 2 that were trained. */
 static const double EXCITATION = 0.008;
 static const double EXCITATION_PERIOD = 1;
 
@@ -153,8 +155,8 @@ static double acceleration(double force, double time) {
     return (force - 1 - EXCITATION * sin(2 * M_PI * time / EXCITATION_PERIOD)) / MASS;
 }
 
-/* One step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (x''_0 + x''_1): secants for the position whose
- * force leads there. */
+/* One step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (x''_0 + x''_1): secants for the
+ * position whose force leads there. */
 static ehd_status oscillator_advance(oscillator *self, reply *now, size_t *num_trials,
                                      const force_element *contact, ehd_error *error) {
     double time = self->time + STEP, position, defect = 0, slope = 1;

@@ -3,14 +3,15 @@
  *
  *     level_i BASIS.h5 PLAN.yml
  *
- * Solves the points of the plan inside of the trained range with the full model and with the reduced one, weighted as
- * the basis says (D), by nothing, by the norm of each row as it is (D = 1 / |row| in every iteration), and by the
- * inverse of the banded Jacobian B of the Reynolds rows: least squares on B^-1 f. B keeps the kernel within some nodes,
- * shifted to vanish behind them as in the full solver's preconditioner, and is made once a scene, at its start, which
- * trained solutions make up; or once for all scenes, at the start of the one in the middle of the plan.
+ * Solves the points of the plan inside of the trained range with the full model and with the
+ * reduced one, weighted as the basis says (D), by nothing, by the norm of each row as it is (D = 1
+ * / |row| in every iteration), and by the inverse of the banded Jacobian B of the Reynolds rows:
+ * least squares on B^-1 f. B keeps the kernel within some nodes, shifted to vanish behind them as
+ * in the full solver's preconditioner, and is made once a scene, at its start, which trained
+ * solutions make up; or once for all scenes, at the start of the one in the middle of the plan.
  *
- * It stops here: a component of B^-1 f takes all rows of f, B^-1 being full, so that with selected rows it cannot be
- * had from them. */
+ * It stops here: a component of B^-1 f takes all rows of f, B^-1 being full, so that with selected
+ * rows it cannot be had from them. */
 #include "common/physics/deflection.h"
 #include "common/training/training_set.h"
 #include "fullrun/continuation.h"
@@ -102,7 +103,8 @@ static void expand(band *self, const reduced_state *state) {
         self->film[k] += state->coordinates[self->model->num_unknowns - 1] + grid_gap(grid, k);
 }
 
-/* Reynolds rows at the state: pressure's own coefficients and, by the film, the near field of the kernel. */
+/* Reynolds rows at the state: pressure's own coefficients and, by the film, the near field of the
+ * kernel. */
 static void band_fill(band *self, const reduced_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &self->basis->grid;
     const size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, reach = self->reach;
@@ -204,7 +206,8 @@ static double *solve_full(const training_set *set) {
     return film;
 }
 
-/* What is done to the Reynolds rows of a least-squares problem, weighted by D, and to their right side. */
+/* What is done to the Reynolds rows of a least-squares problem, weighted by D, and to their right
+ * side. */
 typedef void row_change(void *context, double *matrix, double *right, size_t num_rows);
 
 /* One way to weight: name, and what is done to the rows. */
