@@ -8,22 +8,12 @@
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum {
-    KEY_BASIS = 0x200,
-    KEY_ROWS,
-    KEY_ROWS_FROM,
-    KEY_STABILITY,
-    KEY_METHOD,
-    KEY_WEIGHTS,
-    KEY_CONTROL
-};
 
 typedef struct select_options {
     const char *basis;
@@ -31,82 +21,44 @@ typedef struct select_options {
     row_settings rows;     // method and weights NULL where not given
 } select_options;
 
-static const struct argp_option own_options[] = {
-    {.name = "basis", .key = KEY_BASIS, .arg = "BASIS.h5", .doc = "The basis of the residuals"},
-    {.name = "rows",
-     .key = KEY_ROWS,
-     .arg = "N",
-     .doc = "Number of rows; default 2 a mode, or what the snapshots tell apart"},
-    {.name = "rows-from",
-     .key = KEY_ROWS_FROM,
-     .arg = "FILE",
-     .doc =
-         "Rows that somebody else selected, in place of a method: column `row` of a CSV file, or "
-         "dataset `rows` of an HDF5 file, counted as selected_row in schemas/model.md; with "
-         "`weight` or `weights` also their factors"},
-    {.name = "stability",
-     .key = KEY_STABILITY,
-     .arg = "S",
-     .doc = "As few rows as leave 1/sigma_min at most S at every exit of training, where all rows "
-            "have 1; "
-            "in place of --rows"},
-    {.name = "method",
-     .key = KEY_METHOD,
-     .arg = "NAME",
-     .doc = "joint (default), qr, sopt, exits; see below"},
-    {.name = "weights",
-     .key = KEY_WEIGHTS,
-     .arg = "NAME",
-     .doc = "quadrature (default), plain; see below"},
-    {.name = "control",
-     .key = KEY_CONTROL,
-     .arg = "N",
-     .doc = "Number of control rows, which take no part in the solution and indicate its "
-            "deviation; default a tenth of the rows, at least 8; 0: none"},
-    {0}};
+static ehd_status read_method(void *member, const char *argument, ehd_error *error) {
+    const selection_method **method = member;
 
-static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    select_options *options = state->input;
-    ehd_error error;
-    ehd_status status = EHD_OK;
-
-    switch (key) {
-    case KEY_BASIS:
-        options->basis = argument;
-        break;
-    case KEY_ROWS:
-        status = parse_count(&options->rows.num_rows, argument, 1, 10000000, "--rows", EHD_USAGE,
-                             &error);
-        break;
-    case KEY_ROWS_FROM:
-        options->rows_from = argument;
-        break;
-    case KEY_STABILITY:
-        status = parse_real(&options->rows.stability, argument, 1, 1e12, "--stability", EHD_USAGE,
-                            &error);
-        break;
-    case KEY_CONTROL:
-        status = parse_count(&options->rows.num_control, argument, 0, 10000000, "--control",
-                             EHD_USAGE, &error);
-        break;
-    case KEY_METHOD:
-        options->rows.method = selection_find(argument);
-        if (!options->rows.method)
-            status = ehd_fail(&error, EHD_USAGE, "--method: found %.40s, expected one of --help",
-                              argument);
-        break;
-    case KEY_WEIGHTS:
-        options->rows.weights = weighting_find(argument);
-        if (!options->rows.weights)
-            status = ehd_fail(&error, EHD_USAGE, "--weights: found %.40s, expected one of --help",
-                              argument);
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    if (status) argp_error(state, "%s", error.text);
-    return status ? EINVAL : 0;
+    *method = selection_find(argument);
+    if (*method) return EHD_OK;
+    return ehd_fail(error, EHD_USAGE, "--method: found %.40s, expected one of --help", argument);
 }
+
+static ehd_status read_weights(void *member, const char *argument, ehd_error *error) {
+    const weighting **weights = member;
+
+    *weights = weighting_find(argument);
+    if (*weights) return EHD_OK;
+    return ehd_fail(error, EHD_USAGE, "--weights: found %.40s, expected one of --help", argument);
+}
+
+// clang-format off
+#define TEXT(member)            AS_TEXT, offsetof(select_options, member), 0, 0, NULL
+#define COUNT(member, min, max) AS_COUNT, offsetof(select_options, member), min, max, NULL
+#define REAL(member, min, max)  AS_REAL, offsetof(select_options, member), min, max, NULL
+#define READ(member, function)  AS_READ, offsetof(select_options, member), 0, 0, function
+
+// columns: name, letter, argument, help, how it is read
+static const program_option own_options[] = {
+    {"basis", 0, "BASIS.h5", "The basis of the residuals", TEXT(basis)},
+    {"rows", 0, "N", "Number of rows; default 2 a mode, or what the snapshots tell apart",
+     COUNT(rows.num_rows, 1, 10000000)},
+    {"rows-from", 0, "FILE", "Rows that somebody else selected, in place of a method: column `row` of a CSV "
+     "file, or dataset `rows` of an HDF5 file, counted as selected_row in schemas/model.md; with "
+     "`weight` or `weights` also their factors", TEXT(rows_from)},
+    {"stability", 0, "S", "As few rows as leave 1/sigma_min at most S at every exit of training, where all "
+     "rows have 1; in place of --rows", REAL(rows.stability, 1, 1e12)},
+    {"method", 0, "NAME", "joint (default), qr, sopt, exits; see below", READ(rows.method, read_method)},
+    {"weights", 0, "NAME", "quadrature (default), plain; see below", READ(rows.weights, read_weights)},
+    {"control", 0, "N", "Number of control rows, which take no part in the solution and indicate its "
+     "deviation; default a tenth of the rows, at least 8; 0: none", COUNT(rows.num_control, 0, 10000000)},
+    {0}};
+// clang-format on
 
 static void print_methods(void) {
     puts("Methods of row selection:");
@@ -269,7 +221,6 @@ int main(int argc, char **argv) {
     select_options own = {.rows = {.num_control = CONTROL_BY_ITSELF}};
     const program_options options = {
         .options = own_options,
-        .parse = parse_own,
         .own = &own,
         .arguments_doc = "RESIDUALS.h5 --basis BASIS.h5 -o MODEL.h5",
         .doc = "Selects the Reynolds rows of the online model and writes it.",

@@ -18,7 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { KEY_START = 0x200, KEY_TOLERANCE, KEY_FORMULAS, KEY_REPEAT, KEY_RESUME };
 enum { WORK_PARTS = 1000 };
 
 typedef struct fullrun_options {
@@ -29,57 +28,26 @@ typedef struct fullrun_options {
     bool resume;
 } fullrun_options;
 
-static const struct argp_option own_options[] = {
-    {.name = "start",
-     .key = KEY_START,
-     .arg = "RESULT.h5",
-     .doc = "Start from the fields of another result on the same grid, not cold (stationary)"},
-    {.name = "tolerance",
-     .key = KEY_TOLERANCE,
-     .arg = "X",
-     .doc = "Largest scaled residual at which Newton's iteration may end; default 1e-10"},
-    {.name = "formulas",
-     .key = KEY_FORMULAS,
-     .doc = "Print beside the solution what published film formulas say; in time, of the contact "
-            "at each time as if it were stationary"},
-    {.name = "repeat",
-     .key = KEY_REPEAT,
-     .arg = "N",
-     .doc = "Solve N times and report the median time; default 1 (stationary)"},
-    {.name = "resume",
-     .key = KEY_RESUME,
-     .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
+// clang-format off
+#define FLAG(member)            AS_FLAG, offsetof(fullrun_options, member), 0, 0, NULL
+#define TEXT(member)            AS_TEXT, offsetof(fullrun_options, member), 0, 0, NULL
+#define COUNT(member, min, max) AS_COUNT, offsetof(fullrun_options, member), min, max, NULL
+#define REAL(member, min, max)  AS_REAL, offsetof(fullrun_options, member), min, max, NULL
+
+// columns: name, letter, argument, help, how it is read
+static const program_option own_options[] = {
+    {"start", 0, "RESULT.h5", "Start from the fields of another result on the same grid, not cold (stationary)",
+     TEXT(start)},
+    {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
+     REAL(tolerance, 1e-13, 1)},
+    {"formulas", 0, NULL, "Print beside the solution what published film formulas say; in time, of the contact "
+     "at each time as if it were stationary", FLAG(formulas)},
+    {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
+     COUNT(repeats, 1, 1000000)},
+    {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
+     FLAG(resume)},
     {0}};
-
-static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    fullrun_options *options = state->input;
-    ehd_error error = {""};
-    ehd_status status = EHD_OK;
-
-    switch (key) {
-    case KEY_START:
-        options->start = argument;
-        break;
-    case KEY_TOLERANCE:
-        status =
-            parse_real(&options->tolerance, argument, 1e-13, 1, "--tolerance", EHD_USAGE, &error);
-        break;
-    case KEY_FORMULAS:
-        options->formulas = true;
-        break;
-    case KEY_REPEAT:
-        status =
-            parse_count(&options->repeats, argument, 1, 1000000, "--repeat", EHD_USAGE, &error);
-        break;
-    case KEY_RESUME:
-        options->resume = true;
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    if (status) argp_error(state, "%s", error.text);
-    return status ? EINVAL : 0;
-}
+// clang-format on
 
 static void print_settings(void) {
     scene_print_help(stdout);
@@ -486,7 +454,6 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
 int main(int argc, char **argv) {
     fullrun_options own = {.tolerance = full_default_settings().tolerance, .repeats = 1};
     const program_options options = {.options = own_options,
-                                     .parse = parse_own,
                                      .own = &own,
                                      .arguments_doc = "SCENE.yml [-o RESULT.h5]",
                                      .doc = "Solves one elastohydrodynamic contact with the full "

@@ -8,20 +8,11 @@
 #include "podbuild/test_weight.h"
 #include "romrun/model/basis_file.h"
 
-#include <errno.h>
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum {
-    KEY_PRESSURE_MODES = 0x200,
-    KEY_DEFORMATION_MODES,
-    KEY_ENERGY,
-    KEY_DEFORMATION,
-    KEY_WEIGHT,
-    KEY_PLAN
-};
 
 typedef struct build_options {
     bases_settings bases;
@@ -29,79 +20,47 @@ typedef struct build_options {
     const char *plan; // NULL: none
 } build_options;
 
-static const struct argp_option own_options[] = {
-    {.name = "pressure-modes",
-     .key = KEY_PRESSURE_MODES,
-     .arg = "N",
-     .doc = "Number of pressure modes; by default as --energy asks"},
-    {.name = "deformation-modes",
-     .key = KEY_DEFORMATION_MODES,
-     .arg = "N",
-     .doc = "Number of deformation modes (independent only); by default as --energy asks"},
-    {.name = "energy",
-     .key = KEY_ENERGY,
-     .arg = "TOL",
-     .doc = "Part of the squared singular values that may be left out; default 1e-13"},
-    {.name = "deformation",
-     .key = KEY_DEFORMATION,
-     .arg = "KIND",
-     .doc =
-         "coupled: deflections of the pressure modes (default); independent: modes of their own, "
-         "as published"},
-    {.name = "weight",
-     .key = KEY_WEIGHT,
-     .arg = "NAME",
-     .doc = "Weight of the Reynolds rows: mode (default), identity, row-norm; see below"},
-    {.name = "plan",
-     .key = KEY_PLAN,
-     .arg = "PLAN.yml",
-     .doc = "The plan of the training, for weights that evaluate its contacts"},
-    {0}};
+static ehd_status read_weight(void *member, const char *argument, ehd_error *error) {
+    const test_weight **weight = member;
 
-static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    build_options *options = state->input;
-    bases_settings *settings = &options->bases;
-    ehd_error error;
-    ehd_status status = EHD_OK;
-
-    switch (key) {
-    case KEY_PRESSURE_MODES:
-        status = parse_count(&settings->pressure.num_modes, argument, 1, 100000, "--pressure-modes",
-                             EHD_USAGE, &error);
-        break;
-    case KEY_DEFORMATION_MODES:
-        status = parse_count(&settings->deformation.num_modes, argument, 1, 100000,
-                             "--deformation-modes", EHD_USAGE, &error);
-        break;
-    case KEY_ENERGY:
-        status = parse_real(&settings->pressure.discarded_energy, argument, 0, 0.999, "--energy",
-                            EHD_USAGE, &error);
-        settings->deformation.discarded_energy = settings->pressure.discarded_energy;
-        break;
-    case KEY_DEFORMATION:
-        if (!strcmp(argument, deformation_names[DEFORMATION_COUPLED]))
-            settings->kind = DEFORMATION_COUPLED;
-        else if (!strcmp(argument, deformation_names[DEFORMATION_INDEPENDENT]))
-            settings->kind = DEFORMATION_INDEPENDENT;
-        else
-            status = ehd_fail(&error, EHD_USAGE,
-                              "--deformation: found %.40s, expected coupled|independent", argument);
-        break;
-    case KEY_WEIGHT:
-        options->weight = test_weight_find(argument);
-        if (!options->weight)
-            status = ehd_fail(&error, EHD_USAGE, "--weight: found %.40s, expected one of --help",
-                              argument);
-        break;
-    case KEY_PLAN:
-        options->plan = argument;
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    if (status) argp_error(state, "%s", error.text);
-    return status ? EINVAL : 0;
+    *weight = test_weight_find(argument);
+    if (*weight) return EHD_OK;
+    return ehd_fail(error, EHD_USAGE, "--weight: found %.40s, expected one of --help", argument);
 }
+
+static ehd_status read_deformation(void *member, const char *argument, ehd_error *error) {
+    deformation_kind *kind = member;
+
+    for (int i = 0; deformation_names[i]; i++)
+        if (strcmp(argument, deformation_names[i]) == 0) {
+            *kind = (deformation_kind)i;
+            return EHD_OK;
+        }
+    return ehd_fail(error, EHD_USAGE, "--deformation: found %.40s, expected coupled|independent",
+                    argument);
+}
+
+// clang-format off
+#define TEXT(member)            AS_TEXT, offsetof(build_options, member), 0, 0, NULL
+#define COUNT(member, min, max) AS_COUNT, offsetof(build_options, member), min, max, NULL
+#define REAL(member, min, max)  AS_REAL, offsetof(build_options, member), min, max, NULL
+#define READ(member, function)  AS_READ, offsetof(build_options, member), 0, 0, function
+
+// columns: name, letter, argument, help, how it is read
+static const program_option own_options[] = {
+    {"pressure-modes", 0, "N", "Number of pressure modes; by default as --energy asks",
+     COUNT(bases.pressure.num_modes, 1, 100000)},
+    {"deformation-modes", 0, "N", "Number of deformation modes (independent only); by default as --energy asks",
+     COUNT(bases.deformation.num_modes, 1, 100000)},
+    {"energy", 0, "TOL", "Part of the squared singular values that may be left out; default 1e-13",
+     REAL(bases.pressure.discarded_energy, 0, 0.999)},
+    {"deformation", 0, "KIND", "coupled: deflections of the pressure modes (default); independent: modes of "
+     "their own, as published", READ(bases.kind, read_deformation)},
+    {"weight", 0, "NAME", "Weight of the Reynolds rows: mode (default), identity, row-norm; see below",
+     READ(weight, read_weight)},
+    {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", TEXT(plan)},
+    {0}};
+// clang-format on
 
 static void print_weights(void) {
     puts("Weights of the Reynolds rows:");
@@ -198,11 +157,9 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
 }
 
 int main(int argc, char **argv) {
-    build_options own = {
-        .bases = {{.discarded_energy = 1e-13}, {.discarded_energy = 1e-13}, DEFORMATION_COUPLED},
-        .weight = test_weights};
+    build_options own = {.bases = {{.discarded_energy = 1e-13}, {0}, DEFORMATION_COUPLED},
+                         .weight = test_weights};
     const program_options options = {.options = own_options,
-                                     .parse = parse_own,
                                      .own = &own,
                                      .arguments_doc = "SNAPSHOTS.h5... -o BASIS.h5",
                                      .doc = "Builds trial and test bases of training solutions.",
@@ -216,6 +173,7 @@ int main(int argc, char **argv) {
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self);
     if (self.print) return output_print(&self);
+    own.bases.deformation.discarded_energy = own.bases.pressure.discarded_energy;
     if (own.weight->needs_contacts != (own.plan != NULL))
         return program_finish(&self,
                               ehd_fail(&error, EHD_USAGE,

@@ -15,27 +15,11 @@
 #include "romrun/model/trade_file.h"
 #include "romrun/online/ehdrom.h"
 
-#include <errno.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum {
-    KEY_MODEL = 'm',
-    KEY_JOBS = 'j',
-    KEY_PRESSURE_MODES = 0x200,
-    KEY_DEFORMATION_MODES,
-    KEY_ROWS,
-    KEY_AGAINST,
-    KEY_ALLOW_UNTRUSTED,
-    KEY_REPEAT,
-    KEY_RESUME,
-    KEY_CALIBRATE,
-    KEY_TRADE,
-    KEY_ACCURACY,
-    KEY_VERIFY
-};
 
 typedef struct romrun_options {
     const char *model;
@@ -50,112 +34,38 @@ typedef struct romrun_options {
     size_t num_jobs; // 0: by itself
 } romrun_options;
 
-static const struct argp_option own_options[] = {
-    {.name = "model", .key = KEY_MODEL, .arg = "MODEL.h5", .doc = "The reduced model"},
-    {.name = "pressure-modes",
-     .key = KEY_PRESSURE_MODES,
-     .arg = "N",
-     .doc = "Use only the first N pressure modes"},
-    {.name = "deformation-modes",
-     .key = KEY_DEFORMATION_MODES,
-     .arg = "N",
-     .doc = "Use only the first N deformation modes"},
-    {.name = "rows", .key = KEY_ROWS, .arg = "N", .doc = "Use only the first N rows"},
-    {.name = "accuracy",
-     .key = KEY_ACCURACY,
-     .arg = "X",
-     .doc = "Use as much of a calibrated model as its central film needs to deviate by at most X, "
-            "such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 where it is "
-            "indicated to deviate by more"},
-    {.name = "against",
-     .key = KEY_AGAINST,
-     .arg = "RESULT.h5",
-     .doc = "Print the deviations from another result of the scene"},
-    {.name = "verify",
-     .key = KEY_VERIFY,
-     .doc = "Print the residual of the full model at the solution, and what one Newton step of it "
-            "would change of the central film (stationary)"},
-    {.name = "allow-untrusted",
-     .key = KEY_ALLOW_UNTRUSTED,
-     .doc = "Exit with 0 although the scene lies outside of the trained range, or is indicated to "
-            "deviate by more than --accuracy"},
-    {.name = "repeat",
-     .key = KEY_REPEAT,
-     .arg = "N",
-     .doc = "Solve N times and report the median time; default 1 (stationary)"},
-    {.name = "resume",
-     .key = KEY_RESUME,
-     .doc = "Continue an interrupted run of the same scene, where there is one (transient)"},
-    {.name = "calibrate",
-     .key = KEY_CALIBRATE,
-     .arg = "PLAN.yml",
-     .doc = "Measure deviations and time of many sizes of the model on the scenes of a plan, none "
-            "of them "
-            "trained on, and write the model with the table to -o"},
-    {.name = "jobs",
-     .key = KEY_JOBS,
-     .arg = "N",
-     .doc =
-         "Full solutions at a time with --calibrate; as many as there are processors by default"},
-    {.name = "trade", .key = KEY_TRADE, .doc = "Print the table of a calibrated model"},
+// clang-format off
+#define FLAG(member)            AS_FLAG, offsetof(romrun_options, member), 0, 0, NULL
+#define TEXT(member)            AS_TEXT, offsetof(romrun_options, member), 0, 0, NULL
+#define COUNT(member, min, max) AS_COUNT, offsetof(romrun_options, member), min, max, NULL
+#define REAL(member, min, max)  AS_REAL, offsetof(romrun_options, member), min, max, NULL
+
+// columns: name, letter, argument, help, how it is read
+static const program_option own_options[] = {
+    {"model", 'm', "MODEL.h5", "The reduced model", TEXT(model)},
+    {"pressure-modes", 0, "N", "Use only the first N pressure modes", COUNT(sizes.pressure_modes, 1, 100000)},
+    {"deformation-modes", 0, "N", "Use only the first N deformation modes",
+     COUNT(sizes.deformation_modes, 1, 100000)},
+    {"rows", 0, "N", "Use only the first N rows", COUNT(sizes.rows, 1, 10000000)},
+    {"accuracy", 0, "X", "Use as much of a calibrated model as its central film needs to deviate by at most X, "
+     "such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 where it is "
+     "indicated to deviate by more", REAL(accuracy, 1e-15, 1)},
+    {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", TEXT(against)},
+    {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
+     "would change of the central film (stationary)", FLAG(verify)},
+    {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
+     "indicated to deviate by more than --accuracy", FLAG(allow_untrusted)},
+    {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
+     COUNT(repeats, 1, 1000000)},
+    {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
+     FLAG(resume)},
+    {"calibrate", 0, "PLAN.yml", "Measure deviations and time of many sizes of the model on the scenes of a "
+     "plan, none of them trained on, and write the model with the table to -o", TEXT(calibrate)},
+    {"jobs", 'j', "N", "Full solutions at a time with --calibrate; as many as there are processors by default",
+     COUNT(num_jobs, 1, 4096)},
+    {"trade", 0, NULL, "Print the table of a calibrated model", FLAG(trade)},
     {0}};
-
-static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    romrun_options *options = state->input;
-    ehd_error error;
-    ehd_status status = EHD_OK;
-
-    switch (key) {
-    case KEY_MODEL:
-        options->model = argument;
-        break;
-    case KEY_PRESSURE_MODES:
-        status = parse_count(&options->sizes.pressure_modes, argument, 1, 100000,
-                             "--pressure-modes", EHD_USAGE, &error);
-        break;
-    case KEY_DEFORMATION_MODES:
-        status = parse_count(&options->sizes.deformation_modes, argument, 1, 100000,
-                             "--deformation-modes", EHD_USAGE, &error);
-        break;
-    case KEY_ROWS:
-        status =
-            parse_count(&options->sizes.rows, argument, 1, 10000000, "--rows", EHD_USAGE, &error);
-        break;
-    case KEY_ACCURACY:
-        status =
-            parse_real(&options->accuracy, argument, 1e-15, 1, "--accuracy", EHD_USAGE, &error);
-        break;
-    case KEY_AGAINST:
-        options->against = argument;
-        break;
-    case KEY_ALLOW_UNTRUSTED:
-        options->allow_untrusted = true;
-        break;
-    case KEY_VERIFY:
-        options->verify = true;
-        break;
-    case KEY_RESUME:
-        options->resume = true;
-        break;
-    case KEY_REPEAT:
-        status =
-            parse_count(&options->repeats, argument, 1, 1000000, "--repeat", EHD_USAGE, &error);
-        break;
-    case KEY_CALIBRATE:
-        options->calibrate = argument;
-        break;
-    case KEY_JOBS:
-        status = parse_count(&options->num_jobs, argument, 1, 4096, "--jobs", EHD_USAGE, &error);
-        break;
-    case KEY_TRADE:
-        options->trade = true;
-        break;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-    if (status) argp_error(state, "%s", error.text);
-    return status ? EINVAL : 0;
-}
+// clang-format on
 
 static void print_settings(void) {
     scene_print_help(stdout);
@@ -569,7 +479,6 @@ int main(int argc, char **argv) {
     romrun_options own = {.repeats = 1};
     const program_options options = {
         .options = own_options,
-        .parse = parse_own,
         .own = &own,
         // as many lines as help2man takes: argp breaks those of more than 79 columns
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"

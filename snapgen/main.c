@@ -11,98 +11,25 @@
 #include "snapgen/snapshots.h"
 #include "snapgen/trajectory.h"
 
+#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum {
-    KEY_JOBS = 'j',
-    KEY_SHARD = 0x200,
-    KEY_RESUME,
-    KEY_ALLOW_FAILURES,
-    KEY_BASIS,
-    KEY_COLD,
-    KEY_ADAPTIVE,
-    KEY_ACCURACY,
-    KEY_START,
-    KEY_BATCH,
-    KEY_MAX_POINTS,
-    KEY_ENERGY
-};
 
 typedef struct snapgen_options {
     size_t num_jobs;
     shard piece;
     bool resume;
     size_t allowed_failures;
-    bool failures_limited; // allowed_failures was given
     bool cold;
     const char *basis; // NULL: full model
     bool adaptive;
-    const char *of_adaptive; // the last option that needs --adaptive; NULL: none
     adaptive_settings how;
 } snapgen_options;
 
-static const struct argp_option own_options[] = {
-    {.name = "jobs",
-     .key = KEY_JOBS,
-     .arg = "N",
-     .doc = "Points at a time; as many as there are processors by default. Changes no result"},
-    {.name = "shard",
-     .key = KEY_SHARD,
-     .arg = "k/N",
-     .doc = "Only the k-th of N pieces of the plan, each with an output of its own"},
-    {.name = "resume",
-     .key = KEY_RESUME,
-     .doc = "Continue an interrupted run of the same plan, where there is one; trajectories start "
-            "anew"},
-    {.name = "allow-failures",
-     .key = KEY_ALLOW_FAILURES,
-     .arg = "N",
-     .doc = "Points that may fail before the exit code is 3, but never all; default 0, and with "
-            "--basis any number"},
-    {.name = "cold",
-     .key = KEY_COLD,
-     .doc = "Start every stationary point cold, not from its neighbour: slower, and what `fullrun` "
-            "does with each"},
-    {.name = "basis",
-     .key = KEY_BASIS,
-     .arg = "BASIS.h5",
-     .doc = "Repeat the plan with the projected system and write the snapshots of its residuals, "
-            "for deimselect; points that do not converge count as long as they have iterations"},
-    {.name = "adaptive",
-     .key = KEY_ADAPTIVE,
-     .doc = "Train on as many points of the plan as are needed, where they are needed, until a "
-            "reduced model is accurate at all others; with --basis: only on the points that the "
-            "basis was made of"},
-    {.name = "accuracy",
-     .key = KEY_ACCURACY,
-     .arg = "X",
-     .doc = "Adaptive: wanted relative deviation of the central film; default 1e-3"},
-    {.name = "start",
-     .key = KEY_START,
-     .arg = "N",
-     .doc = "Adaptive: points of the first round, corners of the region and more between them; "
-            "default 20"},
-    {.name = "batch",
-     .key = KEY_BATCH,
-     .arg = "N",
-     .doc = "Adaptive: points of each further round; default a fifth of those before"},
-    {.name = "max-points",
-     .key = KEY_MAX_POINTS,
-     .arg = "N",
-     .doc = "Adaptive: points in all; default those of the plan"},
-    {.name = "most", .flags = OPTION_ALIAS | OPTION_HIDDEN}, // its name before
-    {.name = "energy",
-     .key = KEY_ENERGY,
-     .arg = "TOL",
-     .doc = "Adaptive: as podbuild --energy, of the models on the way; default 1e-18"},
-    {0}};
-
-// ---- the command line
-
-static ehd_status parse_shard(shard *piece, const char *text, ehd_error *error) {
+static ehd_status read_shard(void *member, const char *text, ehd_error *error) {
+    shard *piece = member;
     const char *slash = strchr(text, '/');
     char number[SHOWN_TEXT];
 
@@ -118,78 +45,44 @@ static ehd_status parse_shard(shard *piece, const char *text, ehd_error *error) 
     return parse_count(&piece->number, number, 1, piece->total, "--shard", EHD_USAGE, error);
 }
 
-/* Options of adaptive training; false: it is none of them. */
-static bool parse_adaptive(ehd_status *status, snapgen_options *options, int key,
-                           const char *argument, ehd_error *error) {
-    adaptive_settings *how = &options->how;
-    const struct {
-        int key;
-        const char *name;
-        size_t *count;
-        size_t min;
-    } counts[] = {{KEY_START, "--start", &how->start, 3},
-                  {KEY_BATCH, "--batch", &how->batch, 1},
-                  {KEY_MAX_POINTS, "--max-points", &how->max_points, 3}};
-    const struct {
-        int key;
-        const char *name;
-        double *value;
-        double min, max;
-    } reals[] = {{KEY_ACCURACY, "--accuracy", &how->accuracy, 1e-12, 1},
-                 {KEY_ENERGY, "--energy", &how->discarded_energy, 0, 0.999}};
+// clang-format off
+#define FLAG(member)            AS_FLAG, offsetof(snapgen_options, member), 0, 0, NULL
+#define TEXT(member)            AS_TEXT, offsetof(snapgen_options, member), 0, 0, NULL
+#define COUNT(member, min, max) AS_COUNT, offsetof(snapgen_options, member), min, max, NULL
+#define REAL(member, min, max)  AS_REAL, offsetof(snapgen_options, member), min, max, NULL
+#define READ(member, function)  AS_READ, offsetof(snapgen_options, member), 0, 0, function
 
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-        if (counts[i].key != key) continue;
-        options->of_adaptive = counts[i].name;
-        *status = parse_count(counts[i].count, argument, counts[i].min, 1000000, counts[i].name,
-                              EHD_USAGE, error);
-        return true;
-    }
-    for (size_t i = 0; i < sizeof reals / sizeof *reals; i++) {
-        if (reals[i].key != key) continue;
-        options->of_adaptive = reals[i].name;
-        *status = parse_real(reals[i].value, argument, reals[i].min, reals[i].max, reals[i].name,
-                             EHD_USAGE, error);
-        return true;
-    }
-    return false;
-}
-
-static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    snapgen_options *options = state->input;
-    ehd_error error;
-    ehd_status status = EHD_OK;
-
-    switch (key) {
-    case KEY_JOBS:
-        status = parse_count(&options->num_jobs, argument, 1, 4096, "--jobs", EHD_USAGE, &error);
-        break;
-    case KEY_SHARD:
-        status = parse_shard(&options->piece, argument, &error);
-        break;
-    case KEY_RESUME:
-        options->resume = true;
-        break;
-    case KEY_ALLOW_FAILURES:
-        status = parse_count(&options->allowed_failures, argument, 0, SIZE_MAX, "--allow-failures",
-                             EHD_USAGE, &error);
-        options->failures_limited = true;
-        break;
-    case KEY_COLD:
-        options->cold = true;
-        break;
-    case KEY_BASIS:
-        options->basis = argument;
-        break;
-    case KEY_ADAPTIVE:
-        options->adaptive = true;
-        break;
-    default:
-        if (!parse_adaptive(&status, options, key, argument, &error)) return ARGP_ERR_UNKNOWN;
-    }
-    if (status) argp_error(state, "%s", error.text);
-    return status ? EINVAL : 0;
-}
+// columns: name, letter, argument, help, how it is read
+static const program_option own_options[] = {
+    {"jobs", 'j', "N", "Points at a time; as many as there are processors by default. Changes no result",
+     COUNT(num_jobs, 1, 4096)},
+    {"shard", 0, "k/N", "Only the k-th of N pieces of the plan, each with an output of its own",
+     READ(piece, read_shard)},
+    {"resume", 0, NULL, "Continue an interrupted run of the same plan, where there is one; trajectories start "
+     "anew", FLAG(resume)},
+    {"allow-failures", 0, "N", "Points that may fail before the exit code is 3, but never all; default 0, and "
+     "with --basis any number", COUNT(allowed_failures, 0, 1e15)},
+    {"cold", 0, NULL, "Start every stationary point cold, not from its neighbour: slower, and what `fullrun` "
+     "does with each", FLAG(cold)},
+    {"basis", 0, "BASIS.h5", "Repeat the plan with the projected system and write the snapshots of its "
+     "residuals, for deimselect; points that do not converge count as long as they have iterations",
+     TEXT(basis)},
+    {"adaptive", 0, NULL, "Train on as many points of the plan as are needed, where they are needed, until a "
+     "reduced model is accurate at all others; with --basis: only on the points that the basis was made of",
+     FLAG(adaptive)},
+    {"accuracy", 0, "X", "Adaptive: wanted relative deviation of the central film; default 1e-3",
+     REAL(how.accuracy, 1e-12, 1)},
+    {"start", 0, "N", "Adaptive: points of the first round, corners of the region and more between them; "
+     "default 20", COUNT(how.start, 3, 1000000)},
+    {"batch", 0, "N", "Adaptive: points of each further round; default a fifth of those before",
+     COUNT(how.batch, 1, 1000000)},
+    {"max-points", 0, "N", "Adaptive: points in all; default those of the plan",
+     COUNT(how.max_points, 3, 1000000)},
+    {"most", .type = AS_ALIAS}, // the name of max-points before
+    {"energy", 0, "TOL", "Adaptive: as podbuild --energy, of the models on the way; default 1e-18",
+     REAL(how.discarded_energy, 0, 0.999)},
+    {0}};
+// clang-format on
 
 static void print_settings(void) {
     puts("A plan is a list of groups, each a scene and what varies in it (schemas/plan.md).");
@@ -314,8 +207,18 @@ static ehd_status train_adaptively(const program *self, const snapgen_options *o
     return status;
 }
 
+/* An option that needs --adaptive and was given, or NULL. */
+static const char *option_of_adaptive(const program *self) {
+    static const char *const names[] = {"accuracy", "start", "batch", "max-points", "energy"};
+
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (program_was_given(self, names[i])) return names[i];
+    return NULL;
+}
+
 /* Second mode: the plan with the projected system. */
 static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
+    const char *of_adaptive = option_of_adaptive(self);
     const double before = program_seconds();
     size_t num_failed = 0;
     training_set set = {0};
@@ -329,11 +232,11 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with --basis, expected one of them: the "
                         "projected system is done in seconds");
-    if (options->of_adaptive)
+    if (of_adaptive)
         return ehd_fail(error, EHD_USAGE,
-                        "%s: found with --basis, expected one of them: the points are chosen "
+                        "--%s: found with --basis, expected one of them: the points are chosen "
                         "before the basis is made",
-                        options->of_adaptive);
+                        of_adaptive);
     if (options->cold)
         return ehd_fail(error, EHD_USAGE,
                         "--cold: found with --basis, expected one of them: the projected system "
@@ -346,16 +249,18 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     if (!status)
         printf("%zu points with the projected system, %zu converged, %.1f s\n", num_points,
                num_points - num_failed, program_seconds() - before);
-    if (!status && options->failures_limited)
+    if (!status && program_was_given(self, "allow-failures"))
         status = check_failures(self, num_failed, num_points, options->allowed_failures, error);
     training_set_free(&set);
     return status;
 }
 
 static ehd_status run(const program *self, const snapgen_options *options, ehd_error *error) {
-    if (options->of_adaptive && !options->adaptive)
-        return ehd_fail(error, EHD_USAGE, "%s: found without --adaptive, expected both",
-                        options->of_adaptive);
+    const char *of_adaptive = option_of_adaptive(self);
+
+    if (of_adaptive && !options->adaptive)
+        return ehd_fail(error, EHD_USAGE, "--%s: found without --adaptive, expected both",
+                        of_adaptive);
     if (options->basis) return repeat(self, options, error);
     return options->adaptive ? train_adaptively(self, options, error) : train(self, options, error);
 }
@@ -364,7 +269,6 @@ int main(int argc, char **argv) {
     snapgen_options own = {
         .num_jobs = pool_default_workers(), .piece = {1, 1}, .how = adaptive_default_settings()};
     const program_options options = {.options = own_options,
-                                     .parse = parse_own,
                                      .own = &own,
                                      .arguments_doc =
                                          "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --adaptive -o "

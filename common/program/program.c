@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/program/program.h"
 
+#include <argp.h>
 #include <cblas.h>
 #include <errno.h>
 #include <fftw3.h>
@@ -170,13 +171,78 @@ static const struct argp_option common_options[] = {
     {.name = "version", .key = KEY_VERSION, .doc = "Print version and build", .group = 10},
     {0}};
 
-/* Input of the common parser. */
+/* Input of both parsers. */
 typedef struct parsing {
     program *program;
-    void *own; // the program's own options, input of its parser
+    void *own; // the program's own options
     bool help;
     bool version;
 } parsing;
+
+// ---- a program's own options
+
+enum { FIRST_KEY = 0x200 }; // of options without a letter
+
+static int key_of(const program_option *rows, size_t i) {
+    return rows[i].letter ? rows[i].letter : FIRST_KEY + (int)i;
+}
+
+static void make_own_options(struct argp_option own[MAX_OPTIONS + 1], const program_option *rows) {
+    memset(own, 0, (MAX_OPTIONS + 1) * sizeof *own);
+    for (size_t i = 0; rows && i < MAX_OPTIONS && rows[i].name; i++)
+        own[i] = (struct argp_option){
+            .name = rows[i].name,
+            .key = rows[i].type == AS_ALIAS ? 0 : key_of(rows, i),
+            .arg = rows[i].argument,
+            .doc = rows[i].help,
+            .flags = rows[i].type == AS_ALIAS ? OPTION_ALIAS | OPTION_HIDDEN : 0};
+}
+
+static ehd_status read_option(void *own, const program_option *row, const char *argument,
+                              ehd_error *error) {
+    void *member = (char *)own + row->member;
+    char object[64];
+
+    snprintf(object, sizeof object, "--%s", row->name);
+    switch (row->type) {
+    case AS_FLAG:
+        *(bool *)member = true;
+        return EHD_OK;
+    case AS_TEXT:
+        *(const char **)member = argument;
+        return EHD_OK;
+    case AS_COUNT:
+        return parse_count(member, argument, (size_t)row->min, (size_t)row->max, object, EHD_USAGE,
+                           error);
+    case AS_REAL:
+        return parse_real(member, argument, row->min, row->max, object, EHD_USAGE, error);
+    default:
+        return row->read(member, argument, error);
+    }
+}
+
+static error_t parse_own(int key, char *argument, struct argp_state *state) {
+    const parsing *input = state->input;
+    const program_option *rows = input->program->options;
+    ehd_error error = {""};
+    size_t i = 0;
+
+    while (rows && rows[i].name && key_of(rows, i) != key)
+        i++;
+    if (!rows || !rows[i].name) return ARGP_ERR_UNKNOWN;
+    input->program->given |= 1u << i;
+    if (!read_option(input->own, &rows[i], argument, &error)) return 0;
+    argp_error(state, "%s", error.text);
+    return EINVAL;
+}
+
+bool program_was_given(const program *self, const char *option) {
+    for (size_t i = 0; self->options && self->options[i].name; i++)
+        if (strcmp(self->options[i].name, option) == 0) return self->given >> i & 1;
+    return false;
+}
+
+// ---- the common options
 
 static error_t add_override(program *self, char *text, const struct argp_state *state) {
     if (!strchr(text, '=') || *text == '=') {
@@ -204,7 +270,7 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
     program *self = input->program;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = input->own;
+        state->child_inputs[0] = input;
         return 0;
     case ARGP_KEY_ARG:
         self->arguments[self->num_arguments++] = argument;
@@ -299,7 +365,8 @@ static void print_version(const program *self) {
 
 static ehd_status parse_arguments(program *self, const program_options *options, bool *done,
                                   ehd_error *error) {
-    const struct argp own = {.options = options->options, .parser = options->parse};
+    struct argp_option own_options[MAX_OPTIONS + 1];
+    const struct argp own = {.options = own_options, .parser = parse_own};
     const struct argp_child children[] = {{.argp = &own}, {0}};
     const struct argp argp = {.options = common_options,
                               .parser = parse_common,
@@ -311,6 +378,8 @@ static ehd_status parse_arguments(program *self, const program_options *options,
     char **arguments = calloc(room, sizeof *arguments); // argp reorders what it is given
     ehd_status status;
 
+    self->options = options->options;
+    make_own_options(own_options, options->options);
     self->overrides = calloc(room, sizeof *self->overrides);
     self->arguments = calloc(room, sizeof *self->arguments);
     if (!arguments || !self->overrides || !self->arguments) {

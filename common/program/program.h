@@ -6,9 +6,33 @@
 
 #include "common/program/status.h"
 #include "common/program/text.h"
-#include <argp.h>
 #include <stdbool.h>
 #include <stddef.h>
+
+/* What an option's argument becomes. */
+typedef enum option_type {
+    AS_FLAG,  // bool, without argument
+    AS_TEXT,  // const char *, as given
+    AS_COUNT, // size_t, from min to max
+    AS_REAL,  // double, from min to max
+    AS_READ,  // by `read`
+    AS_ALIAS  // another name of the option before, not in the help
+} option_type;
+
+/* An option of a program's own: a row of a table that parsing and --help follow from. */
+typedef struct program_option {
+    const char *name;     // "rows"
+    int letter;           // 'j' for -j; 0: none
+    const char *argument; // "N" in the help; NULL: none
+    const char *help;
+    option_type type;
+    size_t member; // offset in the program's own options
+    double min, max;
+    /* EHD_USAGE where the member cannot be read from the argument. */
+    ehd_status (*read)(void *member, const char *argument, ehd_error *error);
+} program_option;
+
+enum { MAX_OPTIONS = 24 };
 
 /* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o
  * FILE. */
@@ -26,14 +50,14 @@ typedef struct program {
     size_t num_overrides;
     const char **arguments; // positional; [num_arguments]
     size_t num_arguments;
+    const program_option *options; // the program's own
+    unsigned given;                // a bit for each of them
 } program;
 
-/* One group of options: a program adds its own to the common ones. Its `parse` gets the same
- * (key, argument, state) as an argp parser; `state->input` is the program's own options struct. */
+/* A program: its own options beside the common ones, and its arguments. */
 typedef struct program_options {
-    const struct argp_option *options;   // ends with {0}; keys below 0x100 or from 0x200 on
-    argp_parser_t parse;                 // NULL when the program has no own options
-    void *own;                           // handed to parse as state->input
+    const program_option *options;       // ends with {0}; at most MAX_OPTIONS
+    void *own;                           // that they are members of
     const char *arguments_doc;           // "SCENE.yml -o result.h5"
     const char *doc;                     // what the program does
     void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
@@ -45,6 +69,9 @@ typedef struct program_options {
  * one line to stderr and exits with 64. Also sets the C locale and one OpenBLAS thread, and
  * catches SIGINT and SIGTERM. The result is freed with program_finish. */
 void program_start(program *program, int argc, char **argv, const program_options *options);
+
+/* Whether an own option was on the command line, by its name. */
+bool program_was_given(const program *program, const char *option);
 
 /* Prints error->text after "name: " when status is not EHD_OK and text is not empty; frees; flushes
  * stdout and turns a failed write there into EHD_IO. Returns the exit code for main. */

@@ -22,26 +22,11 @@ typedef struct own_options {
     bool resume;
 } own_options;
 
-static const struct argp_option own_rows[] = {
-    {.name = "jobs", .key = 'j', .arg = "N", .doc = "Run N points at a time"},
-    {.name = "resume", .key = 0x200, .doc = "Continue NAME.partial"},
-    {0}};
-
-static error_t parse_own(int key, char *argument, struct argp_state *state) {
-    own_options *own = state->input;
-    ehd_error error;
-    switch (key) {
-    case 'j':
-        if (!parse_count(&own->jobs, argument, 1, 64, "--jobs", EHD_USAGE, &error)) return 0;
-        argp_error(state, "%s", error.text);
-        return EINVAL;
-    case 0x200:
-        own->resume = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
+static const program_option own_rows[] = {{"jobs", 'j', "N", "Run N points at a time", AS_COUNT,
+                                           offsetof(own_options, jobs), 1, 64, NULL},
+                                          {"resume", 0, NULL, "Continue NAME.partial", AS_FLAG,
+                                           offsetof(own_options, resume), 0, 0, NULL},
+                                          {0}};
 
 static void print_tail(void) {
     printf("Tail of the help.\n");
@@ -49,7 +34,6 @@ static void print_tail(void) {
 
 static own_options own;
 static const program_options options = {.options = own_rows,
-                                        .parse = parse_own,
                                         .own = &own,
                                         .arguments_doc = "SCENE.yml -o result.h5",
                                         .doc = "Does nothing, in good manners.",
