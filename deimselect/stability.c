@@ -2,6 +2,7 @@
 #include "deimselect/stability.h"
 
 #include "common/algebra/lapack.h"
+#include "common/program/arena.h"
 
 #include <cblas.h>
 #include <float.h>
@@ -38,6 +39,7 @@ struct row_stability {
     // scratch
     double *row, *along;     // [num_modes] of the larger basis
     double *matrix, *values; // [num_modes, num_modes], [num_modes]
+    arena memory;            // of all arrays
 };
 
 static ehd_status no_memory(ehd_error *error) {
@@ -45,22 +47,8 @@ static ehd_status no_memory(ehd_error *error) {
 }
 
 row_stability *row_stability_free(row_stability *self) {
-    if (self) {
-        for (size_t b = 0; self->blocks && b < self->num_blocks; b++) {
-            free(self->blocks[b].resolved);
-            free(self->blocks[b].gram);
-            free(self->blocks[b].direction);
-        }
-        free(self->blocks);
-        free(self->none);
-        free(self->all);
-        free(self->selected);
-        free(self->row);
-        free(self->along);
-        free(self->matrix);
-        free(self->values);
-        free(self);
-    }
+    if (self) arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -91,10 +79,10 @@ static ehd_status block_init(exit_block *block, row_stability *self, double *run
     block->modes = modes;
     block->num_modes = num_modes;
     block->num_before = num_before;
-    block->resolved = malloc(num_modes * num_modes * sizeof(double));
-    block->gram = calloc(num_modes * num_modes, sizeof(double));
-    block->direction = calloc(num_modes, sizeof(double));
-    if (!block->resolved || !block->gram || !block->direction) return no_memory(error);
+    block->resolved = arena_array(&self->memory, num_modes * num_modes, sizeof(double));
+    block->gram = arena_array(&self->memory, num_modes * num_modes, sizeof(double));
+    block->direction = arena_array(&self->memory, num_modes, sizeof(double));
+    if (self->memory.failed) return no_memory(error);
 
     move_gram(running_gram, self, modes, num_modes, from, num_before);
     memcpy(block->resolved, running_gram, num_modes * num_modes * sizeof(double));
@@ -118,31 +106,27 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
     const selection_bases leading = selection_leading(bases);
     const size_t *num_modes = leading.num_modes;
     const size_t larger = num_modes[num_modes[1] > num_modes[0]];
-    double *running_gram[2] = {calloc(num_modes[0] * num_modes[0], sizeof(double)),
-                               calloc(num_modes[1] * num_modes[1], sizeof(double))};
     row_stability *self = calloc(1, sizeof *self);
-    ehd_status status = EHD_OK;
 
     *stability = NULL;
-    if (!self || !running_gram[0] || !running_gram[1]) {
-        status = no_memory(error);
-        goto done;
-    }
+    if (!self) return no_memory(error);
+    arena *memory = &self->memory;
+    double *running_gram[2];
+    for (int i = 0; i < 2; i++)
+        running_gram[i] = arena_array(memory, num_modes[i] * num_modes[i], sizeof(double));
     self->num_nodes = bases->num_nodes;
     self->num_lines = bases->num_lines > 0 ? bases->num_lines : 1;
     self->width = self->num_nodes / self->num_lines;
-    self->none = calloc(self->num_lines, sizeof *self->none);
-    self->all = calloc(self->num_lines, sizeof *self->all);
+    self->none = arena_array(memory, self->num_lines, sizeof *self->none);
+    self->all = arena_array(memory, self->num_lines, sizeof *self->all);
     self->num_blocks = 2 * (bases->num_exits + 1);
-    self->blocks = calloc(self->num_blocks, sizeof *self->blocks);
-    self->selected = calloc(bases->num_nodes, sizeof *self->selected);
-    self->row = malloc(larger * sizeof(double));
-    self->along = malloc(larger * sizeof(double));
-    self->matrix = malloc(larger * larger * sizeof(double));
-    self->values = malloc(larger * sizeof(double));
-    if (!self->blocks || !self->none || !self->all || !self->selected || !self->row ||
-        !self->along || !self->matrix || !self->values)
-        status = no_memory(error);
+    self->blocks = arena_array(memory, self->num_blocks, sizeof *self->blocks);
+    self->selected = arena_array(memory, bases->num_nodes, sizeof *self->selected);
+    self->row = arena_array(memory, larger, sizeof(double));
+    self->along = arena_array(memory, larger, sizeof(double));
+    self->matrix = arena_array(memory, larger * larger, sizeof(double));
+    self->values = arena_array(memory, larger, sizeof(double));
+    ehd_status status = memory->failed ? no_memory(error) : EHD_OK;
     for (size_t l = 0; l < self->num_lines && !status; l++)
         self->all[l] = self->width;
     for (size_t b = 0; b < self->num_blocks && !status; b++) {
@@ -152,9 +136,6 @@ ehd_status row_stability_create(row_stability **stability, const selection_bases
         status = block_init(&self->blocks[b], self, running_gram[b % 2], from, bases->modes[b % 2],
                             num_modes[b % 2], num_before, error);
     }
-done:
-    free(running_gram[0]);
-    free(running_gram[1]);
     if (status)
         row_stability_free(self);
     else

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/full_march.h"
 
+#include "common/program/arena.h"
 #include "common/time/saved_ring.h"
 #include "fullrun/continuation.h"
 #include "fullrun/judge.h"
@@ -27,20 +28,17 @@ struct full_march {
     double *previous;           // [num_nodes] their sum with the formula's weights
     full_march_effort effort;
     char reason[JUDGE_REASON];
+    arena memory; // of the arrays of nodes
 };
 
 full_march *full_march_free(full_march *self) {
-    if (self) {
-        full_solver_free(self->solver);
-        for (size_t i = 0; i <= BDF_PREVIOUS; i++)
-            previous_free(&self->states[i]);
-        for (size_t i = 0; i < BDF_PREVIOUS; i++)
-            free(self->mass[i]);
-        previous_carrier_free(&self->carrier);
-        free(self->noisy);
-        free(self->previous);
-        free(self);
-    }
+    if (!self) return NULL;
+    full_solver_free(self->solver);
+    for (size_t i = 0; i <= BDF_PREVIOUS; i++)
+        previous_free(&self->states[i]);
+    previous_carrier_free(&self->carrier);
+    arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -65,20 +63,18 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
                              const full_settings *settings, double start_film, ehd_error *error) {
     size_t num_nodes = reference->grid.num_nodes;
     full_march *self = calloc(1, sizeof *self);
-    bool whole;
 
     *created = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    arena *memory = &self->memory;
     self->reference = *reference;
     self->start_film = isnan(start_film) ? dry_start_film(reference) : start_film;
     self->ring = bdf_ring_empty();
-    self->previous = malloc(num_nodes * sizeof(double));
-    self->noisy = calloc(num_nodes, sizeof *self->noisy);
-    whole = self->previous && self->noisy;
-    for (size_t i = 0; i < BDF_PREVIOUS; i++) {
-        self->mass[i] = malloc(num_nodes * sizeof(double));
-        whole = whole && self->mass[i];
-    }
+    self->previous = arena_array(memory, num_nodes, sizeof(double));
+    self->noisy = arena_array(memory, num_nodes, sizeof *self->noisy);
+    for (size_t i = 0; i < BDF_PREVIOUS; i++)
+        self->mass[i] = arena_array(memory, num_nodes, sizeof(double));
+    bool whole = !memory->failed;
     ehd_status status = whole ? full_solver_create(&self->solver, reference->kind, &reference->grid,
                                                    settings, error)
                               : ehd_fail(error, EHD_MEMORY, "full model: found no memory");

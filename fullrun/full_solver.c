@@ -2,6 +2,7 @@
 #include "fullrun/full_solver.h"
 
 #include "common/physics/exit.h"
+#include "common/program/arena.h"
 #include "common/program/program.h"
 #include "fullrun/gmres.h"
 
@@ -25,6 +26,7 @@ struct full_solver {
     size_t *unknown, *index;    // [num_nodes]
     unsigned char *flips;       // [num_nodes] how often a node has lost or gained pressure
     reynolds_fluid fluid;       // views of fluid_memory
+    arena memory;               // of all arrays
 };
 
 /* Near field and linear tolerance, measured on six lines of 1201 nodes: 30, 26, 22, 18, 14, 10 and
@@ -41,20 +43,11 @@ full_settings full_default_settings(void) {
 }
 
 full_solver *full_solver_free(full_solver *self) {
-    if (self) {
-        deflection_free(self->deflection);
-        gmres_workspace_free(self->workspace);
-        free(self->stencils);
-        free(self->rows);
-        free(self->row_scale);
-        free(self->step);
-        free(self->step_film);
-        free(self->fluid_memory);
-        free(self->unknown);
-        free(self->index);
-        free(self->flips);
-        free(self);
-    }
+    if (!self) return NULL;
+    deflection_free(self->deflection);
+    gmres_workspace_free(self->workspace);
+    arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -78,6 +71,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     if (!self)
         return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
 
+    arena *memory = &self->memory;
     self->grid = *grid;
     self->kind = kind;
     self->settings = *settings;
@@ -85,18 +79,16 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     if (self->settings.near_field > widest) self->settings.near_field = widest;
     self->deflection = deflection_create(kind, grid);
     self->workspace = gmres_workspace_create(grid, self->settings.near_field);
-    self->stencils = malloc(num_inner * sizeof *self->stencils);
-    self->rows = malloc(num_inner * sizeof *self->rows);
-    self->row_scale = malloc(num_inner * sizeof(double));
-    self->step = malloc(num_nodes * sizeof(double));
-    self->step_film = malloc(num_nodes * sizeof(double));
-    self->fluid_memory = malloc(4 * num_nodes * sizeof(double));
-    self->unknown = malloc(num_nodes * sizeof *self->unknown);
-    self->index = malloc(num_nodes * sizeof *self->index);
-    self->flips = malloc(num_nodes * sizeof *self->flips);
-    if (!self->deflection || !self->workspace || !self->stencils || !self->rows ||
-        !self->row_scale || !self->step || !self->step_film || !self->fluid_memory ||
-        !self->unknown || !self->index || !self->flips) {
+    self->stencils = arena_array(memory, num_inner, sizeof *self->stencils);
+    self->rows = arena_array(memory, num_inner, sizeof *self->rows);
+    self->row_scale = arena_array(memory, num_inner, sizeof(double));
+    self->step = arena_array(memory, num_nodes, sizeof(double));
+    self->step_film = arena_array(memory, num_nodes, sizeof(double));
+    self->fluid_memory = arena_array(memory, 4 * num_nodes, sizeof(double));
+    self->unknown = arena_array(memory, num_nodes, sizeof *self->unknown);
+    self->index = arena_array(memory, num_nodes, sizeof *self->index);
+    self->flips = arena_array(memory, num_nodes, sizeof *self->flips);
+    if (!self->deflection || !self->workspace || memory->failed) {
         full_solver_free(self);
         return ehd_fail(error, EHD_MEMORY, "full model: found no memory for %zu nodes", num_nodes);
     }

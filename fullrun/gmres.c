@@ -9,6 +9,8 @@
  * which keeps the band from being singular. */
 #include "fullrun/gmres.h"
 
+#include "common/program/arena.h"
+
 #include "common/program/program.h"
 
 #include <cblas.h>
@@ -38,24 +40,12 @@ struct gmres_workspace {
     size_t capacity;
     double *solve_work; // [5 size]
     int *solve_index;   // [size]
+    arena memory;       // of all arrays
 };
 
 gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
-    if (self) {
-        free(self->krylov);
-        free(self->vector);
-        free(self->spread);
-        free(self->response);
-        free(self->approach);
-        free(self->border);
-        free(self->row_start);
-        free(self->column);
-        free(self->value);
-        free(self->window);
-        free(self->solve_work);
-        free(self->solve_index);
-        free(self);
-    }
+    if (self) arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -74,26 +64,23 @@ double gmres_workspace_bytes(const ehd_grid *grid) {
 gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field) {
     gmres_workspace *self = calloc(1, sizeof *self);
     if (!self) return NULL;
+    arena *memory = &self->memory;
     size_t size = self->size = grid->num_inner + 1;
     size_t window = entries_of_row(grid, near_field);
     self->capacity = size * window;
-    self->krylov = malloc((MAX_ITERATIONS + 1) * size * sizeof(double));
-    self->vector = malloc(size * sizeof(double));
-    self->spread = calloc(grid->num_nodes, sizeof(double));
-    self->response = malloc(grid->num_nodes * sizeof(double));
-    self->approach = malloc(size * sizeof(double));
-    self->border = malloc(size * sizeof(double));
-    self->row_start = malloc((size + 1) * sizeof(int));
-    self->column = malloc(self->capacity * sizeof(int));
-    self->value = malloc(self->capacity * sizeof(double));
-    self->window = malloc(window * sizeof(double));
-    self->solve_work = malloc(5 * size * sizeof(double));
-    self->solve_index = malloc(size * sizeof(int));
-    if (!self->krylov || !self->vector || !self->spread || !self->response || !self->approach ||
-        !self->border || !self->row_start || !self->column || !self->value || !self->window ||
-        !self->solve_work || !self->solve_index)
-        return gmres_workspace_free(self);
-    return self;
+    self->krylov = arena_array(memory, (MAX_ITERATIONS + 1) * size, sizeof(double));
+    self->vector = arena_array(memory, size, sizeof(double));
+    self->spread = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->response = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->approach = arena_array(memory, size, sizeof(double));
+    self->border = arena_array(memory, size, sizeof(double));
+    self->row_start = arena_array(memory, (size + 1), sizeof(int));
+    self->column = arena_array(memory, self->capacity, sizeof(int));
+    self->value = arena_array(memory, self->capacity, sizeof(double));
+    self->window = arena_array(memory, window, sizeof(double));
+    self->solve_work = arena_array(memory, 5 * size, sizeof(double));
+    self->solve_index = arena_array(memory, size, sizeof(int));
+    return memory->failed ? gmres_workspace_free(self) : self;
 }
 
 /* y = J x on the passive unknowns, exact: rows and one FFT convolution. */

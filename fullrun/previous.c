@@ -69,20 +69,20 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     const ehd_grid *grid = &reference->grid, whole = grid_whole(grid);
     size_t width = grid_width(grid);
 
+    arena *memory = &self->memory;
     memset(self, 0, sizeof *self);
     self->reference = *reference;
     self->num_across = grid_lines(&whole);
-    self->nodes = malloc(width * sizeof(double));
-    self->values = malloc(grid->num_nodes * sizeof(double));
-    self->film = malloc(grid->num_inner * sizeof(double));
-    self->pressure = malloc(grid->num_inner * sizeof(double));
-    self->along = malloc(grid_lines(grid) * grid->inner_x * sizeof(double));
-    self->lines = malloc(self->num_across * sizeof(double));
-    self->across_values = malloc(self->num_across * sizeof(double));
+    self->nodes = arena_array(memory, width, sizeof(double));
+    self->values = arena_array(memory, grid->num_nodes, sizeof(double));
+    self->film = arena_array(memory, grid->num_inner, sizeof(double));
+    self->pressure = arena_array(memory, grid->num_inner, sizeof(double));
+    self->along = arena_array(memory, grid_lines(grid) * grid->inner_x, sizeof(double));
+    self->lines = arena_array(memory, self->num_across, sizeof(double));
+    self->across_values = arena_array(memory, self->num_across, sizeof(double));
     bool across = grid->inner_lines > 1;
     if (across) self->across = gsl_spline_alloc(gsl_interp_cspline, self->num_across);
-    if (!self->nodes || !self->values || !self->film || !self->pressure || !self->along ||
-        !self->lines || !self->across_values || (across && !self->across)) {
+    if (memory->failed || (across && !self->across)) {
         previous_carrier_free(self);
         return ehd_fail(error, EHD_MEMORY, "previous states: found no memory for %zu nodes",
                         grid->num_nodes);
@@ -94,13 +94,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
 }
 
 void previous_carrier_free(previous_carrier *self) {
-    free(self->nodes);
-    free(self->values);
-    free(self->film);
-    free(self->pressure);
-    free(self->along);
-    free(self->lines);
-    free(self->across_values);
+    arena_free(&self->memory);
     if (self->across) gsl_spline_free(self->across);
     memset(self, 0, sizeof *self);
 }

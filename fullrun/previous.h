@@ -5,6 +5,7 @@
 #ifndef EHD_PREVIOUS_H
 #define EHD_PREVIOUS_H
 
+#include "common/program/arena.h"
 #include "common/time/frame.h"
 #include "fullrun/full_solver.h"
 
@@ -28,6 +29,7 @@ typedef struct previous_carrier {
     size_t num_across;       // lines of the whole grid with its boundary
     double *lines, *across_values; // [num_across] their Y, and scratch
     gsl_spline *across;            // NULL on a line contact
+    arena memory;                  // of all arrays
 } previous_carrier;
 
 /* EHD_MEMORY. */

@@ -15,18 +15,12 @@ struct indicator {
     double *band_pressure;   // [num_band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
+    arena memory;            // of all arrays
 };
 
 indicator *indicator_free(indicator *self) {
-    if (self) {
-        free(self->pressure);
-        free(self->film);
-        free(self->fluid_memory);
-        free(self->band_pressure);
-        free(self->runs);
-        free(self->rows);
-        free(self);
-    }
+    if (self) arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -36,17 +30,15 @@ indicator *indicator_create(const reduced_model *model) {
     indicator *self = calloc(1, sizeof *self);
 
     if (!self) return NULL;
+    arena *memory = &self->memory;
     self->model = model;
-    self->pressure = malloc(num_needed * sizeof(double));
-    self->film = malloc(num_needed * sizeof(double));
-    self->fluid_memory = malloc(4 * num_needed * sizeof(double));
-    self->band_pressure = malloc(model->band.num_nodes * sizeof(double));
-    self->runs = malloc(model->band.num_lines * sizeof *self->runs);
-    self->rows = malloc((control->num_rows + 1) * sizeof *self->rows);
-    if (!self->pressure || !self->film || !self->fluid_memory || !self->band_pressure ||
-        !self->runs || !self->rows)
-        return indicator_free(self);
-    return self;
+    self->pressure = arena_array(memory, num_needed, sizeof(double));
+    self->film = arena_array(memory, num_needed, sizeof(double));
+    self->fluid_memory = arena_array(memory, 4 * num_needed, sizeof(double));
+    self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
+    self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
+    self->rows = arena_array(memory, (control->num_rows + 1), sizeof *self->rows);
+    return memory->failed ? indicator_free(self) : self;
 }
 
 /* H at a needed node without the deflection by the exit's runs. */

@@ -4,6 +4,7 @@
  * the squared condition number affects the convergence only. */
 #include "romrun/online/least_squares.h"
 
+#include "common/program/arena.h"
 #include <cblas.h>
 #include <lapacke.h>
 #include <math.h>
@@ -21,6 +22,7 @@ struct least_squares {
     double *right;        // [longest]
     double *work;         // [num_work] of LAPACK
     int num_work;
+    arena memory; // of all arrays
 };
 
 /* Of the Gram matrix, below which QR is taken. Measured on random columns: the solution's error
@@ -28,14 +30,8 @@ struct least_squares {
 static const double MIN_RCOND = 1e-13;
 
 least_squares *least_squares_free(least_squares *self) {
-    if (self) {
-        free(self->scale);
-        free(self->scaled);
-        free(self->gram);
-        free(self->right);
-        free(self->work);
-        free(self);
-    }
+    if (self) arena_free(&self->memory);
+    free(self);
     return NULL;
 }
 
@@ -43,17 +39,16 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
     least_squares *self = calloc(1, sizeof *self);
     if (!self) return NULL;
     size_t longest = max_rows > num_columns ? max_rows : num_columns;
+    arena *memory = &self->memory;
     self->longest = longest;
     self->num_columns = num_columns;
     self->num_work = (int)(64 * (longest + num_columns));
-    self->scale = malloc(num_columns * sizeof(double));
-    self->scaled = malloc(longest * num_columns * sizeof(double));
-    self->gram = malloc(num_columns * num_columns * sizeof(double));
-    self->right = malloc(longest * sizeof(double));
-    self->work = malloc((size_t)self->num_work * sizeof(double));
-    if (!self->scale || !self->scaled || !self->gram || !self->right || !self->work)
-        return least_squares_free(self);
-    return self;
+    self->scale = arena_array(memory, num_columns, sizeof(double));
+    self->scaled = arena_array(memory, longest * num_columns, sizeof(double));
+    self->gram = arena_array(memory, num_columns * num_columns, sizeof(double));
+    self->right = arena_array(memory, longest, sizeof(double));
+    self->work = arena_array(memory, (size_t)self->num_work, sizeof(double));
+    return memory->failed ? least_squares_free(self) : self;
 }
 
 /* Gram matrix of the columns scaled to unit norm, lower part; zero columns get the scale zero. */
