@@ -157,7 +157,7 @@ install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages
 	@for header in $$($(CC) -I. -MM romrun/online/ehdrom.h | tr -d '\\' | sed 's/^[^:]*://'); do \
 	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
 	done
-	@cd scenes && find lib examples -name 'out*' -prune -o -type f -print | while read -r file; do \
+	@cd scenes && find lib examples \( -name 'out*' -o -name oscillator \) -prune -o -type f -print | while read -r file; do \
 	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Prints full and reduced results of all cases beside each other, and below each the published figures where there are
 # some; writes them to a CSV file too. Films in um where a result says what unit they have.
-#     { size MODEL SIZES...; unit CASE METRES; collect.sh ...; } | awk -f common.awk -f compare.awk -v cases="NAME..." \
+#     { size MODEL SIZES...; unit CASE METRES; grid CASE INLET STEP; collect.sh ...; } | awk -f common.awk -f compare.awk -v cases="NAME..." \
 #         -v csv=RESULTS.csv - cases.csv
 # Sizes: n, modes, deformation modes, rows, needed nodes, training solutions (model.sh).
 function row(label, micrometres, film_full, film_reduced, deviation, iterations_full, iterations_reduced, full, reduced, note) {
@@ -20,10 +20,16 @@ function head() {
     print_rule(width + (in_micrometres ? 9 : 0) + 81)
 }
 
+# What inlet and step do to the full model's own central film, where it is more than 1 %.
+function effect(label, part) {
+    return part > 0.01 || part < -0.01 ? sprintf("  %s %+.0f %%", label, 100 * part) : ""
+}
+
 BEGIN { num_cases = split(cases, names, " "); width = 10 }
 
 $1 == "size" { split($0, size, " "); next }
 $1 == "unit" { unit[$2] = $3; in_micrometres = 1; next }
+$1 == "grid" { inlet[$2] = $3; step[$2] = $4; next }
 $1 == "result" {
     full = $3 == "full"
     status[$2, full] = $4
@@ -42,7 +48,7 @@ END {
     for (i = 1; i <= num_cases; i++) if (length(names[i]) > width) width = length(names[i])
     head()
     if (csv != "") print "case,status,iterations_full,iterations_reduced,milliseconds_full,milliseconds_reduced," \
-        "H_c_full,H_c_reduced,H_min_full,H_min_reduced,film_unit" > csv
+        "H_c_full,H_c_reduced,H_min_full,H_min_reduced,film_unit,inlet_effect,step_effect" > csv
     for (i = 1; i <= num_cases; i++) {
         name = names[i]
         if (!((name, 0) in film) || !((name, 1) in film)) {
@@ -52,13 +58,16 @@ END {
         }
         deviation = 1000 * abs(film[name, 0] / film[name, 1] - 1)
         note = status[name, 1] == 1 || status[name, 0] == 1 ? "  not converged" : status[name, 0] == 4 ? "  outside of training" : ""
-        if (deviation > worst) { worst = deviation; worst_name = name }
+        counts = note == "" # only what converged inside of training
+        note = note effect("inlet", inlet[name]) effect("step", step[name])
+        if (note ~ /%/) coarse = 1
+        if (counts && deviation > worst) { worst = deviation; worst_name = name }
         if (time[name, 0] > slowest) slowest = time[name, 0]
         row(name, sprintf("%9.4f", 1e6 * unit[name] * film[name, 1]), film[name, 1], film[name, 0], deviation, iterations[name, 1],
             iterations[name, 0], time[name, 1], time[name, 0], note)
-        if (csv != "") printf "%s,%d,%d,%d,%.4g,%.4g,%s,%s,%s,%s,%s\n", name, status[name, 0], iterations[name, 1],
+        if (csv != "") printf "%s,%d,%d,%d,%.4g,%.4g,%s,%s,%s,%s,%s,%s,%s\n", name, status[name, 0], iterations[name, 1],
             iterations[name, 0], time[name, 1], time[name, 0], film[name, 1], film[name, 0], smallest[name, 1], smallest[name, 0],
-            unit[name] > csv
+            unit[name], inlet[name], step[name] > csv
         if (published[name, "published_H_c_full"] == "") continue
         permille = published[name, "published_deviation_permille"]
         row("  published", "", published[name, "published_H_c_full"], published[name, "published_H_c_reduced"], permille,
@@ -69,5 +78,6 @@ END {
     print_rule(width + (in_micrometres ? 9 : 0) + 81)
     printf "worst deviation: %.3f permille (%s)%s; slowest reduced solution: %.2f ms\n", worst, worst_name,
         worst_published == "" ? "" : sprintf(", published %.3f", worst_published), slowest
+    if (coarse) print "inlet, step: what the domain's start and the grid's step do to the full model's own central film"
     exit missing
 }

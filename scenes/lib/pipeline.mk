@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv to a
 # table and pictures. A Makefile that includes this may set before:
-#   PROFILES        names of the cases (`make list`) whose pressure and film are drawn: the first one
+#   PROFILES        names of the cases (`make list`) whose pressure and film are drawn: the first three
 #   PROFILE_RANGES  commands of gnuplot for that picture (profiles.gp)
 #   MAP_CASE        of a point contact: the case that is drawn as a map
 #   REPEAT          times that a reduced solution is repeated for its median time: 21
@@ -13,6 +13,11 @@ REPEAT ?= 21
 CASES := $(shell awk -f $(SHARED)case.awk cases.csv)
 ifeq ($(CASES),)
   $(error cases.csv: found no cases, expected a line each below the header)
+endif
+
+unknown := $(filter-out $(CASES),$(PROFILES) $(MAP_CASE))
+ifneq ($(unknown),)
+  $(error PROFILES, MAP_CASE: found $(unknown), expected names of cases.csv: $(CASES))
 endif
 
 # ---- Targets for people
@@ -50,11 +55,13 @@ $(OUT)/comparison.txt: cases.csv $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/full/%.h5) 
 	@{ echo "size $(MODEL) $$($(SHARED)model.sh $(OUT)/$(MODEL).h5)"; \
 	    for case in $(CASES); do \
 	        $(BIN)/fullrun --print $(OUT)/full/$$case.h5 film_unit 2>/dev/null | sed -n "2s/^/unit $$case /p"; \
+	        $(BIN)/fullrun --print $(OUT)/full/$$case.h5 inlet_effect step_effect 2>/dev/null | \
+	            sed -n "2 { s/,/ /; s/^/grid $$case /p; }"; \
 	    done; \
 	    $(SHARED)collect.sh $(OUT) full $(MODEL) -- $(CASES); \
 	} | awk -f $(SHARED)common.awk -f $(SHARED)compare.awk -v cases='$(CASES)' -v csv=$(OUT)/results.csv - cases.csv > $@
 
-DRAWN := $(or $(PROFILES),$(firstword $(CASES)))
+DRAWN := $(or $(PROFILES),$(wordlist 1,3,$(CASES)))
 
 $(OUT)/profiles.png: $(SHARED)profiles.gp cases.csv $(DRAWN:%=$(OUT)/full/%.h5) $(DRAWN:%=$(OUT)/$(MODEL)/%.h5)
 	$(call quiet,gnuplot   ,$@)for result in $(filter %.h5,$^); do $(call profile,$$result) > $${result%.h5}.dat || exit; done; \
