@@ -104,7 +104,7 @@ static ehd_status measure_exits(row_choice *choice, const pod_basis pods[2],
     choice->sigma_min_over_exits = INFINITY;
     for (size_t s = 0; s < states->num_states && !status; s++) {
         const size_t *exit = states->exit + s * states->num_lines;
-        size_t same = 0; // an previous state with this exit
+        size_t same = 0; // an earlier state of the list with this exit
         while (same < s && memcmp(states->exit + same * states->num_lines, exit, bytes))
             same++;
         if (same < s)

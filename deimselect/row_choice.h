@@ -51,8 +51,8 @@ void row_choice_free(row_choice *choice);
 /* PODs of both snapshot sets, the method's or the given rows and their weights, and the smallest
  * singular values of the bases sampled there: over all rows, and for the exit of each training
  * state with the rows before it and as many leading modes as the basis has pressure modes (film
- * rupture takes the other rows away). EHD_DATA: fewer rows than unknowns, more rows or control rows
- * than the snapshots support, a stability that the method does not reach. */
+ * rupture takes the other rows away). EHD_DATA: fewer rows than pressure modes, more rows or
+ * control rows than the snapshots support, a stability that the method does not reach. */
 ehd_status row_choice_make(
     // output:
     row_choice *choice, // free with row_choice_free

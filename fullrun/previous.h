@@ -46,7 +46,7 @@ double previous_bytes(const ehd_contact *reference, size_t num_states);
 /* Makes the splines of a state that is set. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
-/* rho H of an previous state at the inner nodes of frame `now`. Beyond the state's grid,
+/* rho H of a previous state at the inner nodes of frame `now`. Beyond the state's grid,
  * where a contact that has grown has nodes, P is zero and gap and deflection are evaluated. */
 void previous_mass(
     // output:

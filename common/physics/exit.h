@@ -16,7 +16,7 @@ double exit_flux(const reynolds_fluid *fluid,                // arrays [num_node
                  size_t before, size_t node, double entrainment, double step);
 
 /* Multiplier Lambda of a row at a node without pressure: what is missing in the flow balance there.
- * Negative where the node asks for pressure. */
+ * Negative where the node should have pressure. */
 double exit_multiplier(const reynolds_row *row);
 
 /* By how much a node violates P >= 0 and Lambda >= 0, of which the first holds for nodes with

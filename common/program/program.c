@@ -210,7 +210,8 @@ static ehd_status read_option(void *own, const program_option *row, const char *
         return EHD_OK;
     case AS_TEXT:
         *(const char **)member = argument;
-        return EHD_OK;
+        if (*argument) return EHD_OK;
+        return ehd_fail(error, EHD_USAGE, "%s: found nothing, expected %s", object, row->argument);
     case AS_COUNT:
         return parse_count(member, argument, (size_t)row->min, (size_t)row->max, object, EHD_USAGE,
                            error);

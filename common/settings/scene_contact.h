@@ -7,7 +7,7 @@
 #include "common/settings/scene.h"
 
 /* contact_init with the settings of a valid scene. EHD_DATA as there, and where a stationary scene
- * gives the approach; the contact's numbers are then 0 as far as they are not known. */
+ * gives the approach; the contact's numbers are then 0 or NaN as far as they are not known. */
 ehd_status scene_contact(
     // output:
     ehd_contact *contact,

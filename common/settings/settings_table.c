@@ -484,7 +484,8 @@ void setting_print(FILE *stream, const setting *row, const scene *of) {
 
 enum { ALLOWED_TEXT = 160 };
 
-/* " N/m" of a line contact, " N" of a point contact, and before it is known " N/m or N"; "" for the
+/* " N/m" of a line contact, " N" of a point contact, and before it is known " N/m (of a point
+ * contact N)"; "" for the
  * unit 1. `of` may be NULL. */
 static void show_unit(char shown[SHOWN_TEXT], const setting *row, const scene *of) {
     const char *unit = row->unit, *other = strchr(unit, '|');

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/saved_ring.h"
 
+#include <math.h>
 #include <string.h>
 
 size_t ring_saved_size(const saved_states *states) {
@@ -22,7 +23,7 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
     const double count = *saved++;
 
     ring->num_previous = 0;
-    if (!(count >= 1 && count <= BDF_PREVIOUS))
+    if (!(count >= 1 && count <= BDF_PREVIOUS && count == floor(count)))
         return ehd_fail(error, EHD_DATA, "saved state: found %g previous states, expected 1 to %d",
                         count, BDF_PREVIOUS);
     for (size_t i = 0; i < (size_t)count; i++, saved += NUM_FRAME + states->size) {

@@ -17,12 +17,14 @@ typedef struct saved_states {
                           const double *source, ehd_error *error);
 } saved_states;
 
-/* Numbers of a frame. */
+/* Numbers of a frame, all of whose members are doubles. */
 enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
+_Static_assert(sizeof(contact_frame) == NUM_FRAME * sizeof(double), "a frame is doubles alone");
 
 /* Numbers of all states: how many count, and each with its frame. */
 size_t ring_saved_size(const saved_states *states);
 
+/* The states that the ring holds. */
 void ring_save(
     // output:
     double *saved, // [ring_saved_size]

@@ -164,7 +164,7 @@ static ehd_status check_lines(const reduced_model *model, const artefact *file, 
 
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
-        if (line->end == line->begin) continue;
+        if (!grid_is_inner_line(&model->grid, l)) continue;
         count += line->end - line->begin;
         if (!(line->begin >= 1 && line->begin + 2 <= line->min_exit &&
               line->min_exit <= line->max_exit && line->max_exit + 2 <= line->end &&
@@ -182,6 +182,7 @@ static ehd_status check_lines(const reduced_model *model, const artefact *file, 
 
 static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *error) {
     size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
+    const int64_t last = (int64_t)grid_width(&model->grid);
     int64_t *values = malloc(num_inner * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
@@ -193,8 +194,14 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
                               "%s: found no dataset %s, expected it for a point contact",
                               artefact_path(file), band_fields[f]);
         if (!status) status = artefact_get_integers(file, band_fields[f], values, error);
-        for (size_t l = 0; l < num_inner && !status; l++)
-            *band_value(&model->band.lines[first + l], f) = (size_t)values[l];
+        for (size_t l = 0; l < num_inner && !status; l++) {
+            if (values[l] < 1 || values[l] > last)
+                status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 1 to %lld",
+                                  artefact_path(file), band_fields[f], (long long)values[l],
+                                  (long long)last);
+            else
+                *band_value(&model->band.lines[first + l], f) = (size_t)values[l];
+        }
     }
     free(values);
     for (size_t l = 1; l < model->band.num_lines && !status; l++)

@@ -121,8 +121,8 @@ static ehd_status check_rows(const reduced_model *model, const size_t *rows, siz
         const grid_position at = reduced_model_position(model, rows[r]);
         if (at.column < 1 || at.column > grid->inner_x || rows[r] >= grid->num_nodes ||
             !grid_is_inner_line(grid, at.line))
-            return ehd_fail(error, EHD_DATA, "rows: found node %zu, expected 1 to %zu", rows[r],
-                            grid->num_inner);
+            return ehd_fail(error, EHD_DATA,
+                            "rows: found node %zu, expected an inner node of the grid", rows[r]);
     }
     return EHD_OK;
 }

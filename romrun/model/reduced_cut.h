@@ -24,10 +24,10 @@ size_t reduced_model_runs(
 enum { CUT_BLOCK = 64 };
 void reduced_model_change_cut(
     // in and out:
-    double *cut, // [num_cut, num_pressure]
+    double *cut, // [rows of the cut table, num_pressure]
     // input:
     const reduced_model *model, const cut_run *runs, size_t num_runs,
-    double *work); // [CUT_BLOCK, num_cut + num_pressure]; unused on a line contact
+    double *work); // [CUT_BLOCK, rows of the cut table + num_pressure]; unused on a line contact
 
 /* Checkpoint for an exit line: the nearest; of a line contact the last one not behind it. */
 size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);

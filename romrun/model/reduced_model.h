@@ -148,7 +148,8 @@ typedef struct reduced_model {
 } reduced_model;
 
 /* Builds the model of a list of rows, grid nodes in order of selection; `rows` NULL: all inner
- * nodes (level i). EHD_DATA: fewer rows than unknowns, a row outside of the grid; EHD_MEMORY. */
+ * nodes (level i). EHD_DATA: fewer rows than pressure modes, a row outside of the grid;
+ * EHD_MEMORY. */
 ehd_status reduced_model_build(
     // output:
     reduced_model *model, // free with reduced_model_free

@@ -28,6 +28,7 @@ typedef struct exit_search {
     size_t search, *band_search; // number of the search; [nodes of the band] that H is of
 } exit_search;
 
+/* Memory from an arena; the model must outlive it. `spacing` as in reduced_settings. */
 void exits_init(exit_search *self, const reduced_model *model, double spacing, arena *memory);
 
 /* Starts the detection of limit cycles: for a stationary state with a relative tolerance of the

@@ -244,7 +244,7 @@ void film_splines_free(film_splines *self) {
     memset(self, 0, sizeof *self);
 }
 
-// ---- an previous state
+// ---- a previous state
 
 ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error) {
     memset(self, 0, sizeof *self);

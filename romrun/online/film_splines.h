@@ -60,7 +60,7 @@ typedef struct previous_film {
     reduced_values values; // at the needed nodes
     cut_run *runs;         // [num_lines] by which its exit line differs from cut_exits
     size_t num_runs;
-    double *cut_pressure; // [num_band] P of these runs, uncut, with their sign
+    double *cut_pressure; // [nodes of the band] P of these runs, uncut, with their sign
     // of a line contact:
     size_t window_begin, window_size;                   // the window's nodes
     double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P there, cut; compressible only

@@ -12,7 +12,7 @@ struct indicator {
     const reduced_model *model;
     double *pressure, *film; // [num_needed] of the control rows
     double *fluid_memory;    // [4, num_needed]
-    double *band_pressure;   // [num_band] where the exit differs from its checkpoint's
+    double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
     arena memory;            // of all arrays

@@ -568,6 +568,7 @@ typedef struct saved_rest {
 } saved_rest;
 
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
+_Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubles alone");
 
 static size_t saved_size(const void *solver) {
     const reduced_march *self = solver;

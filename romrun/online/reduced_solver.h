@@ -62,7 +62,7 @@ typedef struct reduced_info {
 typedef struct reduced_values {
     size_t checkpoint; // of the exit (reduced_model_checkpoint)
     double *pressure;  // [num_needed] P, uncut
-    double *cut;       // [num_cut] the checkpoint's cut table times z
+    double *cut;       // [rows of the cut table] the checkpoint's cut table times z
 } reduced_values;
 
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,

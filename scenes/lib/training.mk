@@ -26,10 +26,15 @@ models: $(MODELS:%=$(OUT)/%.h5) ## all models
 
 adaptive = $(if $(ACCURACY),--adaptive)
 
+# An interrupted training goes on, unless it was one of another plan (65).
+snapgen = $(BIN)/snapgen $(PLAN) -o $@ --force --allow-failures $(ALLOW_FAILURES) \
+          $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(SNAPGEN_OPTIONS) $(SET)
+snapgen_or_resume = code=65; [ ! -e $@.partial ] || { $(snapgen) --resume; code=$$?; }; \
+                    [ $$code -ne 65 ] || { $(snapgen); code=$$?; }; exit $$code
+
 $(OUT)/snapshots.h5: $(PLAN) scene.yml $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
                      $(call options,snapshots,$(SET) $(ALLOW_FAILURES) $(ACCURACY))
-	$(call quiet,snapgen   ,$@)$(BIN)/snapgen $(PLAN) -o $@ --force --allow-failures $(ALLOW_FAILURES) \
-	    $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(SNAPGEN_OPTIONS) $(SET)
+	$(call quiet,snapgen   ,$@)$(snapgen_or_resume)
 
 podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
                      $(or $($1.PRESSURE_MODES:%=--pressure-modes %),--energy $(ENERGY)) \

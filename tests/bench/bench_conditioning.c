@@ -464,19 +464,19 @@ static void print(const measurement *results, const reduced_model *model, const 
 
 /* All solvers on one scene with one variant of a model. */
 static void measure(const problem *self, const char *variant) {
-    size_t n = self->model->num_unknowns, most_rows = self->model->rows.num_rows + 1;
+    size_t n = self->model->num_unknowns, max_rows = self->model->rows.num_rows + 1;
     measurement results[NUM_SOLVERS] = {0}, with_all;
     reduced_state state = {.coordinates = must_allocate(n * sizeof(double))};
     workspace work;
 
     for (size_t s = 0; s < NUM_SOLVERS; s++)
         results[s].step_error = NAN; // without a reference
-    workspace_init(&work, most_rows, n);
+    workspace_init(&work, max_rows, n);
     recording seen = {.work = &work,
                       .results = results,
                       .step = must_allocate(n * sizeof(double)),
-                      .matrix = must_allocate(most_rows * n * sizeof(double)),
-                      .right = must_allocate(most_rows * sizeof(double))};
+                      .matrix = must_allocate(max_rows * n * sizeof(double)),
+                      .right = must_allocate(max_rows * sizeof(double))};
     solve_scene(&with_all, &state, self, record, &seen);
     for (size_t s = 0; s < NUM_SOLVERS; s++)
         solve_scene(&results[s], &state, self, solvers[s].solve, &work);

@@ -180,3 +180,30 @@ PYTHON
     romrun scene.yml --model mt.h5 -o again.h5
     same_data twice.h5 again.h5
 }
+
+@test "the band of every line of a stranger's model is checked" {
+    # none on an inner line (with as many nodes in all), columns beyond the grid or below it, exits outside
+    for patch in "none 5 6" "band_line_end 5 1000000000000" "band_line_begin 5 -3" \
+        "band_line_most_exit 5 40" "first_minimum_line 0 99"; do
+        cp m.h5 x.h5
+        /usr/bin/python3 - $patch <<'PYTHON'
+import sys, h5py
+name, place, value = sys.argv[1:]
+with h5py.File("x.h5", "r+") as x:
+    if name == "none":
+        here, beside = int(place), int(value)
+        x["band_line_begin"][beside] -= x["band_line_end"][here] - x["band_line_begin"][here]
+        x["band_line_end"][here] = x["band_line_begin"][here]
+        x["band_line_most_exit"][here] = 10**15
+    elif name in x.attrs:
+        x.attrs[name] = int(value)
+    else:
+        x[name][int(place)] = int(value)
+PYTHON
+        run romrun scene.yml --model x.h5
+        echo "$patch: $status $output"
+        [ "$status" -eq 65 ]
+        [ "${#lines[@]}" -eq 1 ]
+        [[ $output == "romrun: x.h5: "*"found "*"expected "* ]]
+    done
+}

@@ -23,7 +23,7 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A step in time of a trained contact from its stationary solution, with an previous film that is a
+/* A step in time of a trained contact from its stationary solution, with a previous film that is a
  * little off. */
 typedef struct time_step {
     size_t state;

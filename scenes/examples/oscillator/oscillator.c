@@ -38,7 +38,7 @@ enum { NUM_STEPS = 1200 };
 
 /* Of a position; the film is about 1e-2. */
 static const double TOLERANCE = 1e-8;
-enum { MOST_TRIALS = 20 };
+enum { MAX_TRIALS = 20 };
 
 // ---- the contact, reduced or full
 
@@ -163,7 +163,7 @@ static ehd_status oscillator_advance(oscillator *self, reply *now, size_t *num_t
     double drift = self->position + STEP * self->velocity;
 
     position = drift + STEP * STEP / 2 * self->acceleration;
-    for (size_t trial = 0; trial < MOST_TRIALS; trial++) {
+    for (size_t trial = 0; trial < MAX_TRIALS; trial++) {
         ehd_status status = contact->step(now, contact->self, position, STEP, error);
         if (status) return status;
         if (now->status == EHD_NOT_CONVERGED) break;

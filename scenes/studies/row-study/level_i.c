@@ -238,11 +238,11 @@ static ehd_status solve_changed(double *step, void *context, const double *matri
 
 static void measure(const variant *way, const reduced_model *model, const training_set *set,
                     const bool *inside, const double *film) {
-    const size_t most_rows = model->rows.num_rows + 1;
+    const size_t max_rows = model->rows.num_rows + 1;
     changed_rows rows = {.way = way,
-                         .workspace = least_squares_create(most_rows, model->num_unknowns),
-                         .matrix = claim(most_rows * model->num_unknowns),
-                         .right = claim(most_rows)};
+                         .workspace = least_squares_create(max_rows, model->num_unknowns),
+                         .matrix = claim(max_rows * model->num_unknowns),
+                         .right = claim(max_rows)};
     reduced_settings settings = reduced_default_settings();
     double *deviations = claim(set->num_points);
     size_t num_solved = 0, num_failed = 0, most = 0, all = 0;
