@@ -19,6 +19,7 @@ typedef struct residual_snapshots {
 
 #define CONTROL_BY_ITSELF ((size_t)-1) // number of control rows: a tenth of the rows, at least 8
 
+/* Memory for `count` snapshots on all inner nodes. EHD_MEMORY. */
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
                                    ehd_error *error); // free with residual_snapshots_free
 void residual_snapshots_free(residual_snapshots *snapshots);

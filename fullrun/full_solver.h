@@ -98,6 +98,7 @@ ehd_status full_solver_create(
 full_solver *full_solver_free(full_solver *solver); // accepts and returns NULL
 const full_settings *full_solver_settings(const full_solver *solver);
 
+/* A state without pressure whose zone is filled. EHD_MEMORY. */
 ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *error);
 void full_state_free(full_state *state);
 /* Pressurises all inner nodes: the zone from which Newton starts where nothing is known. */

@@ -37,6 +37,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
                                  ehd_error *error);
 void previous_carrier_free(previous_carrier *self);
 
+/* Memory and splines for a state on the reference's grid. EHD_MEMORY. */
 ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error);
 void previous_free(previous_state *self);
 

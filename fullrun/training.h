@@ -50,6 +50,7 @@ typedef struct training {
 ehd_status training_check_memory(const training_set *set, const program *caller,
                                  const char *plan_path, size_t num_jobs, ehd_error *error);
 
+/* A training of which no point is done; the set must outlive it. EHD_MEMORY. */
 ehd_status training_init(training *self, const program *caller, const training_set *set,
                          ehd_error *error); // free with training_free
 void training_free(training *self);

@@ -35,6 +35,7 @@ typedef struct kept_states {
     kept_state states[NUM_KEPT]; // the first one is the start
 } kept_states;
 
+/* Memory for the states of a trajectory that are kept, up to end_time (T). EHD_MEMORY. */
 ehd_status kept_states_init(kept_states *self, size_t num_nodes, size_t num_lines, double end_time,
                             ehd_error *error); // free with kept_states_free
 void kept_states_free(kept_states *self);

@@ -18,6 +18,7 @@ const setting *setting_find(const char *key);
 /* The same; the last part of a key is enough where it is unique: "M" for "moes.M". */
 const setting *setting_find_short(const char *name);
 
+/* Position of a row in the table. */
 size_t setting_index(const setting *row);
 
 /* Whether there are keys below it, as below "grid" or "lubricant.viscosity". */
@@ -38,6 +39,7 @@ const setting_condition *setting_unmet(const setting *row, const scene *of);
 void setting_show_condition(char shown[SHOWN_TEXT], const setting_condition *condition,
                             const scene *of);
 
+/* Whether a scene has a value for a row's key, and taking it away. */
 bool setting_is_given(const setting *row, const scene *of);
 void setting_clear(const setting *row, scene *of);
 

@@ -34,6 +34,7 @@ typedef struct bdf_ring {
     double time[BDF_PREVIOUS + 1]; // of the states, by place
 } bdf_ring;
 
+/* A ring that holds no states. */
 bdf_ring bdf_ring_empty(void);
 
 /* Formula for a step from the last state. */

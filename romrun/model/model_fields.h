@@ -17,6 +17,7 @@ extern const row_fields selected_fields, control_fields;
 /* Members of band_line that the file of a point contact holds. */
 enum { NUM_BAND_FIELDS = 4 };
 extern const char *const band_fields[NUM_BAND_FIELDS];
+/* The member of a line that belongs to band_fields[field]. */
 size_t *band_value(band_line *line, int field);
 
 #endif

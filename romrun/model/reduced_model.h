@@ -35,6 +35,7 @@ typedef struct reduced_states {
     double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
 } reduced_states;
 
+/* Memory for states that are all stationary and zero. EHD_MEMORY. */
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);
@@ -60,6 +61,7 @@ typedef struct reduced_basis {
 } reduced_basis;
 
 void reduced_basis_free(reduced_basis *basis);
+/* Both kinds of coordinates and the rigid approach. */
 size_t reduced_num_unknowns(size_t num_pressure, size_t num_deformation);
 
 /* EHD_DATA with fewer rows than the least squares of the unknowns need: the projected elasticity

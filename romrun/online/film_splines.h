@@ -66,6 +66,7 @@ typedef struct previous_film {
     double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P there, cut; compressible only
 } previous_film;
 
+/* Memory for a state of the model. EHD_MEMORY. */
 ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error);
 void previous_film_free(previous_film *self);
 

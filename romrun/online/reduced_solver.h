@@ -27,6 +27,7 @@ typedef struct reduced_settings {
     void *linear_context;
 } reduced_settings;
 
+/* Those that the comments above name. */
 reduced_settings reduced_default_settings(void);
 
 /* A reduced state: z = (a, d, H0) and the exit line (eq. 39). */
@@ -65,8 +66,9 @@ typedef struct reduced_values {
     double *cut;       // [rows of the cut table] the checkpoint's cut table times z
 } reduced_values;
 
+/* Memory for the values of a model's state, of no checkpoint yet. EHD_MEMORY. */
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
-                               ehd_error *error); // EHD_MEMORY
+                               ehd_error *error);
 void reduced_values_free(reduced_values *values);
 
 /* Called with D f and D J dz of every iteration, the snapshots of the row selection (section 3.2);
@@ -96,6 +98,7 @@ reduced_solver *reduced_solver_free(reduced_solver *solver); // accepts and retu
 
 void reduced_solver_set_tolerance(reduced_solver *solver, double tolerance); // of reduced_settings
 
+/* Lets an observer see every iteration of Gauss-Newton, without kept factors; NULL: none. */
 void reduced_solver_observe(reduced_solver *solver, reduced_observer *observer, void *context);
 
 /* The model's rows in the least-squares problem of the present iteration, in their order. */
