@@ -15,23 +15,22 @@ ifeq ($(CASES),)
   $(error cases.csv: found no cases, expected a line each below the header)
 endif
 
-unknown := $(filter-out $(CASES),$(PROFILES) $(MAP_CASE))
-ifneq ($(unknown),)
-  $(error PROFILES, MAP_CASE: found $(unknown), expected names of cases.csv: $(CASES))
-endif
-
 # ---- Targets for people
 
-demo: $(OUT)/comparison.txt $(OUT)/profiles.png $(if $(MAP_CASE),$(OUT)/maps.png) ## train, solve all cases, compare, draw (the default)
-	@cat $<
+demo: names $(OUT)/comparison.txt $(OUT)/profiles.png $(if $(MAP_CASE),$(OUT)/maps.png) ## train, solve all cases, compare, draw (the default)
+	@cat $(OUT)/comparison.txt
 	@printf '%s\n' $(patsubst %,'picture: %$(,) .svg',$(abspath $(filter %.png,$^)))
 , := ,
 
 list: ## names of the cases
 	@printf '%s\n' $(CASES)
 
+unknown := $(filter-out $(CASES),$(PROFILES) $(MAP_CASE))
+names:
+	@[ -z '$(unknown)' ] || { echo 'PROFILES, MAP_CASE: found $(unknown), expected names of cases.csv: $(CASES)' >&2; exit 1; }
+
 .DEFAULT_GOAL := demo
-.PHONY: demo list
+.PHONY: demo list names
 
 # ---- Cases: $(OUT)/full/CASE.h5, $(OUT)/MODEL/CASE.h5
 
@@ -61,7 +60,7 @@ $(OUT)/comparison.txt: cases.csv $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/full/%.h5) 
 	    $(SHARED)collect.sh $(OUT) full $(MODEL) -- $(CASES); \
 	} | awk -f $(SHARED)common.awk -f $(SHARED)compare.awk -v cases='$(CASES)' -v csv=$(OUT)/results.csv - cases.csv > $@
 
-DRAWN := $(or $(PROFILES),$(wordlist 1,3,$(CASES)))
+DRAWN := $(or $(filter $(CASES),$(PROFILES)),$(wordlist 1,3,$(CASES)))
 
 $(OUT)/profiles.png: $(SHARED)profiles.gp cases.csv $(DRAWN:%=$(OUT)/full/%.h5) $(DRAWN:%=$(OUT)/$(MODEL)/%.h5)
 	$(call quiet,gnuplot   ,$@)for result in $(filter %.h5,$^); do $(call profile,$$result) > $${result%.h5}.dat || exit; done; \
