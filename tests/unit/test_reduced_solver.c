@@ -476,8 +476,8 @@ static void bad_rows_are_refused(void **state) {
         size_t num_rows;
         const char *words;
     } cases[] = {{few, 3, "rows: found 3 rows, expected at least 12"},
-                 {zero, 1, "rows: found node 0, expected 1 to 301"},
-                 {behind, 1, "rows: found node 302, expected 1 to 301"}};
+                 {zero, 1, "rows: found node 0, expected an inner node"},
+                 {behind, 1, "rows: found node 302, expected an inner node"}};
 
     for (size_t i = 0; i < 3; i++) {
         ehd_error error = {""};
