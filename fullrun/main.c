@@ -330,7 +330,6 @@ static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
 static ehd_status report_stationary(artefact **file, const stationary_run *self, ehd_error *error) {
     const char *path = self->caller->arguments[0];
     const ehd_contact *contact = self->contact;
-    const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
     run_result result =
         make_result(&self->info, &self->state, contact, self->given->output.fields != 0);
     ehd_status status = EHD_OK;
@@ -344,7 +343,10 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     if (status) return status;
     result_print(&result, contact);
     if (self->options->start) print_start(self->options->start, self->start_film, &result);
-    if (self->options->formulas) formulas_print(&scalars, contact);
+    if (self->options->formulas) {
+        const contact_scalars scalars = full_evaluate_scalars(&self->state, contact);
+        formulas_print(&scalars, contact);
+    }
     return EHD_OK;
 }
 

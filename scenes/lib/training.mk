@@ -63,7 +63,3 @@ of_model = $(firstword $(subst /, ,$*))
 
 # $(call profile,RESULT.h5): columns X P H of the last time.
 profile = $(BIN)/fullrun --print $1 x pressure film_thickness | awk -f $(SHARED)common.awk -f $(SHARED)profile.awk
-
-ifneq ($(wildcard check-plan.yml),)
-  include $(wildcard $(SHARED)../studies/trade/trade.mk)
-endif

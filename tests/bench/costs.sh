@@ -67,7 +67,7 @@ table() {
     for name; do
         awk -v name="$name" -v per="$per" -v heap="$(cat "$name.heap")" '
             { calls[$1] = $2; cost[$1] = $3 }
-            $1 ~ /_log_viscosity$/ { viscosity += $3 }
+            $1 ~ /^(barus|roelands|wlf)$/ { viscosity += $3 }
             $1 ~ /^previous_(prepare|mass|film_prepare|film_masses)$/ { previous += $3 }
             $1 ~ /^(full_solve_gmres|least_squares_(solve|factorise|again))$/ { solver += $3 }
             function share(x) { return sprintf(" %9.1f", x / calls[per] / 1000) }
@@ -93,11 +93,22 @@ none() {
     fi
 }
 
+# some NAME PATTERN: a function of that name runs
+some() {
+    awk -v pattern="$2" '$1 ~ pattern { found = 1 } END { exit !found }' "$1.calls" && return
+    printf '%-18s calls none of %s\n' "$1" "$2"
+    failed=1
+}
+
 # check_terms KIND: the functions of terms that the scenes of whole runs, KIND-NAME.calls, do not have
 check_terms() {
     local kind=$1
-    none "$kind-base" '^(dowson_higginson|roelands_|wlf_)'
-    none "$kind-wlf" '^(dowson_higginson|roelands_|barus_)'
+    none "$kind-base" '^(dowson_higginson|roelands|wlf)(_|$)'
+    none "$kind-wlf" '^(dowson_higginson|roelands|barus)(_|$)'
+    # the names are those of the sources: each runs where its scene has it
+    some "$kind-base" '^barus$'
+    some "$kind-wlf" '^wlf$'
+    some "$kind-time" '^(histories_at|previous_(mass|film_masses))$'
     none "$kind-base" '^(histories_(at|next)|frame_|march_|bdf_|previous_|film_splines_build|time_run|gsl_spline|full_march|reduced_march)'
     none "$kind-time" '^dowson_higginson'
 }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Deviation against time of all that a user could do: sizes of the reduced model, the full model on coarser grids and
-# with looser tolerances, published film formulas. Included by pipeline.mk for folders with a check-plan.yml.
+# with looser tolerances, published film formulas. Included by studies that have a check-plan.yml, behind a file of lib.
 
 # Regime of the scenes of check-plan.yml that are compared: stationary | transient.
 TRADE_REGIME ?= stationary
