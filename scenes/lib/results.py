@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the scripts of the scenes share: runs of the programs, their results, cases.csv, and tables of text.
+
+The folder of the programs is the environment variable BIN (common.mk). Results are read by --print.
+"""
+import csv
+import io
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+
+# Exit codes of the programs that leave a result: solved; not converged; not to be trusted.
+SOLVED, NOT_CONVERGED, NOT_TRUSTED = 0, 3, 4
+
+
+def stop(message, code=1):
+    """Ends the script with one line on stderr."""
+    print(f"{os.path.basename(sys.argv[0])}: {message}", file=sys.stderr)
+    sys.exit(code)
+
+
+# ---- Programs
+
+
+def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
+    """Runs a program of the toolchain. Returns its completed process (returncode, stdout, stderr as text);
+    ends the script with the program's own message where the exit code is not among the outcomes."""
+    done = subprocess.run([os.path.join(os.environ["BIN"], program), *map(str, options)], capture_output=True, text=True)
+    if done.returncode not in outcomes:
+        sys.stderr.write(done.stderr)
+        sys.exit(done.returncode)
+    return done
+
+
+def sets(settings):
+    """Options --set KEY=VALUE for a mapping of settings."""
+    return [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
+
+
+# ---- Results
+
+
+def printed(file, *names):
+    """Datasets, axes and attributes of a file: for each name an array along the lines of --print, numbers where all are
+    numbers, else text. None of the names may lack."""
+    text = run("fullrun", "--print", file, *names, outcomes=(SOLVED,)).stdout
+    lines = [line for line in csv.reader(io.StringIO(text)) if line]
+    columns = dict(zip(lines[0], zip(*lines[1:]) if len(lines) > 1 else [()] * len(lines[0])))
+    return {name: _array(values) for name, values in columns.items()}
+
+
+def _array(texts):
+    try:
+        return np.array(texts, dtype=float)
+    except ValueError:
+        return np.array(texts)
+
+
+def value(file, name, default=np.nan):
+    """A single number of a file, or the default where there is none of that name."""
+    done = run("fullrun", "--print", file, name, outcomes=range(256))
+    lines = done.stdout.split()
+    return float(lines[1]) if done.returncode == SOLVED and len(lines) > 1 else default
+
+
+def model_sizes(file):
+    """Sizes of a model: nodes, pressure_modes, deformation_modes (0 with a coupled basis), rows, needed_nodes, states."""
+    listed = list(csv.reader(io.StringIO(run("romrun", "--print", file, outcomes=(SOLVED,)).stdout)))
+    length = {line[0]: int(line[2]) for line in listed if len(line) > 3 and line[0] == line[3]}  # of the axes
+    independent = any(line and line[0] == "elasticity_jacobian" for line in listed)
+    return {"nodes": length["x"] * length.get("y", 1), "pressure_modes": length["pressure_mode"],
+            "deformation_modes": length["deformation_mode"] if independent else 0, "rows": length["row"],
+            "needed_nodes": length["needed_node"], "states": length["state"]}
+
+
+# ---- Cases
+
+
+class Case:
+    """A line of cases.csv: name, settings (of the scene, key to text), title for a picture, and what was published."""
+
+    def __init__(self, record):
+        given = {key: text for key, text in record.items() if text}
+        self.published = {key[len("published_"):]: text for key, text in given.items() if key.startswith("published_")}
+        self.settings = {key: text for key, text in given.items()
+                         if key not in ("name", "title") and not key.startswith("published_")}
+        short = [(key.split(".")[-1], text) for key, text in self.settings.items()]
+        name = given.get("name") or "-".join(key + text for key, text in short)
+        self.name = re.sub(r"[^-A-Za-z0-9.+_]", "_", name)
+        self.title = given.get("title") or ", ".join(f"{key} = {text}" for key, text in short)
+
+    @property
+    def options(self):
+        return sets(self.settings)
+
+
+def read_cases(file="cases.csv"):
+    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load). An empty
+    field leaves what the scene says; the column `name`, which there need not be, names the cases; columns title and
+    published_... are no settings; lines that begin with # and empty ones are left out."""
+    with open(file, newline="") as source:
+        lines = [line for line in source if line.strip() and not line.lstrip().startswith("#")]
+    return [Case({(key or "").strip(): (text or "").strip() for key, text in record.items() if isinstance(text, str)})
+            for record in csv.DictReader(lines)]
+
+
+# ---- Deviations
+
+
+def at_times(times, values, wanted):
+    """Values at other times, by the cubic through four times around (exact at the times themselves); NaN outside."""
+    if len(times) < 4:
+        return np.full(len(wanted), np.nan)
+    wanted = np.asarray(wanted, dtype=float)
+    first = np.clip(np.searchsorted(times, wanted, side="right") - 2, 0, len(times) - 4)
+    result = np.zeros(len(wanted))
+    for i in range(4):
+        weight = np.ones(len(wanted))
+        for j in range(4):
+            if j != i:
+                weight *= (wanted - times[first + j]) / (times[first + i] - times[first + j])
+        result += weight * values[first + i]
+    result[(wanted < times[0]) | (wanted > times[-1])] = np.nan
+    return result
+
+
+# ---- Tables
+
+
+def write_csv(file, header, rows):
+    with open(file, "w", newline="") as target:
+        writer = csv.writer(target, lineterminator="\n")
+        writer.writerow(header)
+        writer.writerows(rows)
+
+
+def rule(width):
+    return "-" * width
