@@ -13,6 +13,10 @@ ifeq ($(BIN),)
 endif
 export BIN
 
+# Scripts, with what they share.
+PYTHON ?= /usr/bin/python3
+python  = PYTHONPATH=$(SHARED) $(PYTHON) -B
+
 # More options of snapgen that change no result, such as --resume after an interruption.
 SNAPGEN_OPTIONS ?=
 
