@@ -33,9 +33,6 @@ $(shell mkdir -p $(OUT))
 options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2)),$(file >$(OUT)/$1.options,$(strip $1 $2)))
 differs = $(subst |$(file <$1)|,,|$2|)
 
-# A picture $(OUT)/NAME.png with NAME.svg beside it.
-plot = gnuplot -e 'shared="$(SHARED)"; picture="$(basename $@)"; load shared."style.gp"'
-
 clean: ## remove what was made
 	rm -rf $(OUT)
 

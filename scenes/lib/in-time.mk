@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # From a plan of trajectories to a reduced model (training.mk), and a scene in time with the full and the reduced model,
 # compared and drawn. A Makefile that includes this may set before:
-#   PICTURE  commands of gnuplot that draw it, from out/full.csv and out/reduced.csv: in-time.gp
+#   PICTURE  a script that draws it, given the picture's name and both results: pictures.py in-time
 
 SHARED_IN_TIME := $(dir $(lastword $(MAKEFILE_LIST)))
 include $(SHARED_IN_TIME)training.mk
 
-PICTURE ?= $(SHARED)in-time.gp
+PICTURE ?= $(SHARED)pictures.py in-time
 
 compare: $(OUT)/comparison.txt $(OUT)/picture.png ## train, run the scene full and reduced, compare, draw (the default)
 	@cat $<
@@ -31,9 +31,6 @@ $(OUT)/comparison.txt: scene.yml $(TABLES) $(OUT)/$(MODEL).h5 $(OUT)/full.h5 $(B
 
 $(OUT)/reduced.h5: $(OUT)/comparison.txt
 
-# Of a scene in SI units: pressure and film are those numbers times their units.
-$(OUT)/full.csv $(OUT)/reduced.csv: $(OUT)/%.csv: $(OUT)/%.h5
-	@$(BIN)/fullrun --print $< time load central_pressure central_film_thickness minimum_film_thickness hertz_pressure film_unit > $@
-
-$(OUT)/picture.png: $(PICTURE) $(SHARED)style.gp $(OUT)/full.csv $(OUT)/reduced.csv
-	$(call quiet,gnuplot   ,$@)$(plot) -e 'out="$(OUT)"' $<
+# Of a scene in SI units.
+$(OUT)/picture.png: $(firstword $(PICTURE)) $(SHARED)pictures.py $(OUT)/full.h5 $(OUT)/reduced.h5
+	$(call quiet,picture   ,$@)$(python) $(PICTURE) $@ $(OUT)/full.h5 $(OUT)/reduced.h5

@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The look of all pictures: each is saved as PNG and as SVG."""
+"""The look of all pictures, each saved as PNG and as SVG, and those that several scenes have (--help).
+
+The full model is drawn as lines, the reduced one as marks.
+"""
+import argparse
 import os
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+import results  # noqa: E402
 
 # Colours that the colour-blind tell apart (Okabe and Ito), and marks that go with them.
 BLUE, RED, GREEN, PINK, ORANGE, SKY = COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"]
@@ -14,7 +21,7 @@ MARKS = ["o", "s", "^", "D", "v", "P"]
 plt.rcParams.update({
     "figure.dpi": 100, "savefig.facecolor": "white", "font.size": 11, "svg.fonttype": "none", "svg.hashsalt": "ehdrom",
     "axes.grid": True, "grid.color": "#e0e0e0", "grid.linewidth": 0.7, "axes.axisbelow": True,
-    "legend.framealpha": 0.9, "legend.edgecolor": "#bbbbbb", "lines.linewidth": 1.6,
+    "legend.framealpha": 0.9, "legend.edgecolor": "#bbbbbb", "lines.linewidth": 1.6, "lines.markersize": 5,
     "axes.prop_cycle": matplotlib.cycler(color=COLOURS),
 })
 
@@ -29,3 +36,129 @@ def save(figure, file):
     figure.savefig(file)
     figure.savefig(os.path.splitext(file)[0] + ".svg", metadata={"Date": None})
     plt.close(figure)
+
+
+def pair(axes, full, reduced, every=25, colour=BLUE, mark="o", label=""):
+    """Two curves of the same, each as x, y: the full model as a line, the reduced one as marks, every so many (or as
+    markevery of matplotlib)."""
+    axes.plot(*full, color=colour, label=f"{label}full model")
+    axes.plot(*reduced, mark, color=colour, fillstyle="none", markevery=every, label=f"{label}reduced model")
+
+
+# ---- Pressure and film of some cases
+
+
+def profiles(picture, folder, model, cases, x=(-2, 1.5), film=None, step=24):
+    """Pressure above, film below; the range of X, of the film (or any), and nodes from one mark to the next."""
+    figure, (pressure_axes, film_axes) = page(980, 900, 2, sharex=True)
+    for i, case in enumerate(case for case in results.read_cases() if case.name in cases):
+        for kind, style in ("full", "-"), (model, MARKS[i % 6]):
+            X, P, H = results.profile(f"{folder}/{kind}/{case.name}.h5")
+            shown = (X >= x[0]) & (X <= x[1])
+            for axes, values in (pressure_axes, P), (film_axes, H):
+                axes.plot(X[shown], values[shown], style, color=COLOURS[i % 6], fillstyle="none",
+                          markevery=(i * step // 3, step), label=case.title if (axes, kind) == (film_axes, "full") else None)
+    film_axes.plot([], [], "k-", label="line: full model")
+    film_axes.plot([], [], "ko", fillstyle="none", label="marks: reduced model")
+    pressure_axes.set(ylabel="pressure $p/p_H$", xlim=x, ylim=(0, None))
+    film_axes.set(xlabel="position $X = x/a$   ($a$: half width of the dry contact)", ylabel="film thickness $H = hR/a^2$",
+                  yscale="log", ylim=film)
+    film_axes.legend(loc="upper center")
+    save(figure, picture)
+
+
+# ---- A point contact as a map
+
+QUANTITIES = {"pressure": ("pressure $p/p_H$, lines every 0.1", np.arange(1, 16) / 10, (0, 1.2)),
+              "film_thickness": ("film thickness $hR/a^2$, lines every 0.02", np.arange(10, 31) / 50, (0.2, 0.6))}
+
+
+def maps(picture, files, title=None, case=None, times=(), width=1200):
+    """Full model above, reduced below (files): pressure and film, or the film at some times; white: the exit line."""
+    panels = [("film_thickness", time) for time in times] or [(name, None) for name in QUANTITIES]
+    figure, grid = page(1200, 180 + 2160 / len(panels) if times else 1080, 2, len(panels), sharex=True, sharey=True)
+    figure.dpi = width / 12
+    figure.suptitle(title or next(known.title for known in results.read_cases() if known.name == case))
+    for row, file, kind in zip(grid, files, ("full", "reduced")):
+        fields, exits = results.printed(file, "x", "y", *QUANTITIES), results.printed(file, "exit_position", "y")
+        widths = results.printed(file, "time", "contact_half_width")
+        row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
+        for axes, (name, time) in zip(row, panels):
+            (heading, levels, limits), field, line = QUANTITIES[name], results.at(fields, time), results.at(exits, time)
+            x, y = np.unique(field["x"]), np.unique(field["y"])
+            values = field[name].reshape(len(y), len(x))
+            axes.pcolormesh(x, y, values, shading="nearest", vmin=limits[0], vmax=limits[1], rasterized=True)
+            axes.contour(x, y, values, levels, colors="#303030", linewidths=0.8)
+            axes.plot(line["exit_position"] / results.at(widths, time)["contact_half_width"], line["y"], "w", linewidth=2.5)
+            axes.set_aspect("equal")
+            axes.grid(False)
+            if kind == "full":
+                axes.set_title(f"T = {time:g}" if times else heading)
+    for axes in grid[1]:
+        axes.set_xlabel("$X = x/a$")
+    for part in [grid] if times else grid.T:
+        figure.colorbar(part.flat[0].collections[0], ax=part, aspect=40, shrink=0.8)
+    save(figure, picture)
+
+
+# ---- A scene in time, in SI units
+
+
+def in_time(file):
+    """Times, load, and in SI units central pressure, central and smallest film of a result."""
+    columns = results.printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness",
+                              "hertz_pressure", "film_unit")
+    return (columns["time"], columns["load"], columns["central_pressure"] * columns["hertz_pressure"],
+            columns["central_film_thickness"] * columns["film_unit"], columns["minimum_film_thickness"] * columns["film_unit"])
+
+
+def scene_in_time(picture, files):
+    """Load, central pressure and film over time, of the full and of the reduced model (files)."""
+    (T, load, pressure, centre, smallest), reduced = map(in_time, files)
+    figure, (load_axes, pressure_axes, film_axes) = page(1000, 1000, 3, sharex=True)
+    pair(load_axes, (T, load), (reduced[0], reduced[1]))
+    pair(pressure_axes, (T, 1e-9 * pressure), (reduced[0], 1e-9 * reduced[2]))
+    pair(film_axes, (T, 1e6 * centre), (reduced[0], 1e6 * reduced[3]), label="centre, ")
+    pair(film_axes, (T, 1e6 * smallest), (reduced[0], 1e6 * reduced[4]), colour=RED, mark="s", label="smallest, ")
+    load_axes.set(ylabel="load / reference", xlim=(T[0], T[-1]))
+    pressure_axes.set(ylabel="central pressure / GPa")
+    film_axes.set(ylabel="film thickness / µm", xlabel="time  $T = ut/a$")
+    for axes in load_axes, film_axes:
+        axes.legend()
+    save(figure, picture)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    kinds = parser.add_subparsers(required=True)
+
+    kind = kinds.add_parser("profiles", help="pressure and film of some cases")
+    kind.add_argument("picture")
+    kind.add_argument("folder", help="of full/CASE.h5 and MODEL/CASE.h5")
+    kind.add_argument("model")
+    kind.add_argument("cases", nargs="+")
+    kind.add_argument("--x", nargs=2, type=float, default=(-2, 1.5), help="range of X")
+    kind.add_argument("--film", nargs=2, type=float, help="range of H")
+    kind.add_argument("--step", type=int, default=24, help="nodes between marks")
+    kind.set_defaults(draw=profiles)
+
+    kind = kinds.add_parser("maps", help="pressure and film of a point contact, or its film at some times")
+    kind.add_argument("picture")
+    kind.add_argument("files", nargs=2, help="results of full and reduced model")
+    kind.add_argument("--title", help="heading, or")
+    kind.add_argument("--case", help="the case of cases.csv that it is of")
+    kind.add_argument("--times", nargs="*", type=float, default=())
+    kind.add_argument("--width", type=int, default=1200, help="in pixels")
+    kind.set_defaults(draw=maps)
+
+    kind = kinds.add_parser("in-time", help="load, central pressure and film over time")
+    kind.add_argument("picture")
+    kind.add_argument("files", nargs=2, help="results of full and reduced model")
+    kind.set_defaults(draw=scene_in_time)
+
+    options = vars(parser.parse_args())
+    options.pop("draw")(**options)
+
+
+if __name__ == "__main__":
+    main()

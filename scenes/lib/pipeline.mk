@@ -2,7 +2,7 @@
 # From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv to a
 # table and pictures. A Makefile that includes this may set before:
 #   PROFILES        names of the cases (`make list`) whose pressure and film are drawn: the first three
-#   PROFILE_RANGES  commands of gnuplot for that picture (profiles.gp)
+#   PROFILE_RANGES  options for that picture: --x FROM TO, --film LOWEST HIGHEST, --step NODES between marks
 #   MAP_CASE        of a point contact: the case that is drawn as a map
 #   REPEAT          times that a reduced solution is repeated for its median time: 21
 
@@ -10,10 +10,10 @@ include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
 
 REPEAT ?= 21
 
-CASES := $(shell awk -f $(SHARED)case.awk cases.csv)
-ifeq ($(CASES),)
-  $(error cases.csv: found no cases, expected a line each below the header)
-endif
+# CASES, their names, and the options of each.
+$(OUT)/cases.mk: cases.csv $(SHARED)results.py
+	@$(python) $(SHARED)results.py > $@
+include $(OUT)/cases.mk
 
 # ---- Targets for people
 
@@ -36,7 +36,7 @@ names:
 
 # A case that did not converge (exit code 3) or lies outside of the trained range (4) has a result too,
 # and the tables show it.
-settings = $(SET) $$(awk -f $(SHARED)case.awk -v want='$(notdir $*)' cases.csv)
+settings = $(SET) $(settings.$(notdir $*))
 outcome  = >/dev/null || [ $$? -eq 3 -o $$? -eq 4 ]
 
 $(CASES:%=$(OUT)/full/%.h5): $(OUT)/%.h5: scene.yml cases.csv $(BIN)/fullrun $(call options,case-fullrun,$(SET))
@@ -50,27 +50,15 @@ $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.y
 # ---- Table and pictures
 
 # Also $(OUT)/results.csv.
-$(OUT)/comparison.txt: cases.csv $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/full/%.h5) $(CASES:%=$(OUT)/$(MODEL)/%.h5)
-	@{ echo "size $(MODEL) $$($(SHARED)model.sh $(OUT)/$(MODEL).h5)"; \
-	    for case in $(CASES); do \
-	        $(BIN)/fullrun --print $(OUT)/full/$$case.h5 film_unit 2>/dev/null | sed -n "2s/^/unit $$case /p"; \
-	        $(BIN)/fullrun --print $(OUT)/full/$$case.h5 inlet_effect step_effect 2>/dev/null | \
-	            sed -n "2 { s/,/ /; s/^/grid $$case /p; }"; \
-	    done; \
-	    $(SHARED)collect.sh $(OUT) full $(MODEL) -- $(CASES); \
-	} | awk -f $(SHARED)common.awk -f $(SHARED)compare.awk -v cases='$(CASES)' -v csv=$(OUT)/results.csv - cases.csv > $@
+$(OUT)/comparison.txt: $(SHARED)compare.py cases.csv $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/full/%.h5) $(CASES:%=$(OUT)/$(MODEL)/%.h5)
+	@$(python) $< $(OUT) $(MODEL) > $@
 
 DRAWN := $(or $(filter $(CASES),$(PROFILES)),$(wordlist 1,3,$(CASES)))
 
-$(OUT)/profiles.png: $(SHARED)profiles.gp cases.csv $(DRAWN:%=$(OUT)/full/%.h5) $(DRAWN:%=$(OUT)/$(MODEL)/%.h5)
-	$(call quiet,gnuplot   ,$@)for result in $(filter %.h5,$^); do $(call profile,$$result) > $${result%.h5}.dat || exit; done; \
-	$(plot) -e 'out="$(OUT)"; cases="$(DRAWN)"; model="$(MODEL)"; $(PROFILE_RANGES)' $<
+$(OUT)/profiles.png: $(SHARED)pictures.py cases.csv $(DRAWN:%=$(OUT)/full/%.h5) $(DRAWN:%=$(OUT)/$(MODEL)/%.h5)
+	$(call quiet,picture   ,$@)$(python) $< profiles $@ $(OUT) $(MODEL) $(DRAWN) $(PROFILE_RANGES)
 
 ifneq ($(MAP_CASE),)
-$(OUT)/maps.png: $(SHARED)maps.gp $(SHARED)map.sh cases.csv $(OUT)/full/$(MAP_CASE).h5 $(OUT)/$(MODEL)/$(MAP_CASE).h5
-	$(call quiet,gnuplot   ,$@)for kind in full $(MODEL); do \
-	    $(SHARED)map.sh $(OUT)/$$kind/$(MAP_CASE).h5 > $(OUT)/map-$$kind.map || exit; \
-	done; \
-	$(plot) $(MAP_WIDTH:%=-e "width=%") -e 'case="$(OUT)/map"; model="$(MODEL)"' \
-	    -e "heading=\"$$(awk -f $(SHARED)case.awk -v want='$(MAP_CASE)' -v title=1 cases.csv)\"" $<
+$(OUT)/maps.png: $(SHARED)pictures.py cases.csv $(OUT)/full/$(MAP_CASE).h5 $(OUT)/$(MODEL)/$(MAP_CASE).h5
+	$(call quiet,picture   ,$@)$(python) $< maps $@ $(filter %.h5,$^) --case $(MAP_CASE) $(MAP_WIDTH:%=--width %)
 endif

@@ -7,6 +7,7 @@ import csv
 import io
 import os
 import re
+import shlex
 import subprocess
 import sys
 
@@ -76,6 +77,30 @@ def model_sizes(file):
             "needed_nodes": length["needed_node"], "states": length["state"]}
 
 
+def solution(file):
+    """The numbers of a stationary solution: status, iterations, seconds, H_c and H_min (central and smallest film)."""
+    names = {"status": "status", "iterations": "newton_iterations", "seconds": "solve_seconds",
+             "H_c": "central_film_thickness", "H_min": "minimum_film_thickness"}
+    columns = printed(file, *names.values())
+    return {name: float(columns[dataset][0]) for name, dataset in names.items()}
+
+
+def at(columns, time=None):
+    """Of printed() columns the lines of one time (the nearest; without one the last), all of them where there is one only."""
+    if "time" not in columns:
+        return columns
+    times = columns["time"]
+    nearest = times[-1] if time is None else times[np.argmin(np.abs(times - time))]
+    return {name: values[times == nearest] for name, values in columns.items()}
+
+
+def profile(file, time=None):
+    """X, P and H of a time (the last); of a point contact on the line Y = 0."""
+    columns = at(printed(file, "x", "pressure", "film_thickness"), time)
+    keep = columns.get("y", np.zeros(len(columns["x"]))) == 0
+    return [columns[name][keep] for name in ("x", "pressure", "film_thickness")]
+
+
 # ---- Cases
 
 
@@ -105,6 +130,16 @@ def read_cases(file="cases.csv"):
         lines = [line for line in source if line.strip() and not line.lstrip().startswith("#")]
     return [Case({(key or "").strip(): (text or "").strip() for key, text in record.items() if isinstance(text, str)})
             for record in csv.DictReader(lines)]
+
+
+def cases_for_make():
+    """Prints variables of make: CASES, all names, and settings.NAME, the options of each."""
+    cases = read_cases()
+    if not cases:
+        stop("cases.csv: found no cases, expected a line each below the header")
+    print("CASES :=", *(case.name for case in cases))
+    for case in cases:
+        print(f"settings.{case.name} :=", shlex.join(case.options).replace("$", "$$").replace("#", "\\#"))
 
 
 # ---- Deviations
@@ -139,3 +174,7 @@ def write_csv(file, header, rows):
 
 def rule(width):
     return "-" * width
+
+
+if __name__ == "__main__":
+    cases_for_make()

@@ -60,6 +60,3 @@ $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(
 
 # The model of $(OUT)/MODEL/RESULT, for $* of such a target.
 of_model = $(firstword $(subst /, ,$*))
-
-# $(call profile,RESULT.h5): columns X P H of the last time.
-profile = $(BIN)/fullrun --print $1 x pressure film_thickness | awk -f $(SHARED)common.awk -f $(SHARED)profile.awk

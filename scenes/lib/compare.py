@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Prints full and reduced results of all cases beside each other, below each the published figures where cases.csv has
+some, and films in um where a result says what unit they have. Also writes FOLDER/results.csv.
+
+    compare.py FOLDER MODEL        reads FOLDER/MODEL.h5, FOLDER/full/CASE.h5 and FOLDER/MODEL/CASE.h5
+"""
+import sys
+
+import results
+
+OPTIONAL = ["film_unit", "inlet_effect", "step_effect"]
+HEADER = ["case", "status", "iterations_full", "iterations_reduced", "milliseconds_full", "milliseconds_reduced", "H_c_full",
+          "H_c_reduced", "H_min_full", "H_min_reduced", *OPTIONAL]
+
+
+def effect(label, part):
+    """What inlet or step do to the full model's own central film, where it is more than 1 %."""
+    return f"  {label} {100 * part:+.0f} %" if part != "" and abs(part) > 0.01 else ""
+
+
+def numbers(part):
+    """Of a solution or of published numbers, the columns of the table: H_c, iterations, milliseconds."""
+    return float(part["H_c"]), int(part["iterations"]), 1000 * float(part["seconds"])
+
+
+def line(full, reduced, permille):
+    """The columns of the table behind case and film."""
+    return (f"  {full[0]:11.8f} {reduced[0]:11.8f} {permille:9.3f}   {full[1]:5d} {reduced[1]:7d}   "
+            f"{full[2]:8.1f} {reduced[2]:8.2f} {full[2] / reduced[2]:8.0f}")
+
+
+def main(folder, model):
+    cases = results.read_cases()
+    size = results.model_sizes(f"{folder}/{model}.h5")
+    solved = {kind: [results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases] for kind in ("full", model)}
+    optional = [[results.value(f"{folder}/full/{case.name}.h5", name, "") for name in OPTIONAL] for case in cases]
+    in_um = any(unit != "" for unit, _, _ in optional)
+    published = any("H_c_full" in case.published for case in cases)
+    width = max(10, *(len(case.name) for case in cases))
+
+    def begin(label, film=""):
+        return f"{label:{width}} {film:>9}" if in_um else f"{label:{width}} "
+
+    print(f"\nFull model: {size['nodes']} nodes, {2 * size['nodes'] + 1} unknowns. Reduced model: "
+          f"{size['pressure_modes'] + size['deformation_modes'] + 1} unknowns, {size['rows']} Reynolds rows, "
+          f"{size['states']} training solutions.")
+    print(f"H_c: film thickness at the centre.{' The second line of a case: as published.' if published else ''}\n")
+    print(f"{begin('', 'film')}  {'H_c':>11} {'H_c':>11} deviation      iterations           time / ms speed-up")
+    print(f"{begin('case', 'um')}  {'full':>11} {'reduced':>11}  permille    full reduced       full  reduced")
+    rule = results.rule(len(begin("")) + 80)
+    print(rule)
+
+    worst, worst_published, notes, rows = (0, ""), 0, "", []
+    for case, full, reduced, (unit, inlet, step) in zip(cases, solved["full"], solved[model], optional):
+        permille = 1000 * abs(reduced["H_c"] / full["H_c"] - 1)
+        trust = ("  not converged" if 1 in (full["status"], reduced["status"]) else
+                 "  outside of training" if reduced["status"] == 4 else "")
+        if not trust:  # only what converged inside of training
+            worst = max(worst, (permille, case.name))
+        grid = effect("inlet", inlet) + effect("step", step)
+        notes += grid
+        film = f"{1e6 * unit * full['H_c']:.4f}" if unit != "" else ""
+        print(begin(case.name, film) + line(numbers(full), numbers(reduced), permille) + trust + grid)
+        if "H_c_full" in case.published:
+            was = [numbers({name: case.published[f"{name}_{kind}"] for name in ("H_c", "iterations", "seconds")})
+                   for kind in ("full", "reduced")]
+            permille = float(case.published["deviation_permille"])
+            worst_published = max(worst_published, permille)
+            print(begin("  published") + line(*was, permille))
+        rows.append([case.name, int(reduced["status"]), int(full["iterations"]), int(reduced["iterations"]),
+                     f"{1000 * full['seconds']:.4g}", f"{1000 * reduced['seconds']:.4g}", full["H_c"], reduced["H_c"],
+                     full["H_min"], reduced["H_min"], unit, inlet, step])
+    print(rule)
+    print(f"worst deviation: {worst[0]:.3f} permille ({worst[1]})", f", published {worst_published:.3f}" if published else "",
+          f"; slowest reduced solution: {1000 * max(reduced['seconds'] for reduced in solved[model]):.2f} ms", sep="")
+    if notes:
+        print("inlet, step: what the domain's start and the grid's step do to the full model's own central film")
+    results.write_csv(f"{folder}/results.csv", HEADER, rows)
+
+
+main(*sys.argv[1:])
