@@ -10,6 +10,7 @@ import re
 import shlex
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -142,7 +143,29 @@ def cases_for_make():
         print(f"settings.{case.name} :=", shlex.join(case.options).replace("$", "$$").replace("#", "\\#"))
 
 
-# ---- Deviations
+# ---- In time
+
+
+def trajectory(result, program, *options):
+    """Runs a transient scene (the first of the options) into a result. Returns, as attributes: code (exit code), message
+    (on stderr, mostly none), formulas (words of each line of --formulas); steps; rejected, newton and seconds, NaN of a
+    run that stopped early; and over time: time, load, P_c, H_c, H_min (factors and numbers of the reference frame)."""
+    done = run(program, *options, "-o", result, "--force", "--quiet")
+    early = done.returncode == NOT_CONVERGED
+    file = f"{result}.partial" if early else result
+    columns = printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness")
+    rejected, newton, seconds = [np.nan] * 3 if early else [
+        value(file, name) for name in ("rejected_steps", "total_newton_iterations", "solve_seconds")]
+    return SimpleNamespace(
+        code=done.returncode, message=done.stderr.strip(), steps=max(len(columns["time"]) - 1, 0),
+        formulas=[line.split()[1:] for line in done.stdout.splitlines() if line.startswith("formula ")],
+        rejected=rejected, newton=newton, seconds=seconds,
+        **dict(zip(("time", "load", "P_c", "H_c", "H_min"), columns.values())))
+
+
+def deviations(reference, other, column):
+    """Relative deviations of a column of a trajectory at its times from another one's, NaN where that has none."""
+    return getattr(other, column) / at_times(reference.time, getattr(reference, column), other.time) - 1
 
 
 def at_times(times, values, wanted):
