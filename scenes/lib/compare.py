@@ -1,16 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints full and reduced results of all cases beside each other, below each the published figures where cases.csv has
-some, and films in um where a result says what unit they have. Also writes FOLDER/results.csv.
+"""The cases of cases.csv for make, and full and reduced results of all of them beside each other.
 
-    compare.py FOLDER MODEL        reads FOLDER/MODEL.h5, FOLDER/full/CASE.h5 and FOLDER/MODEL/CASE.h5
+    compare.py cases > CASES.mk
+    compare.py table FOLDER MODEL        reads FOLDER/MODEL.h5, FOLDER/full/CASE.h5 and FOLDER/MODEL/CASE.h5
 """
-import sys
+import shlex
 
 import results
 
 OPTIONAL = ["film_unit", "inlet_effect", "step_effect"]
 HEADER = ["case", "status", "iterations_full", "iterations_reduced", "milliseconds_full", "milliseconds_reduced", "H_c_full",
           "H_c_reduced", "H_min_full", "H_min_reduced", *OPTIONAL]
+
+
+def cases():
+    """Prints variables of make: CASES, all names, and settings.NAME, the options of each."""
+    known = results.read_cases()
+    if not known:
+        results.stop("cases.csv: found no cases, expected a line each below the header")
+    print("CASES :=", *(case.name for case in known))
+    for case in known:
+        print(f"settings.{case.name} :=", shlex.join(case.options).replace("$", "$$").replace("#", "\\#"))
 
 
 def effect(label, part):
@@ -29,7 +39,9 @@ def line(full, reduced, permille):
             f"{full[2]:8.1f} {reduced[2]:8.2f} {full[2] / reduced[2]:8.0f}")
 
 
-def main(folder, model):
+def table(folder, model):
+    """Prints the table, below each case the published figures where cases.csv has some, and films in um where a result says
+    what unit they have. Also writes FOLDER/results.csv."""
     cases = results.read_cases()
     size = results.model_sizes(f"{folder}/{model}.h5")
     solved = {kind: [results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases] for kind in ("full", model)}
@@ -78,4 +90,4 @@ def main(folder, model):
     results.write_csv(f"{folder}/results.csv", HEADER, rows)
 
 
-main(*sys.argv[1:])
+results.commands(cases, table)

@@ -84,12 +84,12 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
         widths = results.printed(file, "time", "contact_half_width")
         row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
         for axes, (name, time) in zip(row, panels):
-            (heading, levels, limits), field, line = QUANTITIES[name], results.at(fields, time), results.at(exits, time)
+            (heading, levels, limits), field, line = QUANTITIES[name], results.of_time(fields, time), results.of_time(exits, time)
             x, y = np.unique(field["x"]), np.unique(field["y"])
             values = field[name].reshape(len(y), len(x))
             axes.pcolormesh(x, y, values, shading="nearest", vmin=limits[0], vmax=limits[1], rasterized=True)
             axes.contour(x, y, values, levels, colors="#303030", linewidths=0.8)
-            axes.plot(line["exit_position"] / results.at(widths, time)["contact_half_width"], line["y"], "w", linewidth=2.5)
+            axes.plot(line["exit_position"] / results.of_time(widths, time)["contact_half_width"], line["y"], "w", linewidth=2.5)
             axes.set_aspect("equal")
             axes.grid(False)
             if kind == "full":

@@ -11,8 +11,8 @@ include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
 REPEAT ?= 21
 
 # CASES, their names, and the options of each.
-$(OUT)/cases.mk: cases.csv $(SHARED)results.py
-	@$(python) $(SHARED)results.py > $@
+$(OUT)/cases.mk: cases.csv $(SHARED)compare.py
+	@$(python) $(SHARED)compare.py cases > $@
 include $(OUT)/cases.mk
 
 # ---- Targets for people
@@ -51,7 +51,7 @@ $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.y
 
 # Also $(OUT)/results.csv.
 $(OUT)/comparison.txt: $(SHARED)compare.py cases.csv $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/full/%.h5) $(CASES:%=$(OUT)/$(MODEL)/%.h5)
-	@$(python) $< $(OUT) $(MODEL) > $@
+	@$(python) $< table $(OUT) $(MODEL) > $@
 
 DRAWN := $(or $(filter $(CASES),$(PROFILES)),$(wordlist 1,3,$(CASES)))
 

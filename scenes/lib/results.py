@@ -4,10 +4,10 @@
 The folder of the programs is the environment variable BIN (common.mk). Results are read by --print.
 """
 import csv
+import inspect
 import io
 import os
 import re
-import shlex
 import subprocess
 import sys
 from types import SimpleNamespace
@@ -86,7 +86,7 @@ def solution(file):
     return {name: float(columns[dataset][0]) for name, dataset in names.items()}
 
 
-def at(columns, time=None):
+def of_time(columns, time=None):
     """Of printed() columns the lines of one time (the nearest; without one the last), all of them where there is one only."""
     if "time" not in columns:
         return columns
@@ -97,7 +97,7 @@ def at(columns, time=None):
 
 def profile(file, time=None):
     """X, P and H of a time (the last); of a point contact on the line Y = 0."""
-    columns = at(printed(file, "x", "pressure", "film_thickness"), time)
+    columns = of_time(printed(file, "x", "pressure", "film_thickness"), time)
     keep = columns.get("y", np.zeros(len(columns["x"]))) == 0
     return [columns[name][keep] for name in ("x", "pressure", "film_thickness")]
 
@@ -133,34 +133,32 @@ def read_cases(file="cases.csv"):
             for record in csv.DictReader(lines)]
 
 
-def cases_for_make():
-    """Prints variables of make: CASES, all names, and settings.NAME, the options of each."""
-    cases = read_cases()
-    if not cases:
-        stop("cases.csv: found no cases, expected a line each below the header")
-    print("CASES :=", *(case.name for case in cases))
-    for case in cases:
-        print(f"settings.{case.name} :=", shlex.join(case.options).replace("$", "$$").replace("#", "\\#"))
-
-
 # ---- In time
 
 
-def trajectory(result, program, *options):
-    """Runs a transient scene (the first of the options) into a result. Returns, as attributes: code (exit code), message
-    (on stderr, mostly none), formulas (words of each line of --formulas); steps; rejected, newton and seconds, NaN of a
-    run that stopped early; and over time: time, load, P_c, H_c, H_min (factors and numbers of the reference frame)."""
-    done = run(program, *options, "-o", result, "--force", "--quiet")
-    early = done.returncode == NOT_CONVERGED
-    file = f"{result}.partial" if early else result
-    columns = printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness")
+def read_trajectory(file):
+    """A transient result, also of a run that stopped early, as attributes: code (exit code of the run); steps; rejected,
+    newton and seconds, NaN of a run that stopped early; and over time: time, load, P_c, H_c, H_min (factors and numbers
+    of the reference frame)."""
+    columns = printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness",
+                      "status")
+    early = value(file, "complete") == 0
     rejected, newton, seconds = [np.nan] * 3 if early else [
         value(file, name) for name in ("rejected_steps", "total_newton_iterations", "solve_seconds")]
     return SimpleNamespace(
-        code=done.returncode, message=done.stderr.strip(), steps=max(len(columns["time"]) - 1, 0),
-        formulas=[line.split()[1:] for line in done.stdout.splitlines() if line.startswith("formula ")],
-        rejected=rejected, newton=newton, seconds=seconds,
+        code=NOT_CONVERGED if early else NOT_TRUSTED if NOT_TRUSTED in columns["status"] else SOLVED,
+        steps=max(len(columns["time"]) - 1, 0), rejected=rejected, newton=newton, seconds=seconds,
         **dict(zip(("time", "load", "P_c", "H_c", "H_min"), columns.values())))
+
+
+def trajectory(result, program, *options):
+    """Runs a transient scene (the first of the options) into a result, RESULT.partial of a run that stops early. Returns
+    read_trajectory with message (on stderr, mostly none) and formulas (words of each line of --formulas)."""
+    done = run(program, *options, "-o", result, "--force", "--quiet")
+    found = read_trajectory(f"{result}.partial" if done.returncode == NOT_CONVERGED else result)
+    found.code, found.message = done.returncode, done.stderr.strip()
+    found.formulas = [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("formula ")]
+    return found
 
 
 def deviations(reference, other, column):
@@ -199,5 +197,23 @@ def rule(width):
     return "-" * width
 
 
-if __name__ == "__main__":
-    cases_for_make()
+def read_csv(file):
+    """Lines of a CSV file under a header, each a dictionary of texts."""
+    with open(file, newline="") as source:
+        return list(csv.DictReader(source))
+
+
+# ---- Command line
+
+
+def commands(*functions):
+    """Calls the function that the first word of the command line names (- for _) with the other words."""
+    known = {function.__name__.replace("_", "-"): function for function in functions}
+    name, *words = sys.argv[1:] or [""]
+    if name not in known:
+        stop(f"found command '{name}', expected one of: {' '.join(known)}", 64)
+    try:
+        inspect.signature(known[name]).bind(*words)
+    except TypeError as error:
+        stop(f"{name}: {error}, expected {name} {' '.join(inspect.signature(known[name]).parameters)}", 64)
+    known[name](*words)

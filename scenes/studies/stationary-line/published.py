@@ -5,7 +5,6 @@
     published.py point FOLDER KIND-PRESSURE-DEFORMATION CASE [--set KEY=VALUE...]
     published.py figure3 PICTURE CASE PRESSURE DEFORMATION 'SIZES' POINT.txt...
 """
-import sys
 import tempfile
 
 import results
@@ -131,4 +130,4 @@ def figure3(picture, name, fixed_pressure, fixed_deformation, sizes, *files):
     pictures.save(figure, picture)
 
 
-{"tables": tables, "point": point, "figure3": figure3}[sys.argv[1]](*sys.argv[2:])
+results.commands(tables, point, figure3)
