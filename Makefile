@@ -157,7 +157,7 @@ install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages
 	@for header in $$($(CC) -I. -MM romrun/online/ehdrom.h | tr -d '\\' | sed 's/^[^:]*://'); do \
 	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
 	done
-	@cd scenes && find lib examples \( -name 'out*' -o -name oscillator \) -prune -o -type f -print | while read -r file; do \
+	@cd scenes && find lib examples \( -name 'out*' -o -name __pycache__ -o -name oscillator \) -prune -o -type f -print | while read -r file; do \
 	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
 
@@ -204,8 +204,9 @@ print-%:
 # ---- What has to be installed
 
 PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats gnuplot-nox \
-            help2man netcdf-bin python3-numpy python3-xarray python3-h5py python3-netcdf4 python3-h5netcdf valgrind
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats \
+            help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
+            python3-h5netcdf valgrind
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr

@@ -9,8 +9,8 @@ import shlex
 import results
 
 OPTIONAL = ["film_unit", "inlet_effect", "step_effect"]
-HEADER = ["case", "status", "iterations_full", "iterations_reduced", "milliseconds_full", "milliseconds_reduced", "H_c_full",
-          "H_c_reduced", "H_min_full", "H_min_reduced", *OPTIONAL]
+HEADER = ["case", "status", "iterations_full", "iterations_reduced", "milliseconds_full", "milliseconds_reduced",
+          "H_c_full", "H_c_reduced", "H_min_full", "H_min_reduced", *OPTIONAL]
 
 
 def cases():
@@ -40,8 +40,8 @@ def line(full, reduced, permille):
 
 
 def table(folder, model):
-    """Prints the table, below each case the published figures where cases.csv has some, and films in um where a result says
-    what unit they have. Also writes FOLDER/results.csv."""
+    """Prints the table, below each case the published figures where cases.csv has some, and films in um where a result
+    says what unit they have. Also writes FOLDER/results.csv."""
     cases = results.read_cases()
     size = results.model_sizes(f"{folder}/{model}.h5")
     solved = {kind: [results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases] for kind in ("full", model)}
@@ -83,7 +83,8 @@ def table(folder, model):
                      f"{1000 * full['seconds']:.4g}", f"{1000 * reduced['seconds']:.4g}", full["H_c"], reduced["H_c"],
                      full["H_min"], reduced["H_min"], unit, inlet, step])
     print(rule)
-    print(f"worst deviation: {worst[0]:.3f} permille ({worst[1]})", f", published {worst_published:.3f}" if published else "",
+    print(f"worst deviation: {worst[0]:.3f} permille ({worst[1]})",
+          f", published {worst_published:.3f}" if published else "",
           f"; slowest reduced solution: {1000 * max(reduced['seconds'] for reduced in solved[model]):.2f} ms", sep="")
     if notes:
         print("inlet, step: what the domain's start and the grid's step do to the full model's own central film")

@@ -57,12 +57,12 @@ def profiles(picture, folder, model, cases, x=(-2, 1.5), film=None, step=24):
             shown = (X >= x[0]) & (X <= x[1])
             for axes, values in (pressure_axes, P), (film_axes, H):
                 axes.plot(X[shown], values[shown], style, color=COLOURS[i % 6], fillstyle="none",
-                          markevery=(i * step // 3, step), label=case.title if (axes, kind) == (film_axes, "full") else None)
+                          markevery=(i * step // 3, step), label=case.title if kind == "full" else None)
     film_axes.plot([], [], "k-", label="line: full model")
     film_axes.plot([], [], "ko", fillstyle="none", label="marks: reduced model")
     pressure_axes.set(ylabel="pressure $p/p_H$", xlim=x, ylim=(0, None))
-    film_axes.set(xlabel="position $X = x/a$   ($a$: half width of the dry contact)", ylabel="film thickness $H = hR/a^2$",
-                  yscale="log", ylim=film)
+    film_axes.set(xlabel="position $X = x/a$   ($a$: half width of the dry contact)",
+                  ylabel="film thickness $H = hR/a^2$", yscale="log", ylim=film)
     film_axes.legend(loc="upper center")
     save(figure, picture)
 
@@ -84,12 +84,13 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
         widths = results.printed(file, "time", "contact_half_width")
         row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
         for axes, (name, time) in zip(row, panels):
-            (heading, levels, limits), field, line = QUANTITIES[name], results.of_time(fields, time), results.of_time(exits, time)
+            heading, levels, limits = QUANTITIES[name]
+            field, line, width = (results.of_time(columns, time) for columns in (fields, exits, widths))
             x, y = np.unique(field["x"]), np.unique(field["y"])
             values = field[name].reshape(len(y), len(x))
             axes.pcolormesh(x, y, values, shading="nearest", vmin=limits[0], vmax=limits[1], rasterized=True)
             axes.contour(x, y, values, levels, colors="#303030", linewidths=0.8)
-            axes.plot(line["exit_position"] / results.of_time(widths, time)["contact_half_width"], line["y"], "w", linewidth=2.5)
+            axes.plot(line["exit_position"] / width["contact_half_width"], line["y"], "w", linewidth=2.5)
             axes.set_aspect("equal")
             axes.grid(False)
             if kind == "full":
@@ -106,10 +107,10 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
 
 def in_time(file):
     """Times, load, and in SI units central pressure, central and smallest film of a result."""
-    columns = results.printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness",
-                              "hertz_pressure", "film_unit")
-    return (columns["time"], columns["load"], columns["central_pressure"] * columns["hertz_pressure"],
-            columns["central_film_thickness"] * columns["film_unit"], columns["minimum_film_thickness"] * columns["film_unit"])
+    columns = results.printed(file, "time", "load", "central_pressure", "central_film_thickness",
+                              "minimum_film_thickness", "hertz_pressure", "film_unit")
+    time, load, pressure, centre, smallest, pressure_unit, film_unit = columns.values()
+    return time, load, pressure * pressure_unit, centre * film_unit, smallest * film_unit
 
 
 def scene_in_time(picture, files):

@@ -50,7 +50,8 @@ $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.y
 # ---- Table and pictures
 
 # Also $(OUT)/results.csv.
-$(OUT)/comparison.txt: $(SHARED)compare.py cases.csv $(OUT)/$(MODEL).h5 $(CASES:%=$(OUT)/full/%.h5) $(CASES:%=$(OUT)/$(MODEL)/%.h5)
+$(OUT)/comparison.txt: $(SHARED)compare.py cases.csv $(OUT)/$(MODEL).h5 \
+                       $(foreach kind,full $(MODEL),$(CASES:%=$(OUT)/$(kind)/%.h5))
 	@$(python) $< table $(OUT) $(MODEL) > $@
 
 DRAWN := $(or $(filter $(CASES),$(PROFILES)),$(wordlist 1,3,$(CASES)))

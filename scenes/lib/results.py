@@ -87,7 +87,7 @@ def solution(file):
 
 
 def of_time(columns, time=None):
-    """Of printed() columns the lines of one time (the nearest; without one the last), all of them where there is one only."""
+    """Of printed() columns the lines of one time: the nearest, or the last; all of them where there is one only."""
     if "time" not in columns:
         return columns
     times = columns["time"]

@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The contact between a cam and a flat-faced tappet during one lift.
 
-    cam.py history SCENE.yml > HISTORY.csv      factors on the scene's `physical` reference over its time T = u_ref t / a_ref
+    cam.py history SCENE.yml > HISTORY.csv
     cam.py picture PICTURE.png FULL.h5 REDUCED.h5
 
-Columns of the history: T, load, speed, radius, modulus (factors), angle (of the cam, degrees from the nose), lift (mm).
+Columns of the history: T, load, speed, radius, modulus (factors on the scene's `physical` reference, over its time
+T = u_ref t / a_ref), angle (of the cam, degrees from the nose), lift (mm).
 
-Lift: the 3-4-5-6 polynomial of a cam with a single dwell (R. L. Norton, Cam Design and Manufacturing Handbook, Industrial
-Press), s = 64 h (x (1 - x))^3 with x = theta/beta from 0 to 1 over rise and fall; velocity and acceleration start and end
-at zero.
-Contact, with derivatives by the angle: the radius of the cam's curvature is rho = r_b + s + s'', the contact lies s' from
-the tappet's axis, the surfaces pass it with omega rho (cam) and omega s'' (tappet), hence the mean speed
-u_m = omega (r_b + s + 2 s'')/2. At the nose s'' is negative. On a cam of short lift u_m then changes its sign between flank
-and nose; this one is a slow and flat one, so that u_m stays above zero, at 0.4 of what it is on the base circle.
+Lift: the 3-4-5-6 polynomial of a cam with a single dwell (R. L. Norton, Cam Design and Manufacturing Handbook,
+Industrial Press), s = 64 h (x (1 - x))^3 with x = theta/beta from 0 to 1 over rise and fall; velocity and acceleration
+start and end at zero.
+Contact, with derivatives by the angle: the radius of the cam's curvature is rho = r_b + s + s'', the contact lies s'
+from the tappet's axis, the surfaces pass it with omega rho (cam) and omega s'' (tappet), hence the mean speed
+u_m = omega (r_b + s + 2 s'')/2. At the nose s'' is negative. On a cam of short lift u_m then changes its sign between
+flank and nose; this one is a slow and flat one, so that u_m stays above zero, at 0.4 of what it is on the base circle.
 Load: spring and inertia, w = (F_0 + k s + m omega^2 s'')/b.
-Modulus: that of steel on steel at the tappet's axis; further out it falls with the square of the distance, as if the facing
-became softer to the rim. This law stands for no particular facing.
+Modulus: that of steel on steel at the tappet's axis; further out it falls with the square of the distance, as if the
+facing became softer to the rim. This law stands for no particular facing.
 """
 import re
 
@@ -35,12 +36,13 @@ NUM_INTERVALS = 480
 
 
 def history(scene):
-    """Prints the history as CSV. The reference: one line, physical: {load: ..., radius: ..., speed: ..., modulus: ...}"""
+    """Prints the history. The reference is one line: physical: {load: ..., radius: ..., speed: ..., modulus: ...}"""
     lines = re.findall(r"^physical:.*", open(scene).read(), re.MULTILINE)
     given = dict(re.findall(r"(\w+): *([0-9][^,} ]*)", lines[0])) if lines else {}
     load, radius, speed, modulus = (float(given.get(name, 0)) for name in ("load", "radius", "speed", "modulus"))
     if not min(load, radius, speed, modulus) > 0:
-        results.stop(f"{scene}: found no `physical: {{load: ..., radius: ..., speed: ..., modulus: ...}}`, expected one line of it")
+        results.stop(f"{scene}: found no `physical: {{load: ..., radius: ..., speed: ..., modulus: ...}}`, "
+                     "expected one line of it")
     beta, omega = np.radians(DURATION), 2 * speed / BASE_RADIUS  # the reference speed is that of the base circle
     half_width = np.sqrt(8 * load * radius / (np.pi * modulus))
 
@@ -66,14 +68,13 @@ def picture(picture, full, reduced):
     (T, _, pressure, centre, smallest), fewer = pictures.in_time(full), pictures.in_time(reduced)
     figure, (history_axes, pressure_axes, film_axes) = pictures.page(1000, 1000, 3, sharex=True)
 
-    def angle(times):
-        return DURATION * (times / T[-1] - 0.5)  # a linear function of time
-
-    for name, label in {"load": "load", "speed": "mean speed", "radius": "radius of curvature", "modulus": "modulus"}.items():
+    angle, fewer_angles = (np.interp(times, table["T"], table["angle"]) for times in (T, fewer[0]))
+    for name, label in (("load", "load"), ("speed", "mean speed"), ("radius", "radius of curvature"),
+                        ("modulus", "modulus")):
         history_axes.plot(table["angle"], table[name], label=label)
-    pictures.pair(pressure_axes, (angle(T), 1e-9 * pressure), (angle(fewer[0]), 1e-9 * fewer[2]))
-    pictures.pair(film_axes, (angle(T), 1e6 * centre), (angle(fewer[0]), 1e6 * fewer[3]), label="centre, ")
-    pictures.pair(film_axes, (angle(T), 1e6 * smallest), (angle(fewer[0]), 1e6 * fewer[4]), colour=pictures.RED, mark="s",
+    pictures.pair(pressure_axes, (angle, 1e-9 * pressure), (fewer_angles, 1e-9 * fewer[2]))
+    pictures.pair(film_axes, (angle, 1e6 * centre), (fewer_angles, 1e6 * fewer[3]), label="centre, ")
+    pictures.pair(film_axes, (angle, 1e6 * smallest), (fewer_angles, 1e6 * fewer[4]), colour=pictures.RED, mark="s",
                   label="smallest, ")
     history_axes.set(ylabel="factor on the reference", ylim=(0, 2.5), xlim=(-DURATION / 2, DURATION / 2),
                      xticks=range(-120, 121, 30))

@@ -19,18 +19,18 @@ def exits(picture, folder, model, *names):
     figure, axes = pictures.page(980, 700)
     for i, case in enumerate(case for case in results.read_cases() if case.name in names):
         for kind, style in ("full", "-"), (model, pictures.MARKS[i % 6]):
-            axes.plot(*exit_line(f"{folder}/{kind}/{case.name}.h5"), style, color=pictures.COLOURS[i % 6], fillstyle="none",
-                      label=case.title if kind == "full" else None)
+            axes.plot(*exit_line(f"{folder}/{kind}/{case.name}.h5"), style, color=pictures.COLOURS[i % 6],
+                      fillstyle="none", label=case.title if kind == "full" else None)
     axes.set(xlabel="exit $X = x/a$", ylabel="$Y = y/a$", ylim=(0, None))
     axes.legend(loc="upper right")
     pictures.save(figure, picture)
 
 
 def speed(folder, model, settings, sizes):
-    """Prints time and deviations of the reduced model beside the full one, case by case, on one thread: the least of three
-    cold starts of the full model, the median of many online solutions; deviations of central and minimum film; by how many
-    nodes the exit lines differ, mean and largest of all lines. The last line: the worst of all cases inside the training.
-    Settings: options of both programs; sizes: of romrun alone, such as --pressure-modes 50."""
+    """Prints time and deviations of the reduced model beside the full one, case by case, on one thread: the least of
+    three cold starts of the full model, the median of many online solutions; deviations of central and minimum film;
+    by how many nodes the exit lines differ, mean and largest of all lines. The last line: the worst of all cases inside
+    the training. Settings: options of both programs; sizes: of romrun alone, such as --pressure-modes 50."""
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     print(f"{'':12}      full   reduced     full/  iterations        H_c        H_m    exit, nodes")
     print(f"{'case':12}         s        ms   reduced  full, red.   permille   permille  mean, largest", flush=True)
@@ -47,22 +47,23 @@ def speed(folder, model, settings, sizes):
         seconds = min(results.solution(file)["seconds"] for file in files)
         central, minimum = (1000 * (reduced[film] / full[film] - 1) for film in ("H_c", "H_min"))
         apart = np.abs(exit_line(online)[0] - exit_line(files[0])[0]) / results.value(online, "step")
-        line = [1e3 * reduced["seconds"], seconds / reduced["seconds"], reduced["iterations"], central, minimum, np.mean(apart),
-                np.max(apart)]
+        line = [1e3 * reduced["seconds"], seconds / reduced["seconds"], reduced["iterations"], central, minimum,
+                np.mean(apart), np.max(apart)]
         outside = reduced["status"] == results.NOT_TRUSTED
-        print(f"{case.name:12} {seconds:9.3f} {line[0]:9.3f} {line[1]:9.0f} {full['iterations']:6.0f} {line[2]:4.0f} {central:10.4f} "
-              f"{minimum:10.4f} {line[5]:8.2f} {line[6]:5.0f}{'  outside of training' if outside else ''}", flush=True)
+        print(f"{case.name:12} {seconds:9.3f} {line[0]:9.3f} {line[1]:9.0f} {full['iterations']:6.0f} {line[2]:4.0f} "
+              f"{central:10.4f} {minimum:10.4f} {line[5]:8.2f} {line[6]:5.0f}"
+              f"{'  outside of training' if outside else ''}", flush=True)
         if not outside:
             trusted.append(line)
     if trusted:
-        most = np.max(np.abs(trusted), axis=0)
-        print(f"{'worst':12} {'':9} {most[0]:9.3f} {np.min(trusted, axis=0)[1]:9.0f} {most[2]:11.0f} {most[3]:10.4f} {most[4]:10.4f} "
-              f"{np.mean(trusted, axis=0)[5]:8.2f} {most[6]:5.0f}")
+        most, least, mean = (function(np.abs(trusted), axis=0) for function in (np.max, np.min, np.mean))
+        print(f"{'worst':22} {most[0]:9.3f} {least[1]:9.0f} {most[2]:11.0f} {most[3]:10.4f} {most[4]:10.4f} "
+              f"{mean[5]:8.2f} {most[6]:5.0f}")
 
 
 def growth(folder, step, modes, rows):
-    """Prints what an online solution costs on a grid, with as many modes and rows as on any other: lines of the half grid,
-    nodes, unknowns, rows, needed nodes, iterations, milliseconds, microseconds an iteration. Reads
+    """Prints what an online solution costs on a grid, with as many modes and rows as on any other: lines of the half
+    grid, nodes, unknowns, rows, needed nodes, iterations, milliseconds, microseconds an iteration. Reads
     FOLDER/growth-STEP-snapshots.h5."""
     snapshots, basis, residuals, model, result = (f"{folder}/growth-{step}-{part}.h5" for part in (
         "snapshots", "basis", "residuals", "model", "result"))

@@ -3,13 +3,15 @@
 
 PUBLISHED := $(dir $(lastword $(MAKEFILE_LIST)))published.py
 
-figures: $(OUT)/tables.txt $(OUT)/profiles.png $(if $(FIGURE3_CASE),$(OUT)/figure3.png) ## tables and figures as published
+figures: $(OUT)/tables.txt $(OUT)/profiles.png \
+         $(if $(FIGURE3_CASE),$(OUT)/figure3.png) ## tables and figures as published
 	@cat $(OUT)/tables.txt
 	@printf '%s\n' $(patsubst %,'picture: %',$(abspath $(filter %.png,$^)))
 
 .PHONY: figures
 
-$(OUT)/tables.txt: $(PUBLISHED) cases.csv $(MODELS:%=$(OUT)/%.h5) $(foreach kind,full $(MODELS),$(CASES:%=$(OUT)/$(kind)/%.h5))
+$(OUT)/tables.txt: $(PUBLISHED) cases.csv $(MODELS:%=$(OUT)/%.h5) \
+                   $(foreach kind,full $(MODELS),$(CASES:%=$(OUT)/$(kind)/%.h5))
 	$(call quiet,tables    ,$@)$(python) $< tables $(OUT) '$(PUBLISHED_SIZES)' $(MODELS) > $@
 
 # ---- Figure 3: each point is a model of its own
@@ -23,4 +25,5 @@ $(OUT)/figure3-%.txt: $(PUBLISHED) $(OUT)/snapshots.h5 $(OUT)/full/$(FIGURE3_CAS
 	$(call quiet,figure 3  ,$*)$(python) $< point $(OUT) $* $(FIGURE3_CASE) $(SET) > $@
 
 $(OUT)/figure3.png: $(PUBLISHED) $(SHARED)pictures.py cases.csv $(FIGURE3_FILES)
-	$(call quiet,picture   ,$@)$(python) $< figure3 $@ $(FIGURE3_CASE) $(FIGURE3_FIXED) '$(PUBLISHED_SIZES)' $(FIGURE3_FILES)
+	$(call quiet,picture   ,$@)$(python) $< figure3 $@ \
+	    $(FIGURE3_CASE) $(FIGURE3_FIXED) '$(PUBLISHED_SIZES)' $(FIGURE3_FILES)
