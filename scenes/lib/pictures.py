@@ -7,10 +7,12 @@ import argparse
 import os
 
 import matplotlib
+from PIL import Image
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib.ticker import MaxNLocator  # noqa: E402
 
 import results  # noqa: E402
 
@@ -32,8 +34,9 @@ def page(width, height, rows=1, columns=1, **options):
 
 
 def save(figure, file):
-    """Saves the figure as PNG (the file) and as SVG beside it."""
+    """Saves the figure as PNG (the file), of 256 colours, and as SVG beside it."""
     figure.savefig(file)
+    Image.open(file).convert("RGB").quantize().save(file, optimize=True)
     figure.savefig(os.path.splitext(file)[0] + ".svg", metadata={"Date": None})
     plt.close(figure)
 
@@ -69,36 +72,42 @@ def profiles(picture, folder, model, cases, x=(-2, 1.5), film=None, step=24):
 
 # ---- A point contact as a map
 
-QUANTITIES = {"pressure": ("pressure $p/p_H$, lines every 0.1", np.arange(1, 16) / 10, (0, 1.2)),
-              "film_thickness": ("film thickness $hR/a^2$, lines every 0.02", np.arange(10, 31) / 50, (0.2, 0.6))}
+QUANTITIES = {"pressure": "pressure $p/p_H$", "film_thickness": "film thickness $hR/a^2$"}
 
 
 def maps(picture, files, title=None, case=None, times=(), width=1200):
-    """Full model above, reduced below (files): pressure and film, or the film at some times; white: the exit line."""
+    """Full model above, reduced below (files): pressure and film, or the film at some times; white: the exit line. The
+    film is told apart from its smallest to 2.5 times that, in the first panel of the full model."""
     panels = [("film_thickness", time) for time in times] or [(name, None) for name in QUANTITIES]
-    figure, grid = page(1200, 180 + 2160 / len(panels) if times else 1080, 2, len(panels), sharex=True, sharey=True)
-    figure.dpi = width / 12
+    figure, grid = page(1200, 180 + 1700 / len(panels) if times else 1000, 2, len(panels), sharex=True, sharey=True,
+                        dpi=width / 12)
     figure.suptitle(title or next(known.title for known in results.read_cases() if known.name == case))
+    levels = {"pressure": np.arange(13) / 10}
     for row, file, kind in zip(grid, files, ("full", "reduced")):
         fields, exits = results.printed(file, "x", "y", *QUANTITIES), results.printed(file, "exit_position", "y")
         widths = results.printed(file, "time", "contact_half_width")
         row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
         for axes, (name, time) in zip(row, panels):
-            heading, levels, limits = QUANTITIES[name]
-            field, line, width = (results.of_time(columns, time) for columns in (fields, exits, widths))
+            field, line, half_width = (results.of_time(columns, time) for columns in (fields, exits, widths))
             x, y = np.unique(field["x"]), np.unique(field["y"])
             values = field[name].reshape(len(y), len(x))
-            axes.pcolormesh(x, y, values, shading="nearest", vmin=limits[0], vmax=limits[1], rasterized=True)
-            axes.contour(x, y, values, levels, colors="#303030", linewidths=0.8)
-            axes.plot(line["exit_position"] / width["contact_half_width"], line["y"], "w", linewidth=2.5)
+            if name not in levels:
+                levels[name] = MaxNLocator(20).tick_values(values.min(), 2.5 * values.min())
+            lines = levels[name]
+            image = axes.pcolormesh(x, y, values, shading="nearest", vmin=lines[0], vmax=lines[-1], rasterized=True)
+            axes.contour(x, y, values, lines[lines > 0], colors="#303030", linewidths=0.8)
+            axes.plot(line["exit_position"] / half_width["contact_half_width"], line["y"], "w", linewidth=2.5)
             axes.set_aspect("equal")
             axes.grid(False)
+            heading = f"{QUANTITIES[name]}, lines every {lines[1] - lines[0]:.3g}"
             if kind == "full":
                 axes.set_title(f"T = {time:g}" if times else heading)
+                if not times:
+                    figure.colorbar(image, ax=grid[:, panels.index((name, time))], aspect=40, shrink=0.9)
+    if times:
+        figure.colorbar(image, ax=grid, aspect=40, label=heading)
     for axes in grid[1]:
         axes.set_xlabel("$X = x/a$")
-    for part in [grid] if times else grid.T:
-        figure.colorbar(part.flat[0].collections[0], ax=part, aspect=40, shrink=0.8)
     save(figure, picture)
 
 

@@ -87,11 +87,13 @@ def solution(file):
 
 
 def of_time(columns, time=None):
-    """Of printed() columns the lines of one time: the nearest, or the last; all of them where there is one only."""
+    """Of printed() columns the lines of one time, or of the last; all of them where there is one only."""
     if "time" not in columns:
         return columns
     times = columns["time"]
     nearest = times[-1] if time is None else times[np.argmin(np.abs(times - time))]
+    if time is not None and abs(nearest - time) > 1e-6:
+        stop(f"found no fields at T = {time:g}, expected some: the nearest are at {nearest:g}")
     return {name: values[times == nearest] for name, values in columns.items()}
 
 
