@@ -11,6 +11,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
+from matplotlib import ticker  # noqa: E402
 
 import results  # noqa: E402
 
@@ -36,6 +37,13 @@ def save(figure, file):
     figure.savefig(file)
     figure.savefig(os.path.splitext(file)[0] + ".svg", metadata={"Date": None})
     plt.close(figure)
+
+
+def plain_logarithms(axis):
+    """Ticks of a logarithmic axis at 1, 2 and 5 of each decade, in plain numbers."""
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def pair(axes, full, reduced, every=25, colour=BLUE, mark="o", label=""):
@@ -84,12 +92,12 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
         widths = results.printed(file, "time", "contact_half_width")
         row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
         for axes, (name, time) in zip(row, panels):
-            (heading, levels, limits), field, line = QUANTITIES[name], results.of_time(fields, time), results.of_time(exits, time)
+            (heading, levels, limits), field, line = QUANTITIES[name], results.at(fields, time), results.at(exits, time)
             x, y = np.unique(field["x"]), np.unique(field["y"])
             values = field[name].reshape(len(y), len(x))
             axes.pcolormesh(x, y, values, shading="nearest", vmin=limits[0], vmax=limits[1], rasterized=True)
             axes.contour(x, y, values, levels, colors="#303030", linewidths=0.8)
-            axes.plot(line["exit_position"] / results.of_time(widths, time)["contact_half_width"], line["y"], "w", linewidth=2.5)
+            axes.plot(line["exit_position"] / results.at(widths, time)["contact_half_width"], line["y"], "w", linewidth=2.5)
             axes.set_aspect("equal")
             axes.grid(False)
             if kind == "full":
