@@ -84,7 +84,7 @@ QUANTITIES = {"pressure": ("pressure $p/p_H$, lines every 0.1", np.arange(1, 16)
 def maps(picture, files, title=None, case=None, times=(), width=1200):
     """Full model above, reduced below (files): pressure and film, or the film at some times; white: the exit line."""
     panels = [("film_thickness", time) for time in times] or [(name, None) for name in QUANTITIES]
-    figure, grid = page(1200, 180 + 2160 / len(panels) if times else 1080, 2, len(panels), sharex=True, sharey=True)
+    figure, grid = page(1200, 180 + 1700 / len(panels) if times else 1080, 2, len(panels), sharex=True, sharey=True)
     figure.dpi = width / 12
     figure.suptitle(title or next(known.title for known in results.read_cases() if known.name == case))
     for row, file, kind in zip(grid, files, ("full", "reduced")):

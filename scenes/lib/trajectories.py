@@ -10,7 +10,7 @@ import numpy as np
 import pictures
 import results
 
-PERIOD, FIXED_STEP = "transient.load.period", "transient.fixed_step"
+PERIOD, _, FIXED_STEP = KEYS = "transient.load.period", "transient.end_time", "transient.fixed_step"
 
 
 def mark(run):
@@ -23,6 +23,10 @@ def for_make():
     cases = results.read_cases()
     if not cases:
         results.stop("cases.csv: found no trajectories, expected a line each below the header")
+    for case in cases:
+        for key in KEYS:
+            if key not in case.settings:
+                results.stop(f"cases.csv: found no {key} of {case.name}, expected one")
     print("PERIODS :=", *(case.settings[PERIOD] for case in cases))
     for case in cases:
         own = {key: text for key, text in case.settings.items() if key != FIXED_STEP}
