@@ -47,63 +47,59 @@ def largest(reference, other, column):
 def size_table(models, snapshots, published):
     """Sizes of the models (name to path), and those published (text: nodes, modes, rows, needed nodes, steps)."""
     print(f"{'Table 6: sizes' if published else 'Sizes'} (m: steps of the training trajectories)\n")
-    form = "{:<12} {:>6} {:>7} {:>9} {:>5} {:>8} {:>6} {:>13}".format
-    print(form("", "n", "m", "unknowns", "n_p", "n_delta", "rows", "needed nodes"))
-    print(results.rule(74))
-    lines = [(name, snapshots, *list(results.model_sizes(file).values())[:5]) for name, file in models.items()]
+    lines = {name: [*list(results.model_sizes(file).values())[:5], snapshots] for name, file in models.items()}
     if published:
-        *sizes, states = map(int, published.split())
-        lines.append(("published", states, *sizes))
-    for name, states, nodes, modes, more, rows, needed in lines:
-        print(form(name, nodes, states, modes + more + 1, modes, more or "-", rows, needed))
+        lines["published"] = map(int, published.split())
+    rows = [["", "n", "m", "unknowns", "n_p", "n_delta", "rows", "needed nodes"], None]
+    for name, (nodes, modes, more, selected, needed, states) in lines.items():
+        rows.append([name, nodes, states, modes + more + 1, modes, more or "-", selected, needed])
+    results.table(rows)
 
 
 def time_table(model, cases, runs):
     """Steps and times of the adaptive runs, full and reduced, below each what was published."""
     published = any(case.published for case in cases)
     print(f"\n{'Table 7: adaptive' if published else 'Adaptive'} steps at the default tolerance, {model}"
-          + ("; the second line of a period: as published" if published else ""))
-    print(f"\n{'T_exc':<18} {'steps':>7} {'':>8}  {'seconds':>10} {'':>9} {'ratio':>9} {'ms a step':>19}")
-    print(f"{'':<18} {'full':>7} {'reduced':>8}  {'full':>10} {'reduced':>9} {'':>9} {'full':>9} {'reduced':>9}")
-    print(results.rule(87))
+          + ("; the second line of a period: as published" if published else "") + "\n")
+    rows = [["T_exc", "steps", "", "seconds", "", "ratio", "ms a step", ""],
+            ["", "full", "reduced ", "full", "reduced", "", "full", "reduced"], None]
 
-    def line(label, full_steps, full_seconds, steps, seconds, mark=" "):
-        print(f"{label:<18} {full_steps:7.0f} {steps:8.0f}{mark} {full_seconds:10.2f} {seconds:9.2f} "
-              f"{full_seconds / seconds:9.1f} {1000 * full_seconds / full_steps:9.2f} {1000 * seconds / steps:9.3f}")
+    def add(label, full_steps, full_seconds, steps, seconds, note=" "):
+        rows.append([label, f"{full_steps:.0f}", f"{steps:.0f}{note}", f"{full_seconds:.2f}", f"{seconds:.2f}",
+                     f"{full_seconds / seconds:.1f}", f"{1000 * full_seconds / full_steps:.2f}",
+                     f"{1000 * seconds / steps:.3f}"])
 
     for case in cases:
         full, reduced = (runs[kind, "adaptive", case.settings[PERIOD]] for kind in ("full", model))
-        line(case.settings[PERIOD], full.steps, full.seconds, reduced.steps, reduced.seconds, mark(reduced))
+        add(case.settings[PERIOD], full.steps, full.seconds, reduced.steps, reduced.seconds, mark(reduced))
         if case.published:
-            line("  published", *(float(case.published[f"{name}_{kind}"]) for kind in ("full", "reduced")
-                                  for name in ("steps", "seconds")))
+            add("  published", *(float(case.published[f"{name}_{kind}"]) for kind in ("full", "reduced")
+                                 for name in ("steps", "seconds")))
+    results.table(rows)
 
 
 def deviation_table(model, cases, runs):
     """The largest deviations over time, - for runs that there are none of."""
-    def line(label, numbers, marks=" " * 6, last=""):
-        cells = [f" {'-' if np.isnan(x) else f'{x:.5f}':>9}{sign}" for x, sign in zip(numbers, marks)]
-        print(f"{label:<10}{' '.join(map(''.join, zip(cells[::2], cells[1::2])))} {last}".rstrip())
-
     print(f"\nLargest deviations over time in per cent, {model}\n"
           "fixed, adaptive: reduced against full model with the same kind of steps; tolerance: full model against\n"
           "itself at a tenth of the default tolerance\n")
-    print(f"{'T_exc':<10} {'fixed P_c':>10} {'H_c':>10}  {'adapt. P_c':>10} {'H_c':>10}  {'toler. P_c':>10} {'H_c':>10}"
-          "  fixed ms/step")
-    print(results.rule(91))
-    numbers = np.full((len(cases), 6), np.nan)
-    for case, row in zip(cases, numbers):
-        period, marks = case.settings[PERIOD], ""
-        for i, (kind, steps, other) in enumerate(((model, "fixed", "fixed"), (model, "adaptive", "adaptive"),
-                                                  ("full", "adaptive", "tenth"))):
+    rows = [["T_exc", "fixed P_c ", "H_c ", "adapt. P_c ", "H_c ", "toler. P_c ", "H_c ", "fixed ms/step"], None]
+    numbers = []
+    for case in cases:
+        period, row, marks = case.settings[PERIOD], [], []
+        for kind, steps, other in ((model, "fixed", "fixed"), (model, "adaptive", "adaptive"),
+                                   ("full", "adaptive", "tenth")):
             run = runs.get((kind, steps, period))
-            marks += 2 * mark(run)
-            if run:
-                row[2 * i:2 * i + 2] = [largest(runs["full", other, period], run, column) for column in ("P_c", "H_c")]
+            row += [largest(runs["full", other, period], run, column) if run else np.nan for column in ("P_c", "H_c")]
+            marks += 2 * [mark(run)]
         fixed = runs[model, "fixed", period]
-        line(period, row, marks, f"{1000 * fixed.seconds / fixed.steps:12.3f}")
-    print(results.rule(91))
-    line("worst", np.fmax.reduce(numbers))
+        numbers.append(row)
+        rows.append([period, *map(per_cent, row, marks), f"{1000 * fixed.seconds / fixed.steps:.3f}"])
+    results.table([*rows, None, ["worst", *map(per_cent, np.fmax.reduce(numbers)), ""]])
+
+
+def per_cent(number, note=" "):
+    return f"{'-' if np.isnan(number) else f'{number:.5f}'}{note}"
 
 
 def tables(out, published, *models):

@@ -81,27 +81,20 @@ def size_row(lines):
     conditions = [line["scaled_condition"] for line in of["extended"]]
     used = [line for line, converged in zip(of["used"], solved["used"]) if converged]
     both = [line for line, *ended in zip(of["used"], solved["used"], solved["extended"]) if all(ended)]
-    equations = [line["equations"] for line in lines]
-    cells = [f"{statistics.median_low(conditions):.1e}", largest(conditions),
-             largest(line["condition"] for line in of["extended"])]
-    errors = [largest(line["step_error"] for line in of[solver]) for solver in SOLVERS[1:]]
-    ends = [f"{sum(solved[solver])}/{len(solved[solver])}" for solver in ("extended", "used", "normal", "single")]
-    films = [largest(line["from_extended"] for line in both), largest(line["from_full"] for line in used)]
-    first = lines[0]
-    print(f"{first['value']:<7} {first['modes']:5.0f} {first['rows']:4.0f} {min(equations):4.0f}-{max(equations):<4.0f}",
-          *(" ".join(f"{cell:>8}" for cell in group) for group in (cells, errors, ends, films)), sep="  ")
+    equations = [int(line["equations"]) for line in lines]
+    return [lines[0]["value"], int(lines[0]["modes"]), int(lines[0]["rows"]), f"{min(equations)}-{max(equations)}",
+            f"{statistics.median_low(conditions):.1e}", largest(conditions),
+            largest(line["condition"] for line in of["extended"]),
+            *(largest(line["step_error"] for line in of[solver]) for solver in SOLVERS[1:]),
+            *(f"{sum(solved[solver])}/{len(solved[solver])}" for solver in ("extended", "used", "normal", "single")),
+            largest(line["from_extended"] for line in both), largest(line["from_full"] for line in used)]
 
 
-def time_table(title, sizes):
-    """Microseconds of each solver, a line for each size."""
-    print(f"\n{title}: microseconds for a system, median of the cases\nmodes" + "".join(f" {s:>14}" for s in SOLVERS))
-    for lines in sizes:
-        cells = []
-        for solver in SOLVERS:
-            times = [line["microseconds"] for line in lines
-                     if line["solver"] == solver and not np.isnan(line["microseconds"])]
-            cells.append(f"{statistics.median_low(times):.1f}" if times else "fails")
-        print(f"{lines[0]['modes']:5.0f}" + "".join(f" {cell:>14}" for cell in cells))
+def time_row(lines):
+    """Microseconds of each solver at one size."""
+    times = ([line["microseconds"] for line in lines if line["solver"] == solver and not np.isnan(line["microseconds"])]
+             for solver in SOLVERS)
+    return [int(lines[0]["modes"]), *(f"{statistics.median_low(of):.1f}" if of else "fails" for of in times)]
 
 
 def table(file):
@@ -112,20 +105,20 @@ def table(file):
         sizes.setdefault((line["value"], line["modes"]), []).append(line)
     print("""\
 Conditioning of the reduced least squares, over all cases. Condition: of the last iteration's matrix, its columns
-scaled unless said. Error of a step: relative, columns scaled, against QR in extended precision, the largest of all
+scaled unless said. Step error: relative, columns scaled, against QR in extended precision, the largest of all
 iterations and cases; "fails": no Cholesky factor. Solved: cases that Newton with this solver brings to an end.
 H_c off: the largest relative difference of the solver in use, from Newton in extended precision and the full model.""")
+    head = [["", "", "", "", "condition", "", "", "step error", "", "", "", "", "solved", "", "", "", "H_c off", ""],
+            ["", "modes", "rows", "equations", "median", "worst", "unscaled", "normal", "refined", "QR", "single",
+             "+refined", "extended", "used", "normal", "single", "extended", "full"]]
     titles = {key: f"{REGIONS[key[0]]}, {VARIANTS[key[1]]}, {key[2]}" for key in tables}
     for key, sizes in tables.items():
         print(f"\n{titles[key]}")
-        print(f"{'':30}{'condition':^26}  {'largest error of a step':^44}  {'solved':^35}    H_c off from")
-        print(f"{'':8}modes rows equations    median    worst unscaled    normal  refined       QR   single +refined  "
-              "extended     used   normal   single  extended     full")
-        for lines in sizes.values():
-            size_row(lines)
+        results.table([*head, *map(size_row, sizes.values())])
     for key, sizes in tables.items():
         if key[1:] == ("stored", ALL):
-            time_table(titles[key], sizes.values())
+            print(f"\n{titles[key]}: microseconds for a system, median of the cases")
+            results.table([["modes", *SOLVERS], *map(time_row, sizes.values())])
 
 
 # ---- Picture
@@ -162,7 +155,7 @@ def costs(*profiles):
     the CSV beside it."""
     repeats = 21  # of each system, by bench_conditioning
     solvers = [*SOLVERS[:4], "unscaled", *SOLVERS[4:]]
-    print("modes" + "".join(f" {solver.replace('-', '_'):>14}" for solver in solvers))
+    rows = []
     for profile in profiles:
         base = os.path.splitext(profile)[0]
         with open(f"{base}.csv") as file:
@@ -171,8 +164,9 @@ def costs(*profiles):
                               capture_output=True, text=True, check=True).stdout
         found = re.findall(r"^ *([\d,]+) .*:solve_(\w+) ", text, re.M)
         counts = {name.replace("_", "-"): int(count.replace(",", "")) / repeats / 1000 for count, name in found}
-        print(f"{base.rsplit('-', 1)[1]:>5}" + "".join(
-            f" {'fails' if solver in fails else format(counts[solver], '.0f'):>14}" for solver in solvers))
+        rows.append([base.rsplit("-", 1)[1], *("fails" if solver in fails else f"{counts[solver]:.0f}"
+                                               for solver in solvers)])
+    results.table([["modes", *solvers], *rows])
 
 
 # ---- Single precision

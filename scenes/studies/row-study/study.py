@@ -70,33 +70,30 @@ def ratio(column, lines, standards, enough):
 
 def table(file, enough):
     """Prints study.csv as text: everything, and each variant beside the default of the same size."""
-    form = ("{:<6} {:>5} {:>5}  {:<8} {:<6} {:<10}  {:>8} {:>8} {:>8}  {:>5} {:>4} {:>6} {:>4}  "
-            "{:>8} {:>8} {:>9} {:>9}").format
-    print(form("", "modes", "rows", "weight", "method", "factors", "median", "95 %", "worst", "mean", "most", "ms",
-               "fail", "residual", "Jacobian", "exit", "stability"))
     lines = sorted(results.read_csv(file), key=lambda line: (int(line["modes"]), int(line["rows"])))
     lines.sort(key=lambda line: line["region"], reverse=True)
-    order = ["region", "modes", "rows", "weight", "method", "factors", *COLUMNS[6:]]
-    variants, last = {}, None
+    rows = [["", "modes", "rows", "weight", "method", "factors", "median", "95 %", "worst", "mean", "most", "ms",
+             "fail", "residual", "Jacobian", "exit", "stability"]]
+    sizes, variants = {}, {}
     for line in lines:
         size = line["region"], line["modes"], line["rows"]
-        if last not in (None, size):
-            print()
-        last = size
-        print(form(*(line[name] for name in order)))
-        variants.setdefault((line["weight"], line["method"], line["factors"]), {})[size] = line
+        variant = line["weight"], line["method"], line["factors"]
+        sizes.setdefault(size, []).append([*size, *variant, *(line[name] for name in COLUMNS[6:])])
+        variants.setdefault(variant, {})[size] = line
+    for of_size in sizes.values():
+        rows += [*of_size, ()]
+    results.table(rows)
 
-    count = len({size for sizes in variants.values() for size in sizes})
-    print(f"\nover {count} sizes; deviations and stability divided by those of {', '.join(STANDARD)} where neither has "
-          f"more\nthan {enough} failures, geometric mean; sizes without failures, failures of all")
-    form = "{:<8} {:<6} {:<10}  {:>8} {:>8} {:>9}  {:>10} {:>8} {:>8}".format
-    print(form("weight", "method", "factors", "95 %", "worst", "stability", "iterations", "without", "failures"))
-    for variant, sizes in variants.items():
-        failures = [int(line["failures"]) for line in sizes.values()]
-        iterations = sum(float(line["mean_iterations"]) for line in sizes.values()) / len(sizes)
+    print(f"over {len(sizes)} sizes; deviations and stability divided by those of {', '.join(STANDARD)} where neither "
+          f"has more\nthan {enough} failures, geometric mean; sizes without failures, failures of all")
+    rows = [["weight", "method", "factors", "95 %", "worst", "stability", "iterations", "without", "failures"]]
+    for variant, lines in variants.items():
+        failures = [int(line["failures"]) for line in lines.values()]
+        iterations = sum(float(line["mean_iterations"]) for line in lines.values()) / len(lines)
         standards = variants.get(STANDARD, {})
-        ratios = (ratio(column, sizes, standards, int(enough)) for column in ("p95", "worst", "stability"))
-        print(form(*variant, *ratios, f"{iterations:.2f}", failures.count(0), sum(failures)))
+        ratios = (ratio(column, lines, standards, int(enough)) for column in ("p95", "worst", "stability"))
+        rows.append([*variant, *ratios, f"{iterations:.2f}", failures.count(0), sum(failures)])
+    results.table(rows, left=3)
 
 
 # ---- Picture

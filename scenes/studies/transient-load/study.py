@@ -11,21 +11,18 @@ def extremes(out, model, *runs):
         return {results.SOLVED: "done", results.NOT_TRUSTED: "not trusted"}.get(
             run.code, f"stopped at T = {run.time[-1]:.3f}" if run.steps else "stopped at its start")
 
-    form = "{:>9} {:>6}   {:<20} {:>6}   {:<20} {:>6} {:>9} {:>9}".format
-    print("Loads beyond the published range: largest deviations of the reduced from the full model over time in "
-          "per cent\n")
-    print(form("amplitude", "T_exc", "full model", "steps", "reduced model", "steps", "P_c", "H_c"))
-    print(results.rule(92))
+    rows = [["amplitude", "T_exc", "full model", "steps", "reduced model", "steps", "P_c", "H_c"], None]
+    print("Loads beyond the published range: largest deviations of the reduced from the full model over time in %\n")
     incomplete = silent = 0
     for run in runs:
         amplitude, period = run.split("-")
         full, reduced = (results.read_trajectory(f"{out}/{kind}/extreme-{run}.h5") for kind in ("full", model))
         pressure, film = (trajectories.largest(full, reduced, column) for column in ("P_c", "H_c"))
-        print(form(f"{100 * float(amplitude):.0f} %", period, outcome(full), full.steps, outcome(reduced),
-                   reduced.steps, f"{pressure:.4f}", f"{film:.4f}"))
+        rows.append([f"{100 * float(amplitude):.0f} %", period, outcome(full), full.steps, outcome(reduced),
+                     reduced.steps, f"{pressure:.4f}", f"{film:.4f}"])
         incomplete += full.code != results.SOLVED
         silent += reduced.code == results.SOLVED and (pressure > 1 or film > 1)
-    print(results.rule(92))
+    results.table([*rows, None], left=0)
     print(f"full runs that did not complete: {incomplete}; reduced runs more than 1 % off that say nothing: {silent}")
 
 
