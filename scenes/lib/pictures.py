@@ -12,7 +12,7 @@ from PIL import Image
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
-from matplotlib.ticker import MaxNLocator  # noqa: E402
+from matplotlib import ticker  # noqa: E402
 
 import results  # noqa: E402
 
@@ -39,6 +39,13 @@ def save(figure, file):
     Image.open(file).convert("RGB").quantize().save(file, optimize=True)
     figure.savefig(os.path.splitext(file)[0] + ".svg", metadata={"Date": None})
     plt.close(figure)
+
+
+def plain_logarithms(axis):
+    """Ticks of a logarithmic axis at 1, 2 and 5 of each decade, in plain numbers."""
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(ticker.NullFormatter())
 
 
 def pair(axes, full, reduced, every=25, colour=BLUE, mark="o", label=""):
@@ -92,7 +99,7 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
             x, y = np.unique(field["x"]), np.unique(field["y"])
             values = field[name].reshape(len(y), len(x))
             if name not in levels:
-                levels[name] = MaxNLocator(20).tick_values(values.min(), 2.5 * values.min())
+                levels[name] = ticker.MaxNLocator(20).tick_values(values.min(), 2.5 * values.min())
             lines = levels[name]
             image = axes.pcolormesh(x, y, values, shading="nearest", vmin=lines[0], vmax=lines[-1], rasterized=True)
             axes.contour(x, y, values, lines[lines > 0], colors="#303030", linewidths=0.8)

@@ -199,6 +199,16 @@ def rule(width):
     return "-" * width
 
 
+def table(rows, left=1):
+    """Prints rows of cells in columns as wide as they need, the first so many to the left; None: a line across."""
+    texts = [row if row is None else [str(cell) for cell in row] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*(row for row in texts if row))]
+    for row in texts:
+        cells = [text.ljust(width) if i < left else text.rjust(width)
+                 for i, (text, width) in enumerate(zip(row or (), widths))]
+        print(rule(sum(widths) + 2 * len(widths) - 2) if row is None else "  ".join(cells).rstrip())
+
+
 def read_csv(file):
     """Lines of a CSV file under a header, each a dictionary of texts."""
     with open(file, newline="") as source:

@@ -1,22 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Reduced models of a plan of trajectories, and from runs to tables and a picture. Included by the Makefile of each
-# study whose load oscillates, which says what its models are (training.mk). cases.csv has the periods.
+# Reduced models of a plan of trajectories, and from runs to tables and a picture (trajectories.py). Included by the
+# Makefile of each study whose load oscillates, which says what its models are (training.mk). cases.csv has the periods.
 
 include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
 
-PERIODS := $(shell awk -f $(SHARED)case-time.awk cases.csv)
-ifeq ($(PERIODS),)
-  $(error cases.csv: found no trajectories, expected a line each below the header)
-endif
+# PERIODS, and the options of each run.
+$(OUT)/cases.mk: cases.csv $(SHARED)trajectories.py $(SHARED)results.py
+	@$(trajectories) for-make > $@
+include $(OUT)/cases.mk
 
-# $(call trajectories,MODEL): all runs that its tables need, $(OUT)/full/STEPS-PERIOD.dat and $(OUT)/MODEL/STEPS-PERIOD.dat
-steps_of     = $(or $($1.STEPS),adaptive fixed)
-trajectories = $(foreach steps,$(call steps_of,$1),$(PERIODS:%=$(OUT)/full/$(steps)-%.dat) $(PERIODS:%=$(OUT)/$1/$(steps)-%.dat)) \
-               $(PERIODS:%=$(OUT)/full/tenth-%.dat)
+trajectories = $(python) $(SHARED)trajectories.py
+
+# $(call runs_of,MODEL): all runs that its tables need, $(OUT)/full/STEPS-PERIOD.h5 and $(OUT)/MODEL/STEPS-PERIOD.h5
+steps_of = $(or $($1.STEPS),adaptive fixed)
+runs_of  = $(foreach kind,full $1,$(foreach steps,$(call steps_of,$1),$(PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5))) \
+           $(PERIODS:%=$(OUT)/full/tenth-%.h5)
 
 # ---- Targets for people
 
-runs: $(call trajectories,$(MODEL)) ## all trajectories, full and reduced, adaptive and fixed steps
+runs: $(call runs_of,$(MODEL)) ## all trajectories, full and reduced, adaptive and fixed steps
 
 tables: $(OUT)/tables.txt ## sizes, steps and times, deviations
 	@cat $<
@@ -28,41 +30,30 @@ figures: tables $(OUT)/figure4.png ## tables and pictures
 
 # ---- Runs
 
-# A figure or table reads each run as text (trajectory.sh); beside it lies the result itself. cases.csv says what the
-# part of the name behind the folder means.
-case_settings = $(shell awk -f $(SHARED)case-time.awk -v want='$(notdir $*)' cases.csv)
-run           = mkdir -p $(@D) && $(SHARED)trajectory.sh $(basename $@).h5 $(BIN)/$1 scene.yml $2 --set output.fields=false $(SET) > $@
+# A run that stops early (exit code 3) or is not to be trusted (4) has a result too, which says so.
+run = mkdir -p $(@D); $(BIN)/$1 scene.yml -o $@ --force --quiet $2 --set output.fields=false $(SET) >/dev/null; \
+      code=$$?; case $$code in 0 | 4) ;; 3) mv $@.partial $@ ;; *) exit $$code ;; esac
 
-FULL_NEEDS    := scene.yml $(SHARED)trajectory.sh $(BIN)/fullrun $(call options,fullrun,$(SET))
-REDUCED_NEEDS := scene.yml $(SHARED)trajectory.sh $(BIN)/romrun
+FULL_NEEDS    := scene.yml $(BIN)/fullrun $(call options,fullrun,$(SET))
+REDUCED_NEEDS := scene.yml $(BIN)/romrun
 
-$(OUT)/full/%.dat: cases.csv $(SHARED)case-time.awk $(FULL_NEEDS)
-	$(call quiet,fullrun   ,$@)$(call run,fullrun,$(case_settings))
+$(OUT)/full/%.h5: cases.csv $(FULL_NEEDS)
+	$(call quiet,fullrun   ,$@)$(call run,fullrun,$(settings.$*))
 
-$(sort $(filter-out $(OUT)/full/%,$(foreach model,$(MODELS),$(call trajectories,$(model))))): $(OUT)/%.dat: cases.csv \
-        $(SHARED)case-time.awk $(REDUCED_NEEDS) $(OUT)/$$(of_model).h5
-	$(call quiet,romrun    ,$@)$(call run,romrun,--model $(OUT)/$(of_model).h5 $(case_settings))
+$(sort $(filter-out $(OUT)/full/%,$(foreach model,$(MODELS),$(call runs_of,$(model))))): $(OUT)/%.h5: cases.csv \
+        $(REDUCED_NEEDS) $(OUT)/$$(of_model).h5
+	$(call quiet,romrun    ,$@)$(call run,romrun,--model $(OUT)/$(of_model).h5 $(settings.$(notdir $*)))
 
 # ---- Tables and picture
 
 # $(call report,MODEL...)
-report = { \
-    for model in $1; do echo "size $$model $$($(SHARED)model.sh $(OUT)/$$model.h5)"; done; \
-    echo 'size published $(PUBLISHED_SIZES)'; \
-    $(BIN)/snapgen --print $(OUT)/snapshots.h5 compressed_snapshots | sed -n '2s/^/snapshots /p'; \
-    $(foreach model,$1,$(SHARED)trajectories.sh $(OUT) $(model) '$(call steps_of,$(model))' $(PERIODS);) \
-} | awk -f $(SHARED)common.awk -f $(SHARED)tables-time.awk -v models='$1' - cases.csv > $@
+report = $(trajectories) tables $(OUT) '$(PUBLISHED_SIZES)' \
+         $(foreach model,$1,'$(model) $(call steps_of,$(model))') > $@
 
-TABLES_NEED := cases.csv $(addprefix $(SHARED),trajectories.sh tables-time.awk deviation.awk)
-
-$(OUT)/tables.txt: $(TABLES_NEED) $(call trajectories,$(MODEL))
+$(OUT)/tables.txt: $(SHARED)trajectories.py cases.csv $(call runs_of,$(MODEL))
 	$(call quiet,tables    ,$@)$(call report,$(MODEL))
 
-deviation    = awk -f $(SHARED)common.awk -f $(SHARED)deviation.awk
-FIGURE4_RUNS := $(PERIODS:%=adaptive-%.dat)
+FIGURE4_RUNS := $(foreach kind,full $(MODEL),$(PERIODS:%=$(OUT)/$(kind)/adaptive-%.h5))
 
-$(OUT)/figure4.png: $(SHARED)figure4.gp $(SHARED)deviation.awk $(FIGURE4_RUNS:%=$(OUT)/full/%) $(FIGURE4_RUNS:%=$(OUT)/$(MODEL)/%)
-	$(call quiet,gnuplot   ,$@)for run in $(FIGURE4_RUNS); do \
-	    $(deviation) $(OUT)/full/$$run $(OUT)/$(MODEL)/$$run > $(OUT)/deviation-$${run%.dat}.txt || exit; \
-	done; \
-	$(plot) -e 'out="$(OUT)"; periods="$(PERIODS)"' $<
+$(OUT)/figure4.png: $(SHARED)trajectories.py cases.csv $(FIGURE4_RUNS)
+	$(call quiet,picture   ,$@)$(trajectories) picture $(OUT) $(MODEL) $@

@@ -23,6 +23,10 @@ small_high() {
 
 setup() { unset MAKEFLAGS MAKELEVEL MFLAGS V; }
 
+# python TEXT: with what the scripts of the scenes share.
+python() { BIN=$BIN PYTHONPATH=$BATS_TEST_DIRNAME/../../scenes/lib /usr/bin/python3 -B -c "import os, numpy, results
+$1"; }
+
 # makes PATTERN: what make would run matches; makes_nothing: it would run no program.
 makes() {
     run_make -n models demo
@@ -125,16 +129,20 @@ small_transient() {
         grep -q '</svg>' out/$picture.svg
     done
     # all nodes, and the pressure of the time asked for, in its own frame: p_H goes with the root of the load
-    [ "$(wc -l <out/profile-full.dat)" -eq 301 ]
-    close_to "$(awk '$1 * $1 < 1e-12 { print $2 }' out/profile-full.dat)" \
-        "$(awk '$1 > 0.1499 && $1 < 0.1501 { print $3 / sqrt($2) }' out/full/fixed-0.5.dat)" 1e-6
+    run -0 python 'x, P, H = results.profile("out/profile-full.h5"); run = results.read_trajectory("out/full/fixed-0.5.h5")
+now = abs(run.time - 0.15).argmin()
+print(len(x), P[abs(x).argmin()], run.P_c[now] / run.load[now] ** 0.5)'
+    read -r nodes of_profile of_run <<<"$output"
+    [ "$nodes" -eq 301 ]
+    close_to "$of_profile" "$of_run" 1e-6
     run_make -n tables figures "${sizes[@]}"
-    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ trajectory.sh ]]
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ trajectories.py && ! $output =~ study.py ]]
 
     # the comparison over time is that of romrun
     run -0 --separate-stderr romrun scene.yml --quiet --model out/model.h5 --set transient.load.period=0.75 \
         --set transient.fixed_step=0.005 --against out/full/fixed-0.75.h5
-    close_to "$(awk -f ../../lib/common.awk -f ../../lib/deviation.awk -v largest=1 out/{full,model}/fixed-0.75.dat | cut -d ' ' -f 3)" \
+    close_to "$(python 'import trajectories
+print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-0.75.h5") for kind in ("full", "model")), "H_c"))')" \
         "$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' <<<"$output")" 0.01
 }
 
@@ -160,26 +168,46 @@ echo "stops: no further" >&2
 exit "$CODE"
 SH
     chmod +x stops
+    stops='run = results.trajectory("short.h5", os.getcwd() + "/stops", "scene.yml")
+print(run.code, run.message, run.steps > 0, run.time[0], run.load[0], run.time[-1], len(run.H_c) == len(run.time))'
     for code in 3 4; do
-        CODE=$code BIN=$BIN run -0 --separate-stderr ../../lib/trajectory.sh "$PWD/short.h5" ./stops scene.yml
-        [[ ${lines[0]} == "# code $code steps "[1-9]* && ${lines[1]} == "# message stops: no further" ]]
-        [[ ${lines[2]} == "0 1 "* && ${lines[-1]} == "0.2 "* ]]
+        CODE=$code run -0 --separate-stderr python "$stops"
+        [ "$output" = "$code stops: no further True 0.0 1.0 0.2 True" ]
         rm -f short.h5*
     done
-    CODE=70 BIN=$BIN run -70 --separate-stderr ../../lib/trajectory.sh "$PWD/short.h5" ./stops scene.yml
+    CODE=70 run -70 --separate-stderr python "$stops"
     [[ -z $output && $stderr == "stops: no further" ]]
+
+    # a reduced model far from its training: its films end early or are marked, and the table says so
+    run_make extremes tables "${sizes[@]}" EXTREME_AMPLITUDES=0.9 EXTREME_PERIODS=0.5
+    [ "$status" -eq 0 ]
+    read -r time steps < <(python 'run = results.read_trajectory("out/model/extreme-0.9-0.5.h5"); print(f"{run.time[-1]:.3f}", run.steps)
+assert run.code == 3 and numpy.isnan(run.seconds)')
+    grep -q "^ *90 % *0.5 .*  stopped at T = $time  *$steps " out/extremes.txt
+    cp out/model/extreme-0.9-0.5.h5 out/model/adaptive-0.75.h5
+    run_make tables "${sizes[@]}"
+    [ "$status" -eq 0 ]
+    grep -q '^0.75 .*\*' out/tables.txt
+    grep -q '^\* stopped early' out/tables.txt
 }
 
 @test "deviations over time are exact for cubics, at the same times and between them" {
-    lib=$BATS_TEST_DIRNAME/../../scenes/lib
-    cd "$BATS_TEST_TMPDIR"
-    awk 'BEGIN { OFMT = "%.17g"; print "# code 0"; for (i = 0; i <= 10; i++) { t = i * i / 100; p = 1 + t ^ 3; print t, 1, p, 2 + t - t ^ 2 } }' >one.dat
-    awk 'BEGIN { OFMT = "%.17g"; for (i = 0; i <= 12; i++) { t = i / 11; p = 1 + t ^ 3; print t, 1, 1.01 * p, (2 + t - t ^ 2) * (1 - 0.02 * (i == 5)) } }' >two.dat
-    run -0 awk -f "$lib/common.awk" -f "$lib/deviation.awk" one.dat two.dat
-    [ "${#lines[@]}" -eq 12 ] # the last time lies behind the end
-    awk '{ d = $2 - 1; e = $3 + 2 * (NR == 6); if (d * d > 1e-20 || e * e > 1e-20) exit 1 }' <<<"$output"
-    run -0 awk -f "$lib/common.awk" -f "$lib/deviation.awk" -v largest=1 one.dat two.dat
-    awk '{ d = $4 - 5 / 11; exit !($1 > 0.999999 && $1 < 1.000001 && $3 > 1.999999 && $3 < 2.000001 && d * d < 1e-10 && $5 == 12) }' <<<"$output"
+    run -0 python 'import trajectories
+from types import SimpleNamespace
+i = numpy.arange(13)
+one, two = (i[:11] / 10) ** 2, i / 11
+P, H = (lambda t: 1 + t ** 3), (lambda t: 2 + t - t ** 2)
+one, two = (SimpleNamespace(time=t, P_c=f * P(t), H_c=H(t) * g) for t, f, g in ((one, 1, 1), (two, 1.01, 1 - 0.02 * (i == 5))))
+P_c, H_c = (100 * results.deviations(one, two, column) for column in ("P_c", "H_c"))
+assert numpy.isnan(P_c[12]) and numpy.isnan(H_c[12])  # the last time lies behind the end
+assert (abs(P_c[:12] - 1) < 1e-10).all() and (abs(H_c[:12] + 2 * (i[:12] == 5)) < 1e-10).all()
+assert abs(trajectories.largest(one, two, "P_c") - 1) < 1e-6 and abs(trajectories.largest(one, two, "H_c") - 2) < 1e-6
+same = results.deviations(one, one, "H_c")
+assert len(same) == 11 and (same == 0).all()
+one.time = one.time + 2
+assert numpy.isnan(trajectories.largest(one, two, "H_c"))
+print("exact")'
+    [ "$output" = exact ]
 }
 
 @test "the cam: its history keeps the speed above zero, and the lift is solved full and reduced" {
@@ -351,6 +379,28 @@ small_oscillator() {
     grep -q '</svg>' out/study.svg
     run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
     [[ $status == 0 && ! $output =~ measure.sh ]]
+}
+
+@test "adaptive training: a line of the curve for each training, its points between the edges of the region" {
+    copy_scenes studies/stationary-line studies/adaptive-training
+    cd studies || return
+    sed -i 's/step: [0-9.]*/step: 0.02/' stationary-line/scene.yml
+    cd adaptive-training || return
+    small=(CANDIDATES='6 5' CHECKS='3 2' ADAPTIVE=12 REGULAR='4-3 6-5')
+    run_make "${small[@]}"
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [ "$(head -n 1 out/low/curve.csv)" = training,points,modes,rows,failures,median,p95,worst,milliseconds ]
+    [ "$(cut -d, -f 1,2 out/low/curve.csv | grep -c '^adaptive,12$\|^regular,12$\|^regular,30$\|^published,120$')" -eq 4 ]
+    awk -F, 'NF != 9 || /,,|nan/ { exit 1 } END { exit NR != 6 }' out/low/curve.csv
+    grep -q 'moes.M: \[5, 10.7721735, 23.2079442, 50\]' out/low/regular-4-3.yml
+    # the checks lie in the middle of cells: 5 to 50 and 1 to 20 in three and two parts
+    grep -q 'moes.M: \[7.33899634, 15.8113883, 34.0646035\]' out/low/check.yml
+    grep -q 'moes.L: \[5.75, 15.25\]' out/low/check.yml
+    [ "$(head -c 4 out/low/curve.png | tail -c 3)" = PNG ]
+    grep -q '</svg>' out/low/curve.svg
+    run_make -n "${small[@]}"
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
 }
 
 # states M L H...: what film.sh prints of one point on grids of these central films in Moes units, with the fit of fullrun

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes in time over the periods of cases.csv, with full and reduced models: what make runs, tables, a picture.
+
+cases.csv has a line for each period: transient.load.period, transient.end_time and transient.fixed_step, and what was
+published. Runs are OUT/full/STEPS-PERIOD.h5 and OUT/MODEL/STEPS-PERIOD.h5, with STEPS of a length by error control
+(adaptive), of a tenth of its tolerance (tenth), or of a fixed length (fixed).
+"""
+import numpy as np
+
+import pictures
+import results
+
+PERIOD, _, FIXED_STEP = KEYS = "transient.load.period", "transient.end_time", "transient.fixed_step"
+
+
+def mark(run):
+    """Of a run that stopped early *, of one that is not to be trusted +."""
+    return {results.NOT_CONVERGED: "*", results.NOT_TRUSTED: "+"}.get(run and run.code, " ")
+
+
+def for_make():
+    """Prints variables of make: PERIODS, and settings.STEPS-PERIOD, the options of each run."""
+    cases = results.read_cases()
+    if not cases:
+        results.stop("cases.csv: found no trajectories, expected a line each below the header")
+    for case in cases:
+        for key in KEYS:
+            if key not in case.settings:
+                results.stop(f"cases.csv: found no {key} of {case.name}, expected one")
+    print("PERIODS :=", *(case.settings[PERIOD] for case in cases))
+    for case in cases:
+        own = {key: text for key, text in case.settings.items() if key != FIXED_STEP}
+        for steps, settings in (("adaptive", own), ("tenth", own | {"transient.tolerance": "1e-5"}),
+                                ("fixed", case.settings)):
+            print(f"settings.{steps}-{own[PERIOD]} :=", *results.sets(settings))
+
+
+def largest(reference, other, column):
+    """The largest deviation over time in per cent, NaN where they have no time in common."""
+    found = np.abs(results.deviations(reference, other, column))
+    return 100 * np.max(found[~np.isnan(found)], initial=0) if not np.isnan(found).all() else np.nan
+
+
+# ---- Tables
+
+
+def size_table(models, snapshots, published):
+    """Sizes of the models (name to path), and those published (text: nodes, modes, rows, needed nodes, steps)."""
+    print(f"{'Table 6: sizes' if published else 'Sizes'} (m: steps of the training trajectories)\n")
+    lines = {name: [*list(results.model_sizes(file).values())[:5], snapshots] for name, file in models.items()}
+    if published:
+        lines["published"] = map(int, published.split())
+    rows = [["", "n", "m", "unknowns", "n_p", "n_delta", "rows", "needed nodes"], None]
+    for name, (nodes, modes, more, selected, needed, states) in lines.items():
+        rows.append([name, nodes, states, modes + more + 1, modes, more or "-", selected, needed])
+    results.table(rows)
+
+
+def time_table(model, cases, runs):
+    """Steps and times of the adaptive runs, full and reduced, below each what was published."""
+    published = any(case.published for case in cases)
+    print(f"\n{'Table 7: adaptive' if published else 'Adaptive'} steps at the default tolerance, {model}"
+          + ("; the second line of a period: as published" if published else "") + "\n")
+    rows = [["T_exc", "steps", "", "seconds", "", "ratio", "ms a step", ""],
+            ["", "full", "reduced ", "full", "reduced", "", "full", "reduced"], None]
+
+    def add(label, full_steps, full_seconds, steps, seconds, note=" "):
+        rows.append([label, f"{full_steps:.0f}", f"{steps:.0f}{note}", f"{full_seconds:.2f}", f"{seconds:.2f}",
+                     f"{full_seconds / seconds:.1f}", f"{1000 * full_seconds / full_steps:.2f}",
+                     f"{1000 * seconds / steps:.3f}"])
+
+    for case in cases:
+        full, reduced = (runs[kind, "adaptive", case.settings[PERIOD]] for kind in ("full", model))
+        add(case.settings[PERIOD], full.steps, full.seconds, reduced.steps, reduced.seconds, mark(reduced))
+        if case.published:
+            add("  published", *(float(case.published[f"{name}_{kind}"]) for kind in ("full", "reduced")
+                                 for name in ("steps", "seconds")))
+    results.table(rows)
+
+
+def deviation_table(model, cases, runs):
+    """The largest deviations over time, - for runs that there are none of."""
+    print(f"\nLargest deviations over time in per cent, {model}\n"
+          "fixed, adaptive: reduced against full model with the same kind of steps; tolerance: full model against\n"
+          "itself at a tenth of the default tolerance\n")
+    rows = [["T_exc", "fixed P_c ", "H_c ", "adapt. P_c ", "H_c ", "toler. P_c ", "H_c ", "fixed ms/step"], None]
+    numbers = []
+    for case in cases:
+        period, row, marks = case.settings[PERIOD], [], []
+        for kind, steps, other in ((model, "fixed", "fixed"), (model, "adaptive", "adaptive"),
+                                   ("full", "adaptive", "tenth")):
+            run = runs.get((kind, steps, period))
+            row += [largest(runs["full", other, period], run, column) if run else np.nan for column in ("P_c", "H_c")]
+            marks += 2 * [mark(run)]
+        fixed = runs[model, "fixed", period]
+        numbers.append(row)
+        rows.append([period, *map(per_cent, row, marks), f"{1000 * fixed.seconds / fixed.steps:.3f}"])
+    results.table([*rows, None, ["worst", *map(per_cent, np.fmax.reduce(numbers)), ""]])
+
+
+def per_cent(number, note=" "):
+    return f"{'-' if np.isnan(number) else f'{number:.5f}'}{note}"
+
+
+def tables(out, published, *models):
+    """Prints sizes, steps with times and deviations of models (each NAME STEPS...) beside the published sizes."""
+    cases = results.read_cases()
+    kinds = {model.split()[0]: model.split()[1:] for model in models}
+    wanted = [("full", "tenth"), *((kind, steps) for name in kinds for kind in ("full", name) for steps in kinds[name])]
+    runs = {(kind, steps, case.settings[PERIOD]):
+            results.read_trajectory(f"{out}/{kind}/{steps}-{case.settings[PERIOD]}.h5")
+            for kind, steps in dict.fromkeys(wanted) for case in cases}
+    snapshots = int(results.value(f"{out}/snapshots.h5", "compressed_snapshots", 0))
+    size_table({name: f"{out}/{name}.h5" for name in kinds}, snapshots, published)
+    for name in kinds:
+        if "adaptive" in kinds[name]:
+            time_table(name, cases, runs)
+    for name in kinds:
+        deviation_table(name, cases, runs)
+    if any(run.code for run in runs.values()):
+        print("\n* stopped early, + not to be trusted")
+
+
+# ---- Picture
+
+
+def picture(out, model, target):
+    """Draws central pressure and film of the full model over time, and deviations of the reduced one (paper, Fig. 4).
+    Periods far above the time a_ref/u_ref have a column of their own, over parts of the period."""
+    periods = [case.settings[PERIOD] for case in results.read_cases()]
+    short = [period for period in periods if float(period) <= 100]
+    columns = [shown for shown in (short, [period for period in periods if period not in short]) if shown]
+    figure, grid = pictures.page(1300, 1200, 4, len(columns), sharex="col", squeeze=False,
+                                 gridspec_kw={"width_ratios": [2.6, 1][:len(columns)]})
+    for axes, shown in zip(grid.T, columns):
+        for period in shown:
+            full, reduced = (results.read_trajectory(f"{out}/{kind}/adaptive-{period}.h5") for kind in ("full", model))
+            style = {"color": pictures.COLOURS[periods.index(period) % 6], "label": f"$T_{{exc}}$ = {period}"}
+            unit = float(period) if shown is not short else 1
+            for i, column in enumerate(("P_c", "H_c")):
+                axes[i].plot(full.time / unit, getattr(full, column), **style)
+                axes[2 + i].plot(reduced.time / unit, 100 * results.deviations(full, reduced, column), **style)
+        axes[3].margins(x=0)
+        axes[3].set(xlim=(0, None), xlabel="$T/T_{exc}$" if shown is not short else "time $T = t\\,u_{ref}/a_{ref}$")
+        axes[0].legend(loc="lower right", bbox_to_anchor=(1, 1), ncol=len(shown), frameon=False)
+    for axes, label in zip(grid[:, 0], ("$P_c$, reference frame", "$H_c$, reference frame", "$P_c$, deviation / %",
+                                        "$H_c$, deviation / %")):
+        axes.set_ylabel(label)
+    figure.align_ylabels()
+    pictures.save(figure, target)
+
+
+if __name__ == "__main__":
+    results.commands(for_make, tables, picture)
