@@ -25,18 +25,15 @@ def cases():
 
 def effect(label, part):
     """What inlet or step do to the full model's own central film, where it is more than 1 %."""
-    return f"  {label} {100 * part:+.0f} %" if part != "" and abs(part) > 0.01 else ""
+    return f"{label} {100 * part:+.0f} %" if part != "" and abs(part) > 0.01 else ""
 
 
-def numbers(part):
-    """Of a solution or of published numbers, the columns of the table: H_c, iterations, milliseconds."""
-    return float(part["H_c"]), int(part["iterations"]), 1000 * float(part["seconds"])
-
-
-def line(full, reduced, permille):
-    """The columns of the table behind case and film."""
-    return (f"  {full[0]:11.8f} {reduced[0]:11.8f} {permille:9.3f}   {full[1]:5d} {reduced[1]:7d}   "
-            f"{full[2]:8.1f} {reduced[2]:8.2f} {full[2] / reduced[2]:8.0f}")
+def cells(full, reduced, permille):
+    """The columns of the table behind case and film, of two solutions or of what was published of them."""
+    (H, iterations, seconds), (H_reduced, iterations_reduced, seconds_reduced) = (
+        [float(part[name]) for name in ("H_c", "iterations", "seconds")] for part in (full, reduced))
+    return [f"{H:.8f}", f"{H_reduced:.8f}", f"{permille:.3f}", f"{iterations:.0f}", f"{iterations_reduced:.0f}",
+            f"{1000 * seconds:.1f}", f"{1000 * seconds_reduced:.2f}", f"{seconds / seconds_reduced:.0f}"]
 
 
 def table(folder, model):
@@ -46,49 +43,44 @@ def table(folder, model):
     size = results.model_sizes(f"{folder}/{model}.h5")
     solved = {kind: [results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases] for kind in ("full", model)}
     optional = [[results.value(f"{folder}/full/{case.name}.h5", name, "") for name in OPTIONAL] for case in cases]
-    in_um = any(unit != "" for unit, _, _ in optional)
-    published = any("H_c_full" in case.published for case in cases)
-    width = max(10, *(len(case.name) for case in cases))
 
-    def begin(label, film=""):
-        return f"{label:{width}} {film:>9}" if in_um else f"{label:{width}} "
+    rows = [["", "film", "H_c", "H_c", "deviation", "iterations", "", "time / ms", "", "speed-up", ""],
+            ["case", "um", "full", "reduced", "permille", "full", "reduced", "full", "reduced", "", ""], None]
+    worst, worst_published, coarse, lines = (0, ""), None, False, []
+    for case, full, reduced, (unit, inlet, step) in zip(cases, solved["full"], solved[model], optional):
+        permille = 1000 * abs(reduced["H_c"] / full["H_c"] - 1)
+        trust = ("not converged" if 1 in (full["status"], reduced["status"]) else
+                 "outside of training" if reduced["status"] == 4 else "")
+        if not trust:  # only what converged inside of training
+            worst = max(worst, (permille, case.name))
+        grid = [effect("inlet", inlet), effect("step", step)]
+        coarse = coarse or any(grid)
+        film = f"{1e6 * unit * full['H_c']:.4f}" if unit != "" else ""
+        rows.append([case.name, film, *cells(full, reduced, permille), "  ".join(filter(None, [trust, *grid]))])
+        if "H_c_full" in case.published:
+            was = [{name: case.published[f"{name}_{kind}"] for name in ("H_c", "iterations", "seconds")}
+                   for kind in ("full", "reduced")]
+            permille = float(case.published["deviation_permille"])
+            worst_published = max(worst_published or 0, permille)
+            rows.append(["  published", "", *cells(*was, permille), ""])
+        lines.append([case.name, int(reduced["status"]), int(full["iterations"]), int(reduced["iterations"]),
+                      f"{1000 * full['seconds']:.4g}", f"{1000 * reduced['seconds']:.4g}", full["H_c"], reduced["H_c"],
+                      full["H_min"], reduced["H_min"], unit, inlet, step])
+    results.write_csv(f"{folder}/results.csv", HEADER, lines)
 
+    published = "" if worst_published is None else f", published {worst_published:.3f}"
     print(f"\nFull model: {size['nodes']} nodes, {2 * size['nodes'] + 1} unknowns. Reduced model: "
           f"{size['pressure_modes'] + size['deformation_modes'] + 1} unknowns, {size['rows']} Reynolds rows, "
           f"{size['states']} training solutions.")
     print(f"H_c: film thickness at the centre.{' The second line of a case: as published.' if published else ''}\n")
-    print(f"{begin('', 'film')}  {'H_c':>11} {'H_c':>11} deviation      iterations           time / ms speed-up")
-    print(f"{begin('case', 'um')}  {'full':>11} {'reduced':>11}  permille    full reduced       full  reduced")
-    rule = results.rule(len(begin("")) + 80)
-    print(rule)
-
-    worst, worst_published, notes, rows = (0, ""), 0, "", []
-    for case, full, reduced, (unit, inlet, step) in zip(cases, solved["full"], solved[model], optional):
-        permille = 1000 * abs(reduced["H_c"] / full["H_c"] - 1)
-        trust = ("  not converged" if 1 in (full["status"], reduced["status"]) else
-                 "  outside of training" if reduced["status"] == 4 else "")
-        if not trust:  # only what converged inside of training
-            worst = max(worst, (permille, case.name))
-        grid = effect("inlet", inlet) + effect("step", step)
-        notes += grid
-        film = f"{1e6 * unit * full['H_c']:.4f}" if unit != "" else ""
-        print(begin(case.name, film) + line(numbers(full), numbers(reduced), permille) + trust + grid)
-        if "H_c_full" in case.published:
-            was = [numbers({name: case.published[f"{name}_{kind}"] for name in ("H_c", "iterations", "seconds")})
-                   for kind in ("full", "reduced")]
-            permille = float(case.published["deviation_permille"])
-            worst_published = max(worst_published, permille)
-            print(begin("  published") + line(*was, permille))
-        rows.append([case.name, int(reduced["status"]), int(full["iterations"]), int(reduced["iterations"]),
-                     f"{1000 * full['seconds']:.4g}", f"{1000 * reduced['seconds']:.4g}", full["H_c"], reduced["H_c"],
-                     full["H_min"], reduced["H_min"], unit, inlet, step])
-    print(rule)
-    print(f"worst deviation: {worst[0]:.3f} permille ({worst[1]})",
-          f", published {worst_published:.3f}" if published else "",
-          f"; slowest reduced solution: {1000 * max(reduced['seconds'] for reduced in solved[model]):.2f} ms", sep="")
-    if notes:
+    empty = [i for i in (1, 10) if not any(row and row[i] for row in rows[2:])]  # without films or notes there is no column
+    longest = max(len(row[-1]) for row in rows if row)
+    results.table([row and [cell for i, cell in enumerate([*row[:-1], row[-1].ljust(longest)]) if i not in empty]
+                   for row in [*rows, None]])
+    print(f"worst deviation: {worst[0]:.3f} permille ({worst[1]}){published}; slowest reduced solution: "
+          f"{1000 * max(reduced['seconds'] for reduced in solved[model]):.2f} ms")
+    if coarse:
         print("inlet, step: what the domain's start and the grid's step do to the full model's own central film")
-    results.write_csv(f"{folder}/results.csv", HEADER, rows)
 
 
 results.commands(cases, table)

@@ -7,7 +7,15 @@
 """
 import tempfile
 
+import numpy as np
+
 import results
+
+
+def published(case, kind):
+    """What was published of a case's full or reduced solution, as results.solution; nothing of some cases."""
+    return {name: float(case.published[f"{name}_{kind}"]) for name in ("H_c", "iterations", "seconds")
+            if f"{name}_{kind}" in case.published}
 
 
 def tables(folder, sizes, *models):
@@ -15,72 +23,47 @@ def tables(folder, sizes, *models):
     cases = results.read_cases()
     full, *reduced = [[results.solution(f"{folder}/{kind}/{case.name}.h5") for case in cases]
                       for kind in ("full", *models)]
-    heads = "".join(f" {name:>12}" for name in (*models, "published"))
+    full_published, reduced_published = ([published(case, kind) for case in cases] for kind in ("full", "reduced"))
 
     print("Table 2: sizes\n")
-    print(f"{'':12} {'n':>6} {'2n+1':>6} {'m':>5}  unknowns   n_p  n_delta   rows  needed nodes")
-    print(results.rule(79))
+    rows = [["", "n", "2n+1", "m", "unknowns", "n_p", "n_delta", "rows", "needed nodes"], None]
     for name, size in [*((model, results.model_sizes(f"{folder}/{model}.h5").values()) for model in models),
                        *([("published", map(int, sizes.split()))] if sizes else [])]:
-        n, pressure, deformation, rows, needed, states = size
-        print(f"{name:12} {n:6} {2 * n + 1:6} {states:5} {pressure + deformation + 1:9} {pressure:5} "
-              f"{deformation or '-':>8} {rows:6} {needed:13}")
+        n, pressure, deformation, selected, needed, states = size
+        rows.append([name, n, 2 * n + 1, states, pressure + deformation + 1, pressure, deformation or "-", selected,
+                     needed])
+    results.table(rows)
 
-    def section(head, columns, width, line):
-        """A table of lines for each case, under a head and the columns of the full model, so wide with the case."""
-        print(f"\n{head}\n\n{columns:>{width}}{heads}\n{results.rule(width + len(heads))}")
+    def table(heading, number, form, factor=1, below=None, last=()):
+        """A table with a line for each case, below it another one, and a last one."""
+        print(f"\n{heading}\n")
+        rows = [["", "M", "L", "GPa", "full", "published", *models, "published"], None]
         for i, case in enumerate(cases):
-            where = case.settings
-            label = (f"{where['lubricant.viscosity.preset']:9} {where['moes.M']:>4} {where['moes.L']:>3} "
-                     f"{float(where.get('hertz_pressure', 0)) / 1e9:5g}")
-            print(f"{label:24}" + line(full[i], [part[i] for part in reduced], case.published))
+            rows.append([case.settings["lubricant.viscosity.preset"], case.settings["moes.M"], case.settings["moes.L"],
+                         f"{float(case.settings.get('hertz_pressure', 0)) / 1e9:g}",
+                         *(f"{factor * column[i][number]:{form}}{mark(column[i])}" if number in column[i] else "-"
+                           for column in (full, full_published, *reduced, reduced_published))])
+            rows += [[""] * 6 + below(i)] if below else []
+        results.table(rows + ([None, [last[0], *[""] * 5, *last[1:]]] if last else []))
 
-    def mark(part):
-        return {1: "*", 4: "+"}.get(part["status"], "")
+    def mark(solution):
+        return {1: "*", 4: "+"}.get(solution.get("status"), "")
 
-    def iterations(full, reduced, published):
-        return (f" {full['iterations']:10.0f} {published.get('iterations_full', '-'):>10} "
-                + "".join(f" {part['iterations']:.0f}{mark(part)}".rjust(13) for part in reduced)
-                + f" {published.get('iterations_reduced', '-'):>12}")
+    table("Table 3: Newton iterations (* not converged, + outside of the trained range)", "iterations", ".0f")
+    ratios = [[a["seconds"] / b["seconds"] for a, b in zip(faster, slower) if "seconds" in b]
+              for faster, slower in [*((full, part) for part in reduced), (full_published, reduced_published)]]
+    table("Table 3: time of the solution in ms; last line: speed-up over the full model, mean of the cases",
+          "seconds", ".2f", 1000, last=["speed-up", *(f"{np.mean(part or 0):.0f}" for part in ratios)])
 
-    def milliseconds(published, kind):
-        return f"{1000 * float(published[f'seconds_{kind}']):.0f}" if f"seconds_{kind}" in published else "-"
-
-    def times(full, reduced, published):
-        return (f" {1000 * full['seconds']:10.1f} {milliseconds(published, 'full'):>10} "
-                + "".join(f" {1000 * part['seconds']:12.2f}" for part in reduced)
-                + f" {milliseconds(published, 'reduced'):>12}")
-
-    def permille(full, part):
-        return 1000 * abs(part["H_c"] / full["H_c"] - 1)
-
-    def films(full, reduced, published):
-        return (f" {full['H_c']:11.8f} {published.get('H_c_full', ''):>11}"
-                + "".join(f" {part['H_c']:12.8f}" for part in reduced)
-                + f" {published.get('H_c_reduced', ''):>12}\n{'':48}"
-                + "".join(f" {permille(full, part):.4f}{mark(part)}".rjust(13) for part in reduced)
-                + f" {published.get('deviation_permille', ''):>12}")
-
-    section("Table 3: Newton iterations (* not converged, + outside of the trained range)",
-            "full  published ", 47, iterations)
-    section("Table 3: time of the solution in ms; last line: speed-up over the full model, mean of the cases",
-            "full  published ", 47, times)
-    known = [case.published for case in cases if "seconds_reduced" in case.published]
-    ratios = [[a["seconds"] / b["seconds"] for a, b in zip(full, part)] for part in reduced]
-    ratios.append([float(part["seconds_full"]) / float(part["seconds_reduced"]) for part in known])
-    print(results.rule(47 + len(heads)))
-    print(f"{'speed-up':47}" + "".join(f" {sum(part) / max(1, len(part)):12.0f}" for part in ratios))
-
-    section("Table 4: central film thickness H_c, and deviations of the reduced models from the full one in permille",
-            "H_c full   published", 48, films)
-    off = max([abs(a["H_c"] - float(case.published["H_c_full"])) for a, case in zip(full, cases)
-               if "H_c_full" in case.published], default=0)
-    print(results.rule(48 + len(heads)))
-    print(f"{'worst: |full - published|':24} {off:22.1e}  ", end="")
-    for part in reduced:
-        worst = max([permille(a, b) for a, b in zip(full, part) if b["status"] != 1], default=0)
-        print(f" {worst:.4f}{'*' if any(b['status'] == 1 for b in part) else ''}".rjust(13), end="")
-    print(f" {max([float(part['deviation_permille']) for part in known], default=0):12.4f}")
+    off = [[1000 * abs(b["H_c"] / a["H_c"] - 1) for a, b in zip(full, part)] for part in reduced]
+    off.append([float(case.published.get("deviation_permille", 0)) for case in cases])
+    worst = [max([permille for permille, solution in zip(part, solutions) if solution.get("status") != 1], default=0)
+             for part, solutions in zip(off, [*reduced, reduced_published])]
+    table("Table 4: central film thickness H_c, and deviations of the reduced models from the full one in permille",
+          "H_c", ".8f", below=lambda i: [f"{part[i]:.4f}" for part in off],
+          last=["worst", *(f"{part:.4f}" for part in worst)])
+    difference = max([abs(a["H_c"] - b["H_c"]) for a, b in zip(full, full_published) if b], default=0)
+    print(f"largest difference of the full model's H_c from the published one: {difference:.1e}")
 
 
 def point(folder, name, case, *settings):
