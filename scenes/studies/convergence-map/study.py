@@ -2,14 +2,13 @@
 """Where the full model converges, and what grid and inlet do (README.md):
 
     study.py plan PLAN.yml LAW-DENSITY-REGION          writes the plan of a piece of the map
-    study.py map MAP.csv PIECE.h5...                   the states of all pieces as a table
-    study.py summary MAP.csv LEAST                     points that fail, and a line for each lubricant; exit code 1 when one
-                                                       fails or there are fewer points
+    study.py collect MAP.csv PIECE.h5...               the states of all pieces as a table
+    study.py summary MAP.csv LEAST                     points that fail, and a line for each lubricant; exit code 1 when
+                                                       one fails or there are fewer points
     study.py draw MAP.csv                              the picture
-    study.py estimate OUT LOW HIGH L SET               estimates and measurements of these points (lists) as estimates.csv
+    study.py estimate OUT LOW HIGH L SET               estimates and measurements of these points (lists): estimates.csv
     study.py compare ESTIMATES.csv                     how far the estimates are right
 """
-import csv
 import os
 import shlex
 import sys
@@ -20,8 +19,8 @@ import numpy as np
 
 import results
 
-# M up to 2000 and L up to 25, as far as the viscosity law holds: Barus and Roelands do everywhere, WLF no. 1 up to 11.5 GPa,
-# which is alpha p_H = 271. Laws with the largest alpha p_H; M and the published step of each region.
+# M up to 2000 and L up to 25, as far as the viscosity law holds: Barus and Roelands do everywhere, WLF no. 1 up to 11.5
+# GPa, which is alpha p_H = 271. Laws with the largest alpha p_H; M and the published step of each region.
 LAWS = {"barus": ("law: barus, alpha: 20e-9", 450), "roelands": ("law: roelands, eta0: 0.04, alpha: 20e-9", 450),
         "wlf": ("law: wlf, preset: no1", 270)}
 REGIONS = {
@@ -46,9 +45,8 @@ def pieces(name):
 
 def numbers(file):
     """The lines of a CSV file, numbers where they are some."""
-    with open(file, newline="") as source:
-        return [{key: text if key in ("law", "density") else float(text or "nan") for key, text in line.items()}
-                for line in csv.DictReader(source)]
+    return [{key: text if key in ("law", "density") else float(text or "nan") for key, text in line.items()}
+            for line in results.read_csv(file)]
 
 
 # ---- The map
@@ -75,14 +73,16 @@ def collect(file, *files):
     lines = []
     for piece in files:
         laws = pieces(os.path.splitext(os.path.basename(piece))[0])[:2]
-        lines += [[*laws, *(f"{x:.12g}" for x in state)] for state in zip(*results.printed(piece, *COLUMNS.values()).values())]
+        states = zip(*results.printed(piece, *COLUMNS.values()).values())
+        lines += [[*laws, *(f"{x:.12g}" for x in state)] for state in states]
     results.write_csv(file, ["law", "density", *COLUMNS], lines)
 
 
 def good(point):
-    """Whether it converged, its scaled residual is below 1e-8, no node has a negative pressure or multiplier, and the exit
-    lies inside of the domain."""
-    return point["status"] == 0 and point["residual"] < 1e-8 and point["complementarity"] <= 0 and 0 < point["exit_X"] < 2
+    """Whether it converged, its scaled residual is below 1e-8, no node has a negative pressure or multiplier, and the
+    exit lies inside of the domain."""
+    return (point["status"] == 0 and point["residual"] < 1e-8 and point["complementarity"] <= 0
+            and 0 < point["exit_X"] < 2)
 
 
 def summary(file, least):
@@ -90,17 +90,19 @@ def summary(file, least):
     failed = [point for point in points if not good(point)]
     for point in failed:
         print("failed:", ",".join(x if isinstance(x, str) else f"{x:g}" for x in point.values()))
-    print(f"{'cold starts':27} {'points':>6} {'failed':>6}  {'alpha p_H':>9}  {'residual':>12} {'last exit':>9}  Newton mean, most")
+    print("{:27} {:>6} {:>6}  {:>9}  {:>12} {:>9}  {}".format(
+        "cold starts", "points", "failed", "alpha p_H", "residual", "last exit", "Newton mean, most"))
     for lubricant in dict.fromkeys((point["law"], point["density"]) for point in points):
         mine = [point for point in points if (point["law"], point["density"]) == lubricant]
         solved = [point for point in mine if good(point)]
         hardest, residual, last, most = (max((point[key] for point in solved), default=np.nan)
                                          for key in ("alpha_p_H", "residual", "exit_X", "newton_iterations"))
         mean = sum(point["newton_iterations"] for point in solved) / max(len(solved), 1)
-        print(f"{lubricant[0]:9} {lubricant[1]:17} {len(mine):6} {len(mine) - len(solved):6}  {hardest:9.1f}  {residual:12.1e}"
-              f" {last:9.3f}  {mean:6.1f} {most:8.0f}")
+        print(f"{lubricant[0]:9} {lubricant[1]:17} {len(mine):6} {len(mine) - len(solved):6}  {hardest:9.1f}  "
+              f"{residual:12.1e} {last:9.3f}  {mean:6.1f} {most:8.0f}")
     print(f"{len(points)} points, {len(failed)} failed")
-    return bool(failed) or len(points) < int(least)
+    if failed or len(points) < int(least):
+        sys.exit(1)
 
 
 def draw(file):
@@ -136,62 +138,65 @@ def draw(file):
 
 
 def measure(M, L, region, more):
-    """A point on the published grid (scene.yml), with a long inlet, and with a half and a quarter of the step: a line of
-    estimates.csv, empty where something is not known."""
+    """A point on the published grid (scene.yml), with a long inlet, and with a half and a quarter of the step: a line
+    of estimates.csv, empty where something is not known."""
     step = REGIONS[region][1]
-    films = []
+    films, attributes = [], ["observed_order", "inlet_nodes", "spike_nodes", "outlet_nodes"]
     with tempfile.TemporaryDirectory() as work:
-        for i, changes in enumerate([{}, {"grid.x_min": LONG_INLET[region]}, {"grid.step": step / 2}, {"grid.step": step / 4}]):
-            file = f"{work}/{i}.h5"
+        for changes in {}, {"grid.x_min": LONG_INLET[region]}, {"grid.step": step / 2}, {"grid.step": step / 4}:
+            file = f"{work}/{len(films)}.h5"
             results.run("fullrun", "scene.yml", "-q", "-o", file, *more,
                         *results.sets({"moes.M": M, "moes.L": L, "grid.step": step, **changes}),
                         outcomes=(results.SOLVED, results.NOT_CONVERGED))
-            status, film = (x[0] for x in results.printed(file, "status", "central_film_thickness").values())
-            films.append(film if status == 0 else np.nan)
-        inlet, step_effect, order, *nodes = (results.value(f"{work}/0.h5", name) for name in (
-            "inlet_effect", "step_effect", "observed_order", "inlet_nodes", "spike_nodes", "outlet_nodes"))
+            found = results.solution(file)
+            films.append(found["H_c"] if found["status"] == 0 else np.nan)
+        inlet, effect, *others = (results.value(f"{work}/0.h5", name)
+                                  for name in ["inlet_effect", "step_effect", *attributes])
     published, long, half, quarter = films
-    columns = {"M": M, "L": L, "step": step, "H_c": published, "inlet_estimated": inlet, "inlet_measured": long / published - 1,
-               "step_estimated": step_effect, "step_measured": (quarter + (quarter - half) / 3) / published - 1,
-               "observed_order": order, **dict(zip(("inlet_nodes", "spike_nodes", "outlet_nodes"), nodes))}
-    return {key: "" if np.isnan(float(x)) else f"{float(x):.{10 if key == 'H_c' else 6}g}" for key, x in columns.items()}
+    line = {"M": float(M), "L": float(L), "step": step, "H_c": published, "inlet_estimated": inlet,
+            "inlet_measured": long / published - 1, "step_estimated": effect,
+            "step_measured": (quarter + (quarter - half) / 3) / published - 1, **dict(zip(attributes, others))}
+    return {key: "" if np.isnan(x) else f"{x:.{10 if key == 'H_c' else 6}g}" for key, x in line.items()}
 
 
 def estimate(out, low, high, all_L, settings):
     """All points, two at a time."""
-    points = [(M, L, region) for region, all_M in (("low", low), ("high", high)) for M in all_M.split() for L in all_L.split()]
+    points = [(M, L, region) for region, all_M in (("low", low), ("high", high))
+              for M in all_M.split() for L in all_L.split()]
     sources = ["scene.yml", f"{out}/estimates.options", os.path.join(os.environ["BIN"], "fullrun")]
+
+    def line(point):
+        return results.kept(f"{out}/estimate-{'-'.join(point)}.json", lambda: measure(*point, shlex.split(settings)),
+                            *sources)
     with ThreadPoolExecutor(2) as two:
-        lines = list(two.map(lambda point: results.kept(f"{out}/estimate-{'-'.join(point)}.json",
-                                                        lambda: measure(*point, shlex.split(settings)), *sources), points))
+        lines = list(two.map(line, points))
     results.write_csv(f"{out}/estimates.csv", list(lines[0]), [line.values() for line in lines])
 
 
 def compare(file):
     """Estimated against measured changes of H_c in per cent, and how far a note is right."""
     lines = numbers(file)
-    print(f"{'':6} {'':5} {'':6} {'':12}  {'inlet':>10} {'inlet':>10}  {'step':>10} {'step':>10} {'order':>6}  {'nodes:':>6}")
-    print(f"{'M':>6} {'L':>5} {'step':>6} {'H_c':>12}  {'estimated':>10} {'measured':>10}  {'estimated':>10} {'measured':>10} {'':6}"
-          f"  {'inlet':>6} {'spike':>6} {'outlet':>6}")
-    effects = ["inlet_estimated", "inlet_measured", "step_estimated", "step_measured"]
+    layout = "{:>6} {:>5} {:>6} {:>12}  {:>10} {:>10}  {:>10} {:>10} {:>6}  {:>6} {:>6} {:>6}"
+    print(layout.format("", "", "", "", "inlet", "inlet", "step", "step", "order", "nodes:", "", ""))
+    print(layout.format("M", "L", "step", "H_c", *("estimated", "measured") * 2, "", "inlet", "spike", "outlet"))
+    formats = ["g", "g", "g", ".10g", *4 * [".3g"], ".2f", *3 * ["g"]]  # of the columns; effects are shown in per cent
     for line in lines:
-        shown = ["none" if np.isnan(line[key]) else f"{100 * line[key]:.3g}" for key in effects]
-        order = "none" if np.isnan(line["observed_order"]) else f"{line['observed_order']:.2f}"
-        print(f"{line['M']:6g} {line['L']:5g} {line['step']:6g} {line['H_c']:12.10g}  {shown[0]:>10} {shown[1]:>10}  {shown[2]:>10}"
-              f" {shown[3]:>10} {order:>6}  " + " ".join(f"{line[key]:6g}" for key in ("inlet_nodes", "spike_nodes", "outlet_nodes")))
+        shown = [x * (100 if key.endswith(("estimated", "measured")) else 1) for key, x in line.items()]
+        print(layout.format(*("none" if np.isnan(x) else f"{x:{form}}" for x, form in zip(shown, formats))))
     print()
     for effect in "inlet", "step":
-        estimated, measured = (100 * np.array([line[f"{effect}_{what}"] for line in lines]) for what in ("estimated", "measured"))
+        estimated, measured = (100 * np.array([line[f"{effect}_{what}"] for line in lines])
+                               for what in ("estimated", "measured"))
         known = ~np.isnan(measured)
         noted = (np.isnan(estimated) | (abs(estimated) > LIMIT))[known]  # no estimate is a note as well
         true = abs(measured[known]) > LIMIT
         # ratios are of changes that matter; what cannot be estimated has none
         ratios = (estimated / measured)[~np.isnan(estimated) & (abs(measured) >= LIMIT / 5)]
-        print(f"{effect:6} noted and true {sum(noted & true)}, not noted and true {sum(~noted & ~true)}, noted though less "
-              f"{sum(noted & ~true)}, missed {sum(~noted & true)}; estimated/measured {min(ratios, default=np.nan):.2f} to "
-              f"{max(ratios, default=np.nan):.2f} at the {len(ratios)} points above {LIMIT / 5:g} %")
+        lowest, highest = min(ratios, default=np.nan), max(ratios, default=np.nan)
+        print(f"{effect:6} noted and true {sum(noted & true)}, not noted and true {sum(~noted & ~true)}, noted though "
+              f"less {sum(noted & ~true)}, missed {sum(~noted & true)}; estimated/measured {lowest:.2f} to "
+              f"{highest:.2f} at the {len(ratios)} points above {LIMIT / 5:g} %")
 
 
 if __name__ == "__main__":
-    commands = {"plan": plan, "map": collect, "summary": summary, "draw": draw, "estimate": estimate, "compare": compare}
-    sys.exit(1 if commands[sys.argv[1]](*sys.argv[2:]) else 0)
+    results.commands(plan, collect, summary, draw, estimate, compare)

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Does a reduced model know when it is wrong (README.md)?
 
-    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own]    random scenes around the training points of the model, which was
+    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own]    random scenes around the training points of the model,
                                                                 trained on SCENE.yml: FOLDER/plan.yml and more
     study.py run FOLDER MODEL.h5 PROMISE...                     solves them with a calibrated model: FOLDER/runs.csv
-    study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise than it may
+    study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise
 
-Half of the scenes lie inside of the hull of the training points in M and alpha p_H, half outside but within a rectangle of
-twice its extent; with `own` all are inside and of the lubricant that the model was trained with. Kind of contact, grid and the
-lubricant called its own are those of the scene that was trained on.
+Half of the scenes lie inside of the hull of the training points in M and alpha p_H, half outside but within a rectangle
+of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. Kind of contact,
+grid and the lubricant called its own are those of the scene that was trained on.
 """
-import csv
 import json
 import os
 import re
@@ -21,10 +20,11 @@ import numpy as np
 
 import results
 
-# Laws that are always drawn: 1/Pa, None: drawn between 1e-8 and 3e-8; Pa, the most Hertz pressure, so that the spike stays
-# below that of the law.
+# Laws that are always drawn: alpha in 1/Pa, None: drawn between 1e-8 and 3e-8; the highest Hertz pressure in Pa, so
+# that the spike stays below that of the law.
 LAWS = {"law: wlf, preset: no1": (23.60e-9, 9e9), "law: wlf, preset: no2": (12.51e-9, 4e9),
-        "law: wlf, preset: no3": (18.05e-9, 3.8e9), "law: barus": (None, 1e12), "law: roelands, eta0: 0.04": (None, 1e12)}
+        "law: wlf, preset: no3": (18.05e-9, 3.8e9), "law: barus": (None, 1e12),
+        "law: roelands, eta0: 0.04": (None, 1e12)}
 DENSITIES = ["dowson-higginson", "incompressible"]
 MOST_L = 40
 
@@ -56,8 +56,8 @@ def hull_edges(points):
     """Pairs of points that have all others on their left, or on their line."""
     to = points[None] - points[:, None]
     turns = to[:, :, None, 0] * to[:, None, :, 1] - to[:, :, None, 1] * to[:, None, :, 0]
-    return [(points[i], points[j]) for i, j in np.argwhere(np.all(turns >= -1e-12 * np.ptp(points, axis=0).prod(), axis=2))
-            if i != j]
+    rounding = 1e-12 * np.ptp(points, axis=0).prod()
+    return [(points[i], points[j]) for i, j in np.argwhere(np.all(turns >= -rounding, axis=2)) if i != j]
 
 
 def is_inside(edges, place):
@@ -65,20 +65,22 @@ def is_inside(edges, place):
 
 
 def draw(folder, seed, count, model, scene_file, own=""):
-    """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files that they refer to."""
+    """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files of it."""
     contact, grid, viscosity = read_scene(scene_file)
     laws = list(laws_of(viscosity).items())
     trained = np.array(list(results.printed(model, "state_moes_M", "state_alpha_p_H").values())).T
-    edges, middle, extent = hull_edges(trained), (trained.min(axis=0) + trained.max(axis=0)) / 2, np.ptp(trained, axis=0)
+    edges = hull_edges(trained)
+    middle, extent = (trained.min(axis=0) + trained.max(axis=0)) / 2, np.ptp(trained, axis=0)
     random = np.random.default_rng(int(seed))
 
     def moes_L(M, alpha_p_H):
-        return alpha_p_H / ((1.5 * M) ** (1 / 3) / np.pi if contact == "point" else np.sqrt(M / (2 * np.pi)))
+        return alpha_p_H / ((1.5 * M) ** (1 / 3) / np.pi if contact == "point" else (M / (2 * np.pi)) ** 0.5)
 
     def place(inside):
         while True:
             M, alpha_p_H = middle + (0.5 if inside else 1) * extent * random.uniform(-1, 1, 2)
-            if M >= 1 and alpha_p_H >= 0 and is_inside(edges, (M, alpha_p_H)) == inside and moes_L(M, alpha_p_H) <= MOST_L:
+            if (M >= 1 and alpha_p_H >= 0 and moes_L(M, alpha_p_H) <= MOST_L
+                    and is_inside(edges, (M, alpha_p_H)) == inside):
                 return M, alpha_p_H
 
     groups = {}
@@ -95,7 +97,8 @@ def draw(folder, seed, count, model, scene_file, own=""):
             if alpha_p_H / alpha <= limit:
                 break
         groups.setdefault((which, density), []).append(
-            {"where": "inside" if inside else "outside", "whose": "other" if which or density else "own", "settings": settings})
+            {"where": "inside" if inside else "outside", "whose": "other" if which or density else "own",
+             "settings": settings})
 
     os.makedirs(folder, exist_ok=True)
     plan, scenes = "groups:\n", []
@@ -116,10 +119,11 @@ def draw(folder, seed, count, model, scene_file, own=""):
 
 
 def run(folder, model, *promises):
-    """Solves the scenes with a promise, two at a time: exit code of romrun, H_c reduced and full, empty where there is none."""
+    """Solves the scenes with promises, two at a time: exit code of romrun, H_c reduced and full, or empty."""
     with open(f"{folder}/scenes.json") as source:
         scenes = json.load(source)
-    status, films = results.printed(f"{folder}/full.h5", "status", "central_film_thickness").values()
+    full = [repr(float(film)) if status == results.SOLVED else "" for status, film in
+            zip(*results.printed(f"{folder}/full.h5", "status", "central_film_thickness").values())]
 
     def solve(promise, scene):
         done = results.run("romrun", scene["scene"], "--model", model, "--accuracy", promise, "--quiet",
@@ -130,9 +134,9 @@ def run(folder, model, *promises):
     runs = []
     with ThreadPoolExecutor(2) as two:
         for promise in promises:
-            outcomes = two.map(lambda scene: solve(promise, scene), scenes)
-            runs += [[promise, scene["where"], scene["whose"], *outcome, repr(film) if state == results.SOLVED else ""]
-                     for scene, outcome, state, film in zip(scenes, outcomes, status, films.tolist())]
+            solved = two.map(solve, [promise] * len(scenes), scenes)
+            runs += [[promise, scene["where"], scene["whose"], *reduced, film]
+                     for scene, reduced, film in zip(scenes, solved, full)]
     results.write_csv(f"{folder}/runs.csv", RUN, runs)
 
 
@@ -140,8 +144,8 @@ def run(folder, model, *promises):
 
 
 def outcome(run):
-    """A scene is good where the central film deviates by no more than promised, and flagged with exit code 4. One that does
-    not converge, exit code 3, has no result that could be wrong. Returns what it is, and the deviation."""
+    """A scene is good where the central film deviates by no more than promised, and flagged with exit code 4. One that
+    does not converge, exit code 3, has no result that could be wrong. Returns what it is, and the deviation."""
     code = int(run["code"])
     if not run["full"]:
         return "no reference", 0
@@ -155,29 +159,28 @@ def outcome(run):
 
 
 def table(file, seed, calibration):
-    with open(file, newline="") as source:
-        runs = list(csv.DictReader(source))
-    outcomes = [(run["promise"], "outside, any lubricant" if run["where"] == "outside" else
-                 "inside, own lubricant" if run["whose"] == "own" else "inside, other lubricants", *outcome(run)) for run in runs]
+    """What was flagged and what was not."""
+    groups = {"inside own": "inside, own lubricant", "inside other": "inside, other lubricants",
+              "outside": "outside, any lubricant"}
+    runs = [(run["promise"], f"{run['where']} {run['whose']}", *outcome(run)) for run in results.read_csv(file)]
     print(f"seed {seed}, calibrated on seed {calibration}\n")
-    for heads in (("", "good,", "good,", "of the good", "bad, not", "bad,", "not", "full model"),
-                  ("", "quiet", "flagged", "flagged", "flagged: silent", "flagged", "solved", "has none")):
-        print("{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10} {:>12}".format(*heads))
-    for promise in dict.fromkeys(run["promise"] for run in runs):
+    layout = "{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10} {:>12}"
+    print(layout.format("", "good,", "good,", "of the good", "bad, not", "bad,", "not", "full model"))
+    print(layout.format("", "quiet", "flagged", "flagged", "flagged: silent", "flagged", "solved", "has none"))
+    for promise in dict.fromkeys(run[0] for run in runs):
         print(f"promise {float(promise):g}")
-        for group in "inside, own lubricant", "inside, other lubricants", "outside, any lubricant":
-            mine = [what for its, where, what, _ in outcomes if (its, where) == (promise, group)]
-            quiet, loud, silent, told, unsolved, unknown = (mine.count(what) for what in (
+        for group, name in groups.items():
+            mine = [run[2] for run in runs if run[0] == promise and run[1].startswith(group)]
+            quiet, loud, *others = (mine.count(what) for what in (
                 "good not flagged", "good flagged", "bad not flagged", "bad flagged", "not solved", "no reference"))
-            print(f"  {group:22} {quiet:8} {loud:8} {100 * loud / max(quiet + loud, 1):10.1f} % {silent:16} {told:8} {unsolved:10}"
-                  f" {unknown:12}")
-    silent = [off for *_, what, off in outcomes if what == "bad not flagged"]
-    errors = sum(what == "error" for *_, what, _ in outcomes)
+            print(layout.format(f"  {name}", quiet, loud, f"{100 * loud / max(quiet + loud, 1):.1f} %", *others))
+    silent = [off for *_, what, off in runs if what == "bad not flagged"]
+    errors = sum(what == "error" for *_, what, _ in runs)
     print(f"\nsilent failures: {len(silent)}" + (f", the worst {max(silent):.2g} off" if silent else ""))
     if errors:
         print(f"found {errors} runs that ended otherwise, expected none")
-    return errors
+        sys.exit(1)
 
 
 if __name__ == "__main__":
-    sys.exit(1 if {"draw": draw, "run": run, "table": table}[sys.argv[1]](*sys.argv[2:]) else 0)
+    results.commands(draw, run, table)

@@ -18,8 +18,7 @@ TRADE_STEPS ?= 1e-5 1e-4 1e-3 1e-2 fixed0.005 fixed0.02 still300
 TRADE_WIDTH ?= 1000
 
 TRADE_SCRIPT  := $(dir $(lastword $(MAKEFILE_LIST)))trade.py
-TRADE_OPTIONS := $(TRADE_REGIME) --stretches $(TRADE_STRETCHES) --repeat $(TRADE_REPEAT) \
-                 --tolerances $(TRADE_TOLERANCES) --steps $(TRADE_STEPS)
+TRADE_OPTIONS := $(TRADE_REGIME) '$(TRADE_STRETCHES)' '$(TRADE_TOLERANCES)' '$(TRADE_STEPS)' $(TRADE_REPEAT)
 
 trade: $(OUT)/trade.png ## deviation against time of the model's sizes and of the alternatives on check-plan.yml
 	@$(BIN)/romrun --trade --model $(OUT)/calibrated.h5
@@ -36,4 +35,4 @@ $(OUT)/trade.csv: $(OUT)/calibrated.h5 $(TRADE_SCRIPT) $(BIN)/fullrun $(call opt
 	$(call quiet,measure   ,$@)$(python) $(TRADE_SCRIPT) measure $(OUT) $(TRADE_OPTIONS)
 
 $(OUT)/trade.png: $(OUT)/trade.csv $(call options,trade-picture,$(TRADE_WIDTH))
-	$(call quiet,draw      ,$@)$(python) $(TRADE_SCRIPT) draw $(OUT) $(TRADE_REGIME) --width $(TRADE_WIDTH)
+	$(call quiet,picture   ,$@)$(python) $(TRADE_SCRIPT) draw $(OUT) $(TRADE_REGIME) $(TRADE_WIDTH)
