@@ -6,6 +6,7 @@ The folder of the programs is the environment variable BIN (common.mk). Results 
 import csv
 import inspect
 import io
+import json
 import os
 import re
 import subprocess
@@ -193,6 +194,25 @@ def write_csv(file, header, rows):
         writer = csv.writer(target, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(rows)
+
+
+def write_changed(file, text):
+    """Writes a text where it is another one than the file's, so that make does not take what follows from it for old."""
+    if not os.path.exists(file) or open(file).read() != text:
+        with open(file, "w") as target:
+            target.write(text)
+
+
+def kept(file, compute, *sources):
+    """What compute() returned when the file was written with it as JSON, where that is newer than the sources; else it is
+    computed and written now. An interrupted study so goes on where it was."""
+    if not os.path.exists(file) or any(os.path.getmtime(file) < os.path.getmtime(source) for source in sources):
+        found = compute()
+        with open(f"{file}.new", "w") as target:
+            json.dump(found, target)
+        os.replace(f"{file}.new", file)
+    with open(file) as source:
+        return json.load(source)
 
 
 def rule(width):

@@ -275,8 +275,8 @@ small_oscillator() {
 
 @test "the convergence map: all points of a small one, and it tells those that fail" {
     copy_scene studies/convergence-map
-    sed -i -e "s/M='1, .*' step=.*/M='5, 12' step=0.02 ;;/" -e "s/M='50, .*' step=.*/M='50, 70' step=0.01 ;;/" \
-        -e 's/moes.L: .*/moes.L: [0, 5, 10]/' plan.sh
+    sed -i -e 's/"low": (".*", 0.005)/"low": ("5, 12", 0.02)/' -e 's/"high": (".*", 0.002)/"high": ("50, 70", 0.01)/' \
+        -e 's/^ALL_L = .*/ALL_L = "0, 5, 10"/' study.py
     run_make LEAST_POINTS=72
     [ "$status" -eq 0 ]
     [[ $output == *"72 points, 0 failed"* ]]
@@ -303,7 +303,7 @@ small_oscillator() {
     awk -F, 'function near(a, b) { return a / b > 0.7 && a / b < 1.4 }
         NR > 1 && (!near($5, $6) || $1 == 60 && !near($7, $8)) { exit 1 }' out/estimates.csv
     sed -i '2s/^\([^,]*,[^,]*,[^,]*,[^,]*\),[^,]*/\1,0.001/' out/estimates.csv
-    [[ $(awk -v limit=1 -f ../../lib/common.awk -f estimates.awk out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
+    [[ $(PYTHONPATH=../../lib /usr/bin/python3 -B study.py compare out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
 }
 
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
@@ -318,18 +318,17 @@ small_oscillator() {
     awk '/lubricant/ { total += $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
          /outside/ { outside = $(NF - 7) + $(NF - 6) + $(NF - 3) + $(NF - 2) + $(NF - 1) + $NF }
          END { exit !(total == 24 && outside == 12) }' out/table-3-24.txt
-    # another awk draws the same
-    mkdir again
-    gawk --version >/dev/null 2>&1 && other=gawk || other='busybox awk'
-    if $other 'BEGIN {}' 2>/dev/null; then
-        $other -f draw.awk -v seed=3 -v count=24 -v folder=again \
-            -v scene=../stationary-line/scene.yml out/trained.txt
-        diff again/scenes.txt out/test-3-24/scenes.txt
-    fi
+    # a seed draws the same again, another one does not
+    study() { PYTHONPATH=../../lib BIN=$BIN /usr/bin/python3 -B study.py "$@"; }
+    study draw again 3 24 ../stationary-line/out/model.h5 ../stationary-line/scene.yml
+    cmp <(sed 's/out.test-3-24/again/' out/test-3-24/scenes.json) again/scenes.json
+    cmp out/test-3-24/plan.yml again/plan.yml
+    study draw again 4 24 ../stationary-line/out/model.h5 ../stationary-line/scene.yml
+    run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
     # a result that is off without a flag is one, however few they are
-    printf '%s\n' '1e-2 inside own 0 1.02 1' '1e-2 inside other 4 1.5 1' '1e-2 outside other 3 - 1' \
-        '1e-2 inside own 0 1.001 1' '1e-2 inside own 4 1.001 1' >runs.txt
-    run awk -f ../../lib/common.awk -f table.awk -v seed=1 -v calibration=2 runs.txt
+    printf '%s\n' promise,where,whose,code,reduced,full 1e-2,inside,own,0,1.02,1 1e-2,inside,other,4,1.5,1 \
+        1e-2,outside,other,3,,1 1e-2,inside,own,0,1.001,1 1e-2,inside,own,4,1.001,1 >runs.csv
+    run study table runs.csv 1 2
     [[ $output == *"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
     [[ $output == *"silent failures: 1, the worst 0.02 off" ]]
     run_make -n $small
@@ -338,7 +337,7 @@ small_oscillator() {
     cp ../stationary-line/out/model.h5 older.h5
     touch -d 2000-01-01 older.h5
     run_make -n $small MODEL=older.h5
-    [[ $status == 0 && $output == *draw.awk*romrun\ --calibrate* ]]
+    [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]
 }
 
 @test "conditioning: all solvers on each case and size agree where the systems allow it" {
@@ -378,7 +377,7 @@ small_oscillator() {
     [ "$(head -c 4 out/study.png | tail -c 3)" = PNG ]
     grep -q '</svg>' out/study.svg
     run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
-    [[ $status == 0 && ! $output =~ measure.sh ]]
+    [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
 }
 
 @test "adaptive training: a line of the curve for each training, its points between the edges of the region" {
@@ -403,28 +402,32 @@ small_oscillator() {
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
 }
 
-# states M L H...: what film.sh prints of one point on grids of these central films in Moes units, with the fit of fullrun
-states() {
-    local M=$1 L=$2
-    shift 2
-    awk -v M="$M" -v L="$L" -v films="$*" 'BEGIN {
-        for (i = 1; i <= split(films, film, " "); i++) printf "%d,%s,%s,0,%.12g,1,1e9,0\n", i, M, L, film[i] / (1.5 * M) ^ (2 / 3) }'
-    echo "fit,$M,$L,0.441725"
+# film_csv FILE STATUS H...: film.csv of M = 20, L = 10 with these central films in Moes units on three grids, the last of
+# that status, and the fit of fullrun
+film_csv() {
+    BIN=$BIN PYTHONPATH=../../lib /usr/bin/python3 -B - "$@" <<'PYTHON'
+import sys, results, study
+file, status, *films = sys.argv[1:]
+states = [(0, float(film) / 30 ** (2 / 3), 1, 1e9, 0) for film in films]
+states[2] = (int(status), *states[2][1:])
+results.write_csv(file, study.HEADER, [study.film_line(20, 10, study.fit(20, 10, "."), states)])
+PYTHON
 }
 
 @test "the point film table: extrapolation and fit" {
     copy_scene studies/point-film
+    table() { PYTHONPATH=../../lib /usr/bin/python3 -B study.py table "$1"; }
     # 4 + 0.1 h^2 with steps of 4, 2 and 1 is 4 without a step
-    states 20 10 5.6 4.4 4.1 | awk -f film.awk >exact.csv
+    film_csv exact.csv 0 5.6 4.4 4.1
     tail -n 1 exact.csv | awk -F, '{ exit !($6 > 1.9999 && $6 < 2.0001 && $7 > 3.9999 && $7 < 4.0001) }'
     # by hand: asymptotes 0.10336, 1.62230, 4.21853, 5.46483, s = 2.55046
     tail -n 1 exact.csv | awk -F, '{ exit !($8 > 4.26480 && $8 < 4.26482) }'
     # what is far off is counted, and there is no table without a solution
-    states 20 10 3.6 3.4 3.3 | awk -f film.awk >off.csv
-    run -0 awk -f ../../lib/common.awk -f table.awk off.csv
+    film_csv off.csv 0 3.6 3.4 3.3
+    run -0 table off.csv
     [[ $output == *"1 points, 0 without a solution; largest difference 25.0 %, 1 beyond 10 %"* ]]
-    states 20 10 4.4 4.3 4.25 | sed 's/^3,20,10,0/3,20,10,1/' | awk -f film.awk >lost.csv
-    run -1 awk -f ../../lib/common.awk -f table.awk lost.csv
+    film_csv lost.csv 1 4.4 4.3 4.25
+    run -1 table lost.csv
 
     run_make CELLS='48 96 192' M=10 L='2.5, 5'
     [ "$status" -eq 0 ]

@@ -9,19 +9,23 @@ import pictures
 import results
 
 
-def plan(scene, m_from, m_to, l_from, l_to, most_alpha_p_H, num_m, num_l, which):
-    """Prints a plan of num_m times num_l points of a region, M in equal ratios, L in equal steps: `ends` with those of
+def plan(file, scene, m_from, m_to, l_from, l_to, most_alpha_p_H, num_m, num_l, which):
+    """Writes a plan of num_m times num_l points of a region, M in equal ratios, L in equal steps: `ends` with those of
     the region's edges, as one would train, `middles` in the middle of as many cells, as one would check."""
     def points(spaced, low, high, count):
         if which == "middles":
             return spaced(float(low), float(high), 2 * int(count) + 1)[1::2]
         return spaced(float(low), float(high), int(count))
 
-    keys = {"moes.M": points(np.geomspace, m_from, m_to, num_m), "moes.L": points(np.linspace, l_from, l_to, num_l)}
-    print(f"groups:\n  - scene: {scene}\n    vary:")
-    for key, values in keys.items():
-        print(f"      {key}: [{', '.join(f'{value:.9g}' for value in values)}]")
-    print(f"    where: {{alpha_p_H: [0, {most_alpha_p_H}]}}")
+    M, L = (", ".join(f"{value:.9g}" for value in values) for values in
+            (points(np.geomspace, m_from, m_to, num_m), points(np.linspace, l_from, l_to, num_l)))
+    results.write_changed(file, f"""groups:
+  - scene: {scene}
+    vary:
+      moes.M: [{M}]
+      moes.L: [{L}]
+    where: {{alpha_p_H: [0, {most_alpha_p_H}]}}
+""")
 
 
 def curve(*models):

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the full model converges, and what grid and inlet do (README.md):
+
+    study.py plan PLAN.yml LAW-DENSITY-REGION          writes the plan of a piece of the map
+    study.py collect MAP.csv PIECE.h5...               the states of all pieces as a table
+    study.py summary MAP.csv LEAST                     points that fail, and a line for each lubricant; exit code 1 when
+                                                       one fails or there are fewer points
+    study.py draw MAP.csv                              the picture
+    study.py estimate OUT LOW HIGH L SET               estimates and measurements of these points (lists): estimates.csv
+    study.py compare ESTIMATES.csv                     how far the estimates are right
+"""
+import os
+import shlex
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+import results
+
+# M up to 2000 and L up to 25, as far as the viscosity law holds: Barus and Roelands do everywhere, WLF no. 1 up to 11.5
+# GPa, which is alpha p_H = 271. Laws with the largest alpha p_H; M and the published step of each region.
+LAWS = {"barus": ("law: barus, alpha: 20e-9", 450), "roelands": ("law: roelands, eta0: 0.04, alpha: 20e-9", 450),
+        "wlf": ("law: wlf, preset: no1", 270)}
+REGIONS = {
+    "low": ("1, 1.4, 2, 2.8, 4, 5, 7, 10, 14, 20, 28, 40", 0.005),
+    "high": ("50, 70, 100, 140, 200, 280, 400, 560, 800, 1130, 1600, 2000", 0.002)}
+ALL_L = "0, 0.5, 1, 2.5, 5, 7.5, 10, 12.5, 15, 17.5, 20, 22.5, 25"
+LONG_INLET = {"low": -32, "high": -16}
+
+# Columns of map.csv behind the names of the laws, and what they are in the states of a piece.
+COLUMNS = {
+    "M": "moes_M", "L": "moes_L", "alpha_p_H": "alpha_p_H", "p_H": "hertz_pressure", "step": "step", "status": "status",
+    "newton_iterations": "newton_iterations", "residual": "residual_norm", "complementarity": "complementarity",
+    "exit_X": "exit_position", "H_c": "central_film_thickness", "H_min": "minimum_film_thickness"}
+
+LIMIT = 1  # per cent: fullrun has a note where inlet or step move H_c by more
+
+
+def pieces(name):
+    """Law, density and region of LAW-DENSITY-REGION; the name of a density has a dash."""
+    return name.split("-")[0], "-".join(name.split("-")[1:-1]), name.split("-")[-1]
+
+
+def numbers(file):
+    """The lines of a CSV file, numbers where they are some."""
+    return [{key: text if key in ("law", "density") else float(text or "nan") for key, text in line.items()}
+            for line in results.read_csv(file)]
+
+
+# ---- The map
+
+
+def plan(file, piece):
+    law, density, region = pieces(piece)
+    viscosity, highest = LAWS[law]
+    M, step = REGIONS[region]
+    results.write_changed(file, f"""groups:
+  - scene:
+      contact: line
+      regime: stationary
+      lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
+      grid: {{x_min: -4, x_max: 2, step: {step}}}
+    vary:
+      moes.M: [{M}]
+      moes.L: [{ALL_L}]
+    where: {{alpha_p_H: [0, {highest}]}}
+""")
+
+
+def collect(file, *files):
+    lines = []
+    for piece in files:
+        laws = pieces(os.path.splitext(os.path.basename(piece))[0])[:2]
+        states = zip(*results.printed(piece, *COLUMNS.values()).values())
+        lines += [[*laws, *(f"{x:.12g}" for x in state)] for state in states]
+    results.write_csv(file, ["law", "density", *COLUMNS], lines)
+
+
+def good(point):
+    """Whether it converged, its scaled residual is below 1e-8, no node has a negative pressure or multiplier, and the
+    exit lies inside of the domain."""
+    return (point["status"] == 0 and point["residual"] < 1e-8 and point["complementarity"] <= 0
+            and 0 < point["exit_X"] < 2)
+
+
+def summary(file, least):
+    points = numbers(file)
+    failed = [point for point in points if not good(point)]
+    for point in failed:
+        print("failed:", ",".join(x if isinstance(x, str) else f"{x:g}" for x in point.values()))
+    print("{:27} {:>6} {:>6}  {:>9}  {:>12} {:>9}  {}".format(
+        "cold starts", "points", "failed", "alpha p_H", "residual", "last exit", "Newton mean, most"))
+    for lubricant in dict.fromkeys((point["law"], point["density"]) for point in points):
+        mine = [point for point in points if (point["law"], point["density"]) == lubricant]
+        solved = [point for point in mine if good(point)]
+        hardest, residual, last, most = (max((point[key] for point in solved), default=np.nan)
+                                         for key in ("alpha_p_H", "residual", "exit_X", "newton_iterations"))
+        mean = sum(point["newton_iterations"] for point in solved) / max(len(solved), 1)
+        print(f"{lubricant[0]:9} {lubricant[1]:17} {len(mine):6} {len(mine) - len(solved):6}  {hardest:9.1f}  "
+              f"{residual:12.1e} {last:9.3f}  {mean:6.1f} {most:8.0f}")
+    print(f"{len(points)} points, {len(failed)} failed")
+    if failed or len(points) < int(least):
+        sys.exit(1)
+
+
+def draw(file):
+    """Newton iterations of a cold start over M and L, a panel for each lubricant."""
+    import matplotlib
+
+    import pictures
+
+    colours = matplotlib.colors.LinearSegmentedColormap.from_list("iterations", list(zip(
+        (0, 0.35, 0.6, 0.8, 1), (pictures.BLUE, pictures.SKY, "#f0e442", pictures.ORANGE, "#8b1a1a"))))
+    points = numbers(file)
+    densities = list(dict.fromkeys(point["density"] for point in points))
+    laws = list(dict.fromkeys(point["law"] for point in points))
+    figure, panels = pictures.page(1300, 800, len(densities), len(laws), sharex=True, sharey=True, squeeze=False)
+    figure.suptitle("Cold starts of the full model: Newton iterations on the finest grid")
+    for panel, (density, law) in zip(panels.flat, ((density, law) for density in densities for law in laws)):
+        mine = [point for point in points if (point["law"], point["density"]) == (law, density)]
+        solved, failed = ([point for point in mine if (point["status"] != 0) == lost] for lost in (False, True))
+        marks = panel.scatter(*([point[key] for point in solved] for key in ("M", "L")), s=36, cmap=colours,
+                              c=[point["newton_iterations"] for point in solved],
+                              norm=matplotlib.colors.LogNorm(2, 320))
+        panel.plot(*([point[key] for point in failed] for key in ("M", "L")), "kx", markersize=9, markeredgewidth=3)
+        panel.set(title=f"{law}, {density}", xscale="log", xlim=(0.8, 2500), ylim=(-1.5, 26.5))
+    for panel in panels[-1]:
+        panel.set_xlabel("M")
+    for panel in panels[:, 0]:
+        panel.set_ylabel("L")
+    figure.colorbar(marks, ax=panels)
+    pictures.save(figure, os.path.splitext(file)[0] + ".png")
+
+
+# ---- Estimates
+
+
+def measure(M, L, region, more):
+    """A point on the published grid (scene.yml), with a long inlet, and with a half and a quarter of the step: a line
+    of estimates.csv, empty where something is not known."""
+    step = REGIONS[region][1]
+    films, attributes = [], ["observed_order", "inlet_nodes", "spike_nodes", "outlet_nodes"]
+    with tempfile.TemporaryDirectory() as work:
+        for changes in {}, {"grid.x_min": LONG_INLET[region]}, {"grid.step": step / 2}, {"grid.step": step / 4}:
+            file = f"{work}/{len(films)}.h5"
+            results.run("fullrun", "scene.yml", "-q", "-o", file, *more,
+                        *results.sets({"moes.M": M, "moes.L": L, "grid.step": step, **changes}),
+                        outcomes=(results.SOLVED, results.NOT_CONVERGED))
+            found = results.solution(file)
+            films.append(found["H_c"] if found["status"] == 0 else np.nan)
+        inlet, effect, *others = (results.value(f"{work}/0.h5", name)
+                                  for name in ["inlet_effect", "step_effect", *attributes])
+    published, long, half, quarter = films
+    line = {"M": float(M), "L": float(L), "step": step, "H_c": published, "inlet_estimated": inlet,
+            "inlet_measured": long / published - 1, "step_estimated": effect,
+            "step_measured": (quarter + (quarter - half) / 3) / published - 1, **dict(zip(attributes, others))}
+    return {key: "" if np.isnan(x) else f"{x:.{10 if key == 'H_c' else 6}g}" for key, x in line.items()}
+
+
+def estimate(out, low, high, all_L, settings):
+    """All points, two at a time."""
+    points = [(M, L, region) for region, all_M in (("low", low), ("high", high))
+              for M in all_M.split() for L in all_L.split()]
+    sources = ["scene.yml", f"{out}/estimates.options", os.path.join(os.environ["BIN"], "fullrun")]
+
+    def line(point):
+        return results.kept(f"{out}/estimate-{'-'.join(point)}.json", lambda: measure(*point, shlex.split(settings)),
+                            *sources)
+    with ThreadPoolExecutor(2) as two:
+        lines = list(two.map(line, points))
+    results.write_csv(f"{out}/estimates.csv", list(lines[0]), [line.values() for line in lines])
+
+
+def compare(file):
+    """Estimated against measured changes of H_c in per cent, and how far a note is right."""
+    lines = numbers(file)
+    layout = "{:>6} {:>5} {:>6} {:>12}  {:>10} {:>10}  {:>10} {:>10} {:>6}  {:>6} {:>6} {:>6}"
+    print(layout.format("", "", "", "", "inlet", "inlet", "step", "step", "order", "nodes:", "", ""))
+    print(layout.format("M", "L", "step", "H_c", *("estimated", "measured") * 2, "", "inlet", "spike", "outlet"))
+    formats = ["g", "g", "g", ".10g", *4 * [".3g"], ".2f", *3 * ["g"]]  # of the columns; effects are shown in per cent
+    for line in lines:
+        shown = [x * (100 if key.endswith(("estimated", "measured")) else 1) for key, x in line.items()]
+        print(layout.format(*("none" if np.isnan(x) else f"{x:{form}}" for x, form in zip(shown, formats))))
+    print()
+    for effect in "inlet", "step":
+        estimated, measured = (100 * np.array([line[f"{effect}_{what}"] for line in lines])
+                               for what in ("estimated", "measured"))
+        known = ~np.isnan(measured)
+        noted = (np.isnan(estimated) | (abs(estimated) > LIMIT))[known]  # no estimate is a note as well
+        true = abs(measured[known]) > LIMIT
+        # ratios are of changes that matter; what cannot be estimated has none
+        ratios = (estimated / measured)[~np.isnan(estimated) & (abs(measured) >= LIMIT / 5)]
+        lowest, highest = min(ratios, default=np.nan), max(ratios, default=np.nan)
+        print(f"{effect:6} noted and true {sum(noted & true)}, not noted and true {sum(~noted & ~true)}, noted though "
+              f"less {sum(noted & ~true)}, missed {sum(~noted & true)}; estimated/measured {lowest:.2f} to "
+              f"{highest:.2f} at the {len(ratios)} points above {LIMIT / 5:g} %")
+
+
+if __name__ == "__main__":
+    results.commands(plan, collect, summary, draw, estimate, compare)

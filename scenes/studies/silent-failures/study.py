@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Does a reduced model know when it is wrong (README.md)?
+
+    study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own]    random scenes around the training points of the model,
+                                                                trained on SCENE.yml: FOLDER/plan.yml and more
+    study.py run FOLDER MODEL.h5 PROMISE...                     solves them with a calibrated model: FOLDER/runs.csv
+    study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise
+
+Half of the scenes lie inside of the hull of the training points in M and alpha p_H, half outside but within a rectangle
+of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. Kind of contact,
+grid and the lubricant called its own are those of the scene that was trained on.
+"""
+import json
+import os
+import re
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+import results
+
+# Laws that are always drawn: alpha in 1/Pa, None: drawn between 1e-8 and 3e-8; the highest Hertz pressure in Pa, so
+# that the spike stays below that of the law.
+LAWS = {"law: wlf, preset: no1": (23.60e-9, 9e9), "law: wlf, preset: no2": (12.51e-9, 4e9),
+        "law: wlf, preset: no3": (18.05e-9, 3.8e9), "law: barus": (None, 1e12),
+        "law: roelands, eta0: 0.04": (None, 1e12)}
+DENSITIES = ["dowson-higginson", "incompressible"]
+MOST_L = 40
+
+RUN = ["promise", "where", "whose", "code", "reduced", "full"]
+
+
+# ---- Scenes
+
+
+def read_scene(file):
+    """Kind of contact, line of the grid, and viscosity of a scene."""
+    with open(file) as source:
+        lines = {line.split(":")[0].strip(): line.rstrip() for line in source}
+    return (re.sub(" *#.*", "", lines["contact"].split(":")[1]).strip(), lines["grid"],
+            re.sub("^[^{]*{|}.*", "", lines["viscosity"]))
+
+
+def laws_of(viscosity):
+    """All laws, that of the scene that was trained on first."""
+    if "preset: no1" in viscosity:
+        return LAWS
+    alpha = re.search(r"alpha: *([-+.0-9e]+)", viscosity)
+    if not alpha:
+        results.stop(f"found viscosity {viscosity}, expected an alpha")
+    return {viscosity: (float(alpha[1]), 1e12), **LAWS}
+
+
+def hull_edges(points):
+    """Pairs of points that have all others on their left, or on their line."""
+    to = points[None] - points[:, None]
+    turns = to[:, :, None, 0] * to[:, None, :, 1] - to[:, :, None, 1] * to[:, None, :, 0]
+    rounding = 1e-12 * np.ptp(points, axis=0).prod()
+    return [(points[i], points[j]) for i, j in np.argwhere(np.all(turns >= -rounding, axis=2)) if i != j]
+
+
+def is_inside(edges, place):
+    return all((b[0] - a[0]) * (place[1] - a[1]) >= (b[1] - a[1]) * (place[0] - a[0]) for a, b in edges)
+
+
+def draw(folder, seed, count, model, scene_file, own=""):
+    """Random scenes: plan.yml, scenes.json with an entry each in the plan's order, and the scene files of it."""
+    contact, grid, viscosity = read_scene(scene_file)
+    laws = list(laws_of(viscosity).items())
+    trained = np.array(list(results.printed(model, "state_moes_M", "state_alpha_p_H").values())).T
+    edges = hull_edges(trained)
+    middle, extent = (trained.min(axis=0) + trained.max(axis=0)) / 2, np.ptp(trained, axis=0)
+    random = np.random.default_rng(int(seed))
+
+    def moes_L(M, alpha_p_H):
+        return alpha_p_H / ((1.5 * M) ** (1 / 3) / np.pi if contact == "point" else (M / (2 * np.pi)) ** 0.5)
+
+    def place(inside):
+        while True:
+            M, alpha_p_H = middle + (0.5 if inside else 1) * extent * random.uniform(-1, 1, 2)
+            if (M >= 1 and alpha_p_H >= 0 and moes_L(M, alpha_p_H) <= MOST_L
+                    and is_inside(edges, (M, alpha_p_H)) == inside):
+                return M, alpha_p_H
+
+    groups = {}
+    for i in range(int(count)):
+        inside = bool(own) or i % 2 == 0
+        while True:
+            M, alpha_p_H = place(inside)
+            which, density = (0, 0) if own else (random.integers(len(laws)), random.integers(len(DENSITIES)))
+            alpha, limit = laws[which][1]
+            settings = {"moes.M": f"{M:.12g}", "moes.L": f"{moes_L(M, alpha_p_H):.12g}"}
+            if alpha is None:
+                alpha = random.uniform(1e-8, 3e-8)
+                settings["lubricant.viscosity.alpha"] = f"{alpha:.12g}"
+            if alpha_p_H / alpha <= limit:
+                break
+        groups.setdefault((which, density), []).append(
+            {"where": "inside" if inside else "outside", "whose": "other" if which or density else "own",
+             "settings": settings})
+
+    os.makedirs(folder, exist_ok=True)
+    plan, scenes = "groups:\n", []
+    for (which, density), group in sorted(groups.items()):
+        scene = f"{folder}/scene-{which + 1}-{density + 1}.yml"
+        text = (f"contact: {contact}\nregime: stationary\nlubricant:\n  viscosity: {{{laws[which][0]}}}\n"
+                f"  density: {{law: {DENSITIES[density]}}}\n{grid}\n")
+        results.write_changed(scene, text)
+        plan += "  - scene:\n" + re.sub("^", " " * 6, text, flags=re.M).rstrip() + "\n    combine: list\n    vary:\n"
+        for key in group[0]["settings"]:
+            plan += f"      {key}: [{', '.join(entry['settings'][key] for entry in group)}]\n"
+        scenes += [{"scene": scene, **entry} for entry in group]
+    results.write_changed(f"{folder}/scenes.json", json.dumps(scenes, indent=0))
+    results.write_changed(f"{folder}/plan.yml", plan)
+
+
+# ---- Runs
+
+
+def run(folder, model, *promises):
+    """Solves the scenes with promises, two at a time: exit code of romrun, H_c reduced and full, or empty."""
+    with open(f"{folder}/scenes.json") as source:
+        scenes = json.load(source)
+    full = [repr(float(film)) if status == results.SOLVED else "" for status, film in
+            zip(*results.printed(f"{folder}/full.h5", "status", "central_film_thickness").values())]
+
+    def solve(promise, scene):
+        done = results.run("romrun", scene["scene"], "--model", model, "--accuracy", promise, "--quiet",
+                           *results.sets(scene["settings"]), outcomes=range(-255, 256))
+        film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
+        return done.returncode, film[1] if film else ""
+
+    runs = []
+    with ThreadPoolExecutor(2) as two:
+        for promise in promises:
+            solved = two.map(solve, [promise] * len(scenes), scenes)
+            runs += [[promise, scene["where"], scene["whose"], *reduced, film]
+                     for scene, reduced, film in zip(scenes, solved, full)]
+    results.write_csv(f"{folder}/runs.csv", RUN, runs)
+
+
+# ---- Table
+
+
+def outcome(run):
+    """A scene is good where the central film deviates by no more than promised, and flagged with exit code 4. One that
+    does not converge, exit code 3, has no result that could be wrong. Returns what it is, and the deviation."""
+    code = int(run["code"])
+    if not run["full"]:
+        return "no reference", 0
+    if code == results.NOT_CONVERGED:
+        return "not solved", 0
+    if code not in (results.SOLVED, results.NOT_TRUSTED):
+        return "error", 0
+    off = abs(float(run["reduced"]) / float(run["full"]) - 1)
+    flagged = "flagged" if code == results.NOT_TRUSTED else "not flagged"
+    return f"{'good' if off <= float(run['promise']) else 'bad'} {flagged}", off
+
+
+def table(file, seed, calibration):
+    """What was flagged and what was not."""
+    groups = {"inside own": "inside, own lubricant", "inside other": "inside, other lubricants",
+              "outside": "outside, any lubricant"}
+    runs = [(run["promise"], f"{run['where']} {run['whose']}", *outcome(run)) for run in results.read_csv(file)]
+    print(f"seed {seed}, calibrated on seed {calibration}\n")
+    layout = "{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10} {:>12}"
+    print(layout.format("", "good,", "good,", "of the good", "bad, not", "bad,", "not", "full model"))
+    print(layout.format("", "quiet", "flagged", "flagged", "flagged: silent", "flagged", "solved", "has none"))
+    for promise in dict.fromkeys(run[0] for run in runs):
+        print(f"promise {float(promise):g}")
+        for group, name in groups.items():
+            mine = [run[2] for run in runs if run[0] == promise and run[1].startswith(group)]
+            quiet, loud, *others = (mine.count(what) for what in (
+                "good not flagged", "good flagged", "bad not flagged", "bad flagged", "not solved", "no reference"))
+            print(layout.format(f"  {name}", quiet, loud, f"{100 * loud / max(quiet + loud, 1):.1f} %", *others))
+    silent = [off for *_, what, off in runs if what == "bad not flagged"]
+    errors = sum(what == "error" for *_, what, _ in runs)
+    print(f"\nsilent failures: {len(silent)}" + (f", the worst {max(silent):.2g} off" if silent else ""))
+    if errors:
+        print(f"found {errors} runs that ended otherwise, expected none")
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    results.commands(draw, run, table)

@@ -1,0 +1,381 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deviation against time of all that a user could do, on the scenes that a model was calibrated on:
+
+    trade.py measure OUT REGIME STRETCHES TOLERANCES STEPS REPEAT    leaves OUT/trade.csv, of stationary scenes also
+                                                                     polish.csv, .txt; lists are as in trade.mk
+    trade.py draw OUT REGIME WIDTH                                   draws OUT/trade.png, .svg
+
+A way is a tuple, which also names the file of OUT/trade that its films are kept in:
+
+    (cold | neighbour | reduced, STRETCH, TOLERANCE)     full model with STRETCH times the scene's step, started cold,
+                                                         from the scene before, or from the reduced model's solution
+    (full, STRETCH, STEPS)                               in time; STEPS is a tolerance, fixedLENGTH, or stillN: all goes
+                                                         10^4 times as slowly in N steps, so that the contact is
+                                                         stationary at each time (not where a history is a table)
+    (reduced, MODES, DEFORMATION_MODES, ROWS, STEPS)     in time; deformation modes 0: coupled basis
+
+Films are kept, not deviations: any way can be the reference that the others are compared with.
+"""
+import glob
+import os
+import re
+import tempfile
+
+import numpy as np
+
+import pictures
+import results
+from pictures import BLUE, GREEN, ORANGE, PINK, RED, SKY
+
+HEADER = "alternative,position,quantity,scenes,failures,worst,deviation_95,median,seconds".split(",")
+FINEST = "1e-10"  # Newton's tolerance where no other is asked for
+SLOWER = 1e4      # times as slowly where each time is taken as stationary
+
+# ---- Scenes
+
+
+def calibrated_scenes(model, regime):
+    """Scenes of a regime that a model was calibrated on, as mappings of settings, without those that ways choose. The
+    text names the settings of the first scene, then what changes from one to the next (schemas/plan.md)."""
+    text = results.printed(model, "settings")["settings"][0].partition("# calibrated on")[2]
+    scenes, scene = [], {}
+    for point in text.split("# point")[1:]:
+        for line in point.splitlines()[1:]:
+            if line and not line.startswith("#"):
+                key, _, value = line.partition(":")
+                scene = {**scene, key: value.strip()}
+        scenes.append({key: value for key, value in scene.items() if value and key != "transient.fixed_step"})
+    scenes = [scene for scene in scenes if scene["regime"] == regime]
+    kept = "calibration_scenes" if regime == "stationary" else "calibration_trajectories"
+    expected = int(results.value(model, kept, 0))
+    if len(scenes) != expected or not scenes:
+        results.stop(f"check-plan.yml: found {len(scenes)} {regime} scenes, expected the {expected} that the "
+                     "calibration kept, inside of the trained range (TRADE_REGIME)")
+    return scenes
+
+
+def write_scenes(folder, scenes):
+    """Files FOLDER/scene-001.yml, ... and no others of that kind; returns their names."""
+    for old in glob.glob(f"{folder}/scene-*.yml"):
+        os.remove(old)
+    files = [f"{folder}/scene-{i + 1:03}.yml" for i in range(len(scenes))]
+    for file, scene in zip(files, scenes):
+        results.write_changed(file, "".join(f"{key}: {value}\n" for key, value in scene.items()))
+    return files
+
+
+def calibrated_sizes(model):
+    """Sizes that a model was calibrated with: pressure modes, deformation modes, rows."""
+    names = ["position_pressure_modes", "position_deformation_modes", "position_rows"]
+    return [tuple(map(int, size)) for size in zip(*results.printed(model, *names).values())]
+
+
+# ---- Measurements: a record a scene
+
+
+def stretched(scene, stretch):
+    return {"grid.step": f"{stretch * float(scene['grid.step']):.12g}"}
+
+
+def stationary_films(way, scenes, files, model, repeat, work):
+    """Solves stationary scenes. The record of one has its film and time, formulas, and what the grid does to it."""
+    start, stretch, tolerance = way
+    common = ["--repeat", repeat, "--force", "--quiet"]
+    records, before = [], None
+    for i, (scene, file) in enumerate(zip(scenes, files)):
+        record = {}
+        if start == "reduced":
+            guess = f"{work}/reduced.h5"
+            done = results.run("romrun", file, "--model", model, "-o", guess, "--set", "output.fields=true", *common)
+            record["start"] = results.solution(guess)
+            before = None if done.returncode == results.NOT_CONVERGED else guess
+        result = f"{work}/{i % 2}.h5"  # not the one that it starts from
+        done = results.run("fullrun", file, "-o", result, "--tolerance", tolerance, "--formulas", *common,
+                           *results.sets(stretched(scene, stretch)), *(["--start", before] if before else []))
+        record.update(results.solution(result))
+        solved = done.returncode == results.SOLVED
+        if solved:
+            words = [line.split() for line in done.stdout.splitlines() if line.startswith("formula ")]
+            record["formulas"] = [(word[1], word[2], float(word[3]), 1e-9 * float(word[6])) for word in words]
+            record["effects"] = {name: results.value(result, f"{name}_effect") for name in ("step", "inlet")}
+        before = result if solved and start == "neighbour" else None
+        records.append(record)
+    return records
+
+
+def transient_films(way, scenes, files, model, _repeat, work):
+    """Runs trajectories. The record of one has its exit code, times, films, seconds, and the deviations of formulas."""
+    steps = way[-1]
+    records = []
+    for scene, file in zip(scenes, files):
+        settings, slower = {"output.fields": "false"}, 1.0
+        if steps.startswith("still"):
+            slower = SLOWER
+            settings.update((key, slower * float(value)) for key, value in scene.items()
+                            if re.fullmatch(r"transient\.(.*\.)?(period|start|duration|at|end_time)", key))
+            settings["transient.fixed_step"] = settings["transient.end_time"] / int(steps[len("still"):])
+        elif steps.startswith("fixed"):
+            settings["transient.fixed_step"] = steps[len("fixed"):]
+        else:
+            settings["transient.tolerance"] = steps
+        if way[0] == "full":
+            settings.update(stretched(scene, way[1]))
+            program, options = "fullrun", ["--formulas"]
+        else:
+            program, options = "romrun", ["--model", model, "--pressure-modes", way[1], "--rows", way[3]]
+            options += ["--deformation-modes", way[2]] if way[2] else []
+        run = results.trajectory(f"{work}/run.h5", program, file, *options, *results.sets(settings))
+        formulas = [(word[0], word[1], *(float(word[i]) / 100 for i in (3, 7, 10)),
+                     1e-9 * float(word[12]) * len(run.time)) for word in run.formulas]
+        records.append({"code": run.code, "seconds": run.seconds, "time": list(run.time / slower), "H_c": list(run.H_c),
+                        "formulas": formulas})
+    return records
+
+
+def measured(folder, way, films, newer_than):
+    """Records of a way: what lies in the folder where it is newer than these files, else films(way, work)."""
+    name = "-".join(f"{part:g}" if isinstance(part, float) else str(part) for part in way)
+
+    def measure_now():
+        print(f"  measure    {name}", flush=True)
+        with tempfile.TemporaryDirectory(dir=folder) as work:
+            return films(way, work)
+    return results.kept(f"{folder}/{name}.json", measure_now, *newer_than)
+
+
+# ---- Tables
+
+
+def quantiles(values, weights=None):
+    """The largest value, and what it does not exceed for 95 % and for half of the weight (nearest rank)."""
+    if not len(values):
+        return np.full(3, np.nan)
+    order = np.argsort(values)
+    total = np.cumsum(np.ones(len(values)) if weights is None else weights[order])
+    return np.array(values)[[order[np.searchsorted(total, part * total[-1])] for part in (1, 0.95, 0.5)]]
+
+
+def row(name, count, failures, deviations, seconds=np.nan):
+    """A row of trade.csv; name: alternative, position, quantity. What the grid itself does has no time."""
+    return [*name, count, failures, *(f"{x:.4g}" for x in deviations), "" if np.isnan(seconds) else f"{seconds:.4g}"]
+
+
+def stationary_rows(ways, reference):
+    """Rows of the full model in all ways, and of formulas, compared with one of the ways. Deviations are over scenes,
+    of the smallest film where a formula is for that, else of the central one; seconds are the scenes' median."""
+    known = {i: record for i, record in enumerate(ways[reference]) if record["status"] != 1}
+    formulas, effects = {}, {}
+    for record in known.values():
+        for name, quantity, film, seconds in record.get("formulas", []):
+            off = abs(film / record["H_min" if quantity == "minimum" else "H_c"] - 1)
+            formulas.setdefault((name, quantity), []).append((off, seconds))
+        for name, effect in record.get("effects", {}).items():
+            if not np.isnan(effect):  # of the inlet it is known of a line contact
+                effects.setdefault(name, []).append(abs(effect))
+    for name, pairs in formulas.items():
+        off, seconds = zip(*pairs)
+        yield row(("formula", *name), len(off), 0, quantiles(off), quantiles(seconds)[2])
+    for (start, stretch, tolerance), records in ways.items():
+        solved = {i: record for i, record in enumerate(records) if record["status"] != 1}
+        off = [abs(record["H_c"] / known[i]["H_c"] - 1) for i, record in solved.items() if i in known]
+        # a start from the reduced model costs its solution too
+        seconds = [record["seconds"] + record.get("start", {}).get("seconds", 0) for record in solved.values()]
+        failures = len(records) - len(solved)
+        name = "full cold" if start == "cold" else f"full from {start}"
+        yield row((name, f"step {stretch:.3g} times tolerance {tolerance}", "central"), len(off) + failures, failures,
+                  quantiles(off), quantiles(seconds)[2])
+    for name, values in effects.items():
+        yield row(("reference", name, "central"), len(values), 0, quantiles(values))
+
+
+def size_name(modes, more, rows):
+    return f"{modes} modes {f'and {more} ' if more else ''}{rows} rows"
+
+
+def calibration_rows(model):
+    """Rows of the sizes of a model, as its calibration found them against the full model on the same scenes."""
+    failures, seconds = results.printed(model, "position_failures", "position_seconds").values()
+    off = results.printed(model, "deviation_central_film_thickness")["deviation_central_film_thickness"].reshape(-1, 3)
+    scenes = int(results.value(model, "calibration_scenes"))
+    for i, size in enumerate(calibrated_sizes(model)):
+        yield row(("reduced", size_name(*size), "central"), scenes, int(failures[i]), off[i, ::-1], seconds[i])
+
+
+def transient_rows(ways, reference, coarse):
+    """Rows of all ways in time, and of formulas, compared with one of the ways. Deviations are the largest of all
+    trajectories, seconds those of a whole trajectory, their mean. What the reference's grid does itself is a third of
+    what twice its step does (coarse), as of second order."""
+    formulas = {}
+    for record in ways[reference]:
+        for name, quantity, *numbers in record["formulas"]:
+            formulas.setdefault((name, quantity), []).append(numbers)
+    for name, numbers in formulas.items():
+        yield row(("formula", *name), len(numbers), 0, np.max(numbers, axis=0)[:3], np.mean(numbers, axis=0)[3])
+    for way, records in ways.items():
+        off, seconds = compared(records, ways[reference])
+        position = size_name(*way[1:4]) if way[0] == "reduced" else f"step {way[1]:.3g} times"
+        kind, number = re.match("(fixed|still|)(.*)", way[-1]).groups()
+        steps = {"": "tolerance {}", "fixed": "fixed steps {}", "still": "stationary at {} times"}[kind].format(number)
+        yield row((way[0], f"{position} {steps}", "central"), len(records), len(records) - len(off), worst(off),
+                  np.mean(seconds or np.nan))
+    off, _ = compared(ways[coarse], ways[reference])
+    yield row(("reference", "step", "central"), len(off), 0, worst(off) / 3)
+
+
+def compared(records, references):
+    """Deviations over time (quantiles), and seconds, of the trajectories that ended well."""
+    off, seconds = [], []
+    for record, reference in zip(records, references):
+        if record["code"] == results.SOLVED:
+            films = results.at_times(np.array(reference["time"]), np.array(reference["H_c"]), record["time"])
+            known = ~np.isnan(films)
+            steps = np.diff(np.array(record["time"])[known])
+            off.append(quantiles(np.abs(np.array(record["H_c"]) / films - 1)[known],
+                                 (np.append(steps, 0) + np.insert(steps, 0, 0)) / 2))
+            seconds.append(record["seconds"])
+    return off, seconds
+
+
+def worst(off):
+    return np.max(off, axis=0) if off else np.full(3, np.nan)
+
+
+def polish(cold, started, out):
+    """Cold starts of the full model against starts from the reduced solution: polish.csv a scene, polish.txt in all."""
+    kinds = {"cold": cold, "reduced": [record["start"] for record in started], "polish": started}
+    solved = [i for i in range(len(cold)) if all(records[i]["status"] != 1 for records in kinds.values())]
+    if not solved:
+        results.stop("polish: found no scene that all three solved, expected some")
+    iterations, seconds, films = (
+        {kind: np.array([records[i][name] for i in solved]) for kind, records in kinds.items()}
+        for name in ("iterations", "seconds", "H_c"))
+    off, difference = (np.abs(films[kind] / films["cold"] - 1) for kind in ("reduced", "polish"))
+    columns = {f"{kind}_{what}": [f"{x:.{digits}g}" for x in values[kind]] for kind in kinds
+               for what, values, digits in (("iterations", iterations, 9), ("seconds", seconds, 4))}
+    columns.update({name: [f"{x:.2e}" for x in values]
+                    for name, values in (("reduced_deviation", off), ("polish_difference", difference))})
+    results.write_csv(f"{out}/polish.csv", ["scene", *columns],
+                      zip((f"scene-{i + 1:03}" for i in solved), *columns.values()))
+
+    lost = f" ({len(cold) - len(solved)} more not solved by all)" if len(solved) < len(cold) else ""
+    together = seconds["reduced"] + seconds["polish"]
+    lines = [f"full model, {len(solved)} scenes{lost}: cold start against start from the reduced solution",
+             f"{'':28} {'iterations: mean, most':>22} {'mean time':>12}"]
+    for kind, label in (("cold", "cold start"), ("reduced", "reduced solution"), ("polish", "full model from it")):
+        lines.append(f"{label:28} {np.mean(iterations[kind]):15.1f} {np.max(iterations[kind]):6.0f} "
+                     f"{1000 * np.mean(seconds[kind]):9.2f} ms")
+    lines.append(f"time saved: {100 * (1 - np.sum(together) / np.sum(seconds['cold'])):.0f} %; slower than a cold "
+                 f"start: {np.sum(together > seconds['cold'])} scenes; H_c moves by at most {np.max(off):.1e} and ends "
+                 f"at most {np.max(difference):.1e} from the cold start's")
+    results.write_changed(f"{out}/polish.txt", "\n".join(lines) + "\n")
+
+
+def measure(out, regime, stretches, tolerances, steps, repeat):
+    """Measures all ways on all scenes, and writes the tables."""
+    folder, model = f"{out}/trade", f"{out}/calibrated.h5"
+    stretches, tolerances, steps = [float(x) for x in stretches.split()], tolerances.split(), steps.split()
+    os.makedirs(folder, exist_ok=True)
+    scenes = calibrated_scenes(model, regime)
+    files = write_scenes(folder, scenes)
+    stationary = regime == "stationary"
+    if stationary:
+        settings = [(1, FINEST), *((stretch, FINEST) for stretch in stretches), *((1, x) for x in tolerances)]
+        ways = [(start, *setting) for start in ("cold", "neighbour") for setting in settings]
+        ways += [("neighbour", stretch, "1e-2") for stretch in stretches[:2]] + [("reduced", 1, FINEST)]
+    else:
+        ways = [("full", 1, x) for x in steps] + [("full", 2, steps[0])]
+        ways += [("full", stretch, x) for stretch in stretches for x in steps[1:3]]
+        # every size with the default steps, the whole model with all
+        sizes = calibrated_sizes(model)
+        ways += [("reduced", *size, steps[1]) for size in sizes]
+        ways += [("reduced", *sizes[-1], x) for x in steps if x != steps[1]]
+
+    newer_than = [model, *(os.path.join(os.environ["BIN"], program) for program in ("fullrun", "romrun"))]
+    films_of = stationary_films if stationary else transient_films
+
+    def measure_way(way, work):
+        return films_of(way, scenes, files, model, repeat, work)
+    films = {way: measured(folder, way, measure_way, newer_than) for way in ways}
+    if stationary:
+        rows = [*calibration_rows(model), *stationary_rows(films, ways[0])]
+        polish(films[ways[0]], films[ways[-1]], out)
+    else:
+        rows = transient_rows(films, ways[0], ("full", 2, steps[0]))
+    results.write_csv(f"{out}/trade.csv", HEADER, rows)
+
+
+# ---- The picture
+
+# Label, mark (hollow in brackets), colour, and which rows of trade.csv: the first pattern that matches alternative and
+# position, behind "failing" where some scenes have no result.
+SERIES = {
+    "stationary": [
+        ("film formulas", "o", "black", "formula"),
+        ("reduced model, sizes", "o", BLUE, "reduced"),
+        ("the same, failing on some scenes", "x", SKY, "failing reduced"),
+        ("full model from a neighbour, grids", "^", GREEN, f"full from neighbour .* {FINEST}"),
+        ("the same, looser tolerances", "(^)", GREEN, "full from neighbour"),
+        ("full model, cold start, grids", "s", RED, f"full cold .* {FINEST}"),
+        ("the same, looser tolerances", "(s)", RED, "full cold"),
+        ("full model, failing on some scenes", "x", ORANGE, "failing full"),
+        ("full model from the reduced solution", "D", PINK, "full from reduced")],
+    "transient": [
+        ("film formulas at each time", "o", "black", "formula"),
+        ("reduced model, sizes and tolerances", "o", BLUE, "reduced .* tolerance"),
+        ("reduced model, fixed steps", "(o)", BLUE, "reduced .* fixed"),
+        ("either model, some trajectory lost", "x", SKY, "failing"),
+        ("full model, tolerances", "s", RED, "full step 1 times tolerance"),
+        ("full model, fixed steps", "(s)", RED, "full step 1 times fixed"),
+        ("full model, coarser grids", "^", GREEN, "full step .* times (tolerance|fixed)"),
+        ("either model, stationary at each time", "D", PINK, ".* stationary")],
+}
+GREY = "#444444"
+
+
+def draw(out, regime, width):
+    """The picture of trade.csv."""
+    lines = [{**line, **{key: float(line[key] or "nan") for key in HEADER[3:]}}
+             for line in results.read_csv(f"{out}/trade.csv")]
+    figure, axes = pictures.page(float(width), 0.8 * float(width))
+    panel(axes, lines, regime)
+    pictures.save(figure, f"{out}/trade.png")
+
+
+def panel(axes, lines, regime):
+    """Deviation of the central film against time, from the worst scene (mark) down to the median (end of the bar)."""
+    stationary = regime == "stationary"
+    lowest = 1e-9 if stationary else 1e-5  # where the reference is drawn, and what deviates even less
+    shown = {series: [] for series in SERIES[regime]}
+    for line in lines:
+        name = "failing " * (line["failures"] > 0) + f"{line['alternative']} {line['position']}"
+        series = next((series for series in shown if re.match(series[3], name)), None)
+        if series and line["seconds"] > 0 and not np.isnan(line["worst"]):
+            shown[series].append([line["seconds"], max(line["worst"], lowest), max(line["median"], lowest)])
+    for (label, mark, colour, _), points in shown.items():
+        seconds, high, low = np.array(points).reshape(-1, 3).T
+        if mark != "x":
+            axes.vlines(seconds, low, high, color=colour)
+        axes.plot(seconds, high, mark.strip("()"), color=colour, label=label, markersize=4 if mark == "x" else 6,
+                  markerfacecolor="none" if "(" in mark else colour, markeredgewidth=1.3)
+
+    def note(text, height, right, above):
+        axes.annotate(text, (right, height), xycoords=("axes fraction", "data"), ha="right" if right else "left",
+                      va="bottom" if above else "top", color=GREY)
+    for line in lines:
+        if line["alternative"] == "reference" and line["position"] == "step":
+            for key, style in (("worst", "--"), ("median", ":")):
+                axes.axhline(line[key], linestyle=style, color=GREY)
+                note(f"the grid itself, {key} ", line[key], 1, key == "worst")
+    note(" none (or less): the reference", lowest, 0, True)
+    formulas = sorted((line for line in lines if line["alternative"] == "formula"), key=lambda line: -line["worst"])
+    names = [f"{re.sub('-central|-minimum', '', line['position'])} {100 * line['worst']:.0f} %"
+             + ", minimum" * (line["quantity"] == "minimum") for line in formulas]
+    axes.text(0.012, 0.4, "\n".join(["film formulas, worst:", *names]), transform=axes.transAxes, va="top", fontsize=9)
+    axes.set(xscale="log", yscale="log", ylim=(lowest / 2, 2), xlim=(1e-8, 1) if stationary else (1e-5, 200),
+             xlabel="time of a solution / s" if stationary else "time of a trajectory / s",
+             ylabel="deviation of $H_c$: worst (mark), median (end of the bar)")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=2, frameon=False)
+
+
+if __name__ == "__main__":
+    results.commands(measure, draw)
