@@ -312,11 +312,11 @@ SERIES = {
     "stationary": [
         ("film formulas", "o", "black", "formula"),
         ("reduced model, sizes", "o", BLUE, "reduced"),
-        ("the same, failing on some scenes", "x", SKY, "failing reduced"),
+        ("reduced model, failing on some scenes", "x", SKY, "failing reduced"),
         ("full model from a neighbour, grids", "^", GREEN, f"full from neighbour .* {FINEST}"),
-        ("the same, looser tolerances", "(^)", GREEN, "full from neighbour"),
+        ("full model from a neighbour, looser tolerances", "(^)", GREEN, "full from neighbour"),
         ("full model, cold start, grids", "s", RED, f"full cold .* {FINEST}"),
-        ("the same, looser tolerances", "(s)", RED, "full cold"),
+        ("full model, cold start, looser tolerances", "(s)", RED, "full cold"),
         ("full model, failing on some scenes", "x", ORANGE, "failing full"),
         ("full model from the reduced solution", "D", PINK, "full from reduced")],
     "transient": [
@@ -352,7 +352,9 @@ def panel(axes, lines, regime):
         if series and line["seconds"] > 0 and not np.isnan(line["worst"]):
             shown[series].append([line["seconds"], max(line["worst"], lowest), max(line["median"], lowest)])
     for (label, mark, colour, _), points in shown.items():
-        seconds, high, low = np.array(points).reshape(-1, 3).T
+        if not points:
+            continue
+        seconds, high, low = np.transpose(points)
         if mark != "x":
             axes.vlines(seconds, low, high, color=colour)
         axes.plot(seconds, high, mark.strip("()"), color=colour, label=label, markersize=4 if mark == "x" else 6,
@@ -374,6 +376,8 @@ def panel(axes, lines, regime):
     axes.set(xscale="log", yscale="log", ylim=(lowest / 2, 2), xlim=(1e-8, 1) if stationary else (1e-5, 200),
              xlabel="time of a solution / s" if stationary else "time of a trajectory / s",
              ylabel="deviation of $H_c$: worst (mark), median (end of the bar)")
+    for axis in axes.xaxis, axes.yaxis:
+        axis.get_major_locator().set_params(numticks=12)  # every decade
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=2, frameon=False)
 
 
