@@ -73,7 +73,7 @@ def table(folder, model):
           f"{size['pressure_modes'] + size['deformation_modes'] + 1} unknowns, {size['rows']} Reynolds rows, "
           f"{size['states']} training solutions.")
     print(f"H_c: film thickness at the centre.{' The second line of a case: as published.' if published else ''}\n")
-    empty = [i for i in (1, 10) if not any(row and row[i] for row in rows[2:])]  # without films or notes there is no column
+    empty = [i for i in (1, 10) if not any(row and row[i] for row in rows[2:])]  # no column without films or notes
     longest = max(len(row[-1]) for row in rows if row)
     results.table([row and [cell for i, cell in enumerate([*row[:-1], row[-1].ljust(longest)]) if i not in empty]
                    for row in [*rows, None]])

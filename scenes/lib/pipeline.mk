@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv to a
-# table and pictures. A Makefile that includes this may set before:
+# From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv to
+# a table and pictures. A Makefile that includes this may set before:
 #   PROFILES        names of the cases (`make list`) whose pressure and film are drawn: the first three
 #   PROFILE_RANGES  options for that picture: --x FROM TO, --film LOWEST HIGHEST, --step NODES between marks
 #   MAP_CASE        of a point contact: the case that is drawn as a map
@@ -17,7 +17,8 @@ include $(OUT)/cases.mk
 
 # ---- Targets for people
 
-demo: names $(OUT)/comparison.txt $(OUT)/profiles.png $(if $(MAP_CASE),$(OUT)/maps.png) ## train, solve all cases, compare, draw (the default)
+demo: names $(OUT)/comparison.txt $(OUT)/profiles.png \
+      $(if $(MAP_CASE),$(OUT)/maps.png) ## train, solve all cases, compare, draw (the default)
 	@cat $(OUT)/comparison.txt
 	@printf '%s\n' $(patsubst %,'picture: %$(,) .svg',$(abspath $(filter %.png,$^)))
 , := ,
@@ -27,7 +28,8 @@ list: ## names of the cases
 
 unknown := $(filter-out $(CASES),$(PROFILES) $(MAP_CASE))
 names:
-	@[ -z '$(unknown)' ] || { echo 'PROFILES, MAP_CASE: found $(unknown), expected names of cases.csv: $(CASES)' >&2; exit 1; }
+	@[ -z '$(unknown)' ] || \
+	    { echo 'PROFILES, MAP_CASE: found $(unknown), expected names of cases.csv: $(CASES)' >&2; exit 1; }
 
 .DEFAULT_GOAL := demo
 .PHONY: demo list names
@@ -44,8 +46,8 @@ $(CASES:%=$(OUT)/full/%.h5): $(OUT)/%.h5: scene.yml cases.csv $(BIN)/fullrun $(c
 
 $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.yml cases.csv $(BIN)/romrun \
         $(call options,case-romrun,$(SET) $(REPEAT)) $(OUT)/$$(of_model).h5
-	$(call quiet,romrun    ,$@)mkdir -p $(@D) && $(BIN)/romrun scene.yml -o $@ --force --model $(OUT)/$(of_model).h5 --repeat $(REPEAT) \
-	    --quiet --set output.fields=true $(settings) $(outcome)
+	$(call quiet,romrun    ,$@)mkdir -p $(@D) && $(BIN)/romrun scene.yml -o $@ --force \
+	    --model $(OUT)/$(of_model).h5 --repeat $(REPEAT) --quiet --set output.fields=true $(settings) $(outcome)
 
 # ---- Table and pictures
 

@@ -31,7 +31,8 @@ def stop(message, code=1):
 def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
     """Runs a program of the toolchain. Returns its completed process (returncode, stdout, stderr as text);
     ends the script with the program's own message where the exit code is not among the outcomes."""
-    done = subprocess.run([os.path.join(os.environ["BIN"], program), *map(str, options)], capture_output=True, text=True)
+    command = [os.path.join(os.environ["BIN"], program), *map(str, options)]
+    done = subprocess.run(command, capture_output=True, text=True)
     if done.returncode not in outcomes:
         sys.stderr.write(done.stderr)
         sys.exit(done.returncode)
@@ -70,7 +71,7 @@ def value(file, name, default=np.nan):
 
 
 def model_sizes(file):
-    """Sizes of a model: nodes, pressure_modes, deformation_modes (0 with a coupled basis), rows, needed_nodes, states."""
+    """Sizes of a model: nodes, pressure_modes, deformation_modes (0 if coupled), rows, needed_nodes, states."""
     listed = list(csv.reader(io.StringIO(run("romrun", "--print", file, outcomes=(SOLVED,)).stdout)))
     length = {line[0]: int(line[2]) for line in listed if len(line) > 3 and line[0] == line[3]}  # of the axes
     independent = any(line and line[0] == "elasticity_jacobian" for line in listed)
@@ -127,9 +128,9 @@ class Case:
 
 
 def read_cases(file="cases.csv"):
-    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load). An empty
-    field leaves what the scene says; the column `name`, which there need not be, names the cases; columns title and
-    published_... are no settings; lines that begin with # and empty ones are left out."""
+    """Cases of a CSV file: a line each under a header of settings of the scene (any keys, such as physical.load). An
+    empty field leaves what the scene says; the column `name`, which there need not be, names the cases; columns title
+    and published_... are no settings; lines that begin with # and empty ones are left out."""
     with open(file, newline="") as source:
         lines = [line for line in source if line.strip() and not line.lstrip().startswith("#")]
     return [Case({(key or "").strip(): (text or "").strip() for key, text in record.items() if isinstance(text, str)})
@@ -140,9 +141,9 @@ def read_cases(file="cases.csv"):
 
 
 def read_trajectory(file):
-    """A transient result, also of a run that stopped early, as attributes: code (exit code of the run); steps; rejected,
-    newton and seconds, NaN of a run that stopped early; and over time: time, load, P_c, H_c, H_min (factors and numbers
-    of the reference frame)."""
+    """A transient result, also of a run that stopped early, as attributes: code (exit code of the run); steps;
+    rejected, newton and seconds, NaN of a run that stopped early; and over time: time, load, P_c, H_c, H_min (factors
+    and numbers of the reference frame)."""
     columns = printed(file, "time", "load", "central_pressure", "central_film_thickness", "minimum_film_thickness",
                       "status")
     early = value(file, "complete") == 0
@@ -155,8 +156,8 @@ def read_trajectory(file):
 
 
 def trajectory(result, program, *options):
-    """Runs a transient scene (the first of the options) into a result, RESULT.partial of a run that stops early. Returns
-    read_trajectory with message (on stderr, mostly none) and formulas (words of each line of --formulas)."""
+    """Runs a transient scene (the first of the options) into a result, RESULT.partial of a run that stops early.
+    Returns read_trajectory with message (on stderr, mostly none) and formulas (words of each line of --formulas)."""
     done = run(program, *options, "-o", result, "--force", "--quiet")
     found = read_trajectory(f"{result}.partial" if done.returncode == NOT_CONVERGED else result)
     found.code, found.message = done.returncode, done.stderr.strip()
@@ -197,15 +198,15 @@ def write_csv(file, header, rows):
 
 
 def write_changed(file, text):
-    """Writes a text where it is another one than the file's, so that make does not take what follows from it for old."""
+    """Writes a text where it is another one than the file's, lest make takes what follows from it for old."""
     if not os.path.exists(file) or open(file).read() != text:
         with open(file, "w") as target:
             target.write(text)
 
 
 def kept(file, compute, *sources):
-    """What compute() returned when the file was written with it as JSON, where that is newer than the sources; else it is
-    computed and written now. An interrupted study so goes on where it was."""
+    """What compute() returned when the file was written with it as JSON, where that is newer than the sources; else it
+    is computed and written now. An interrupted study so goes on where it was."""
     if not os.path.exists(file) or any(os.path.getmtime(file) < os.path.getmtime(source) for source in sources):
         found = compute()
         with open(f"{file}.new", "w") as target:

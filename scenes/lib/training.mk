@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # From a plan to reduced models: training, bases, row selection. A Makefile that includes this may set before:
 #   PLAN      what the models are trained on: plan.yml
-#   ACCURACY  solve only as many points of the plan as it takes to be so accurate (1e-3) at all others; empty: all points
-#   ENERGY    part of the energy of the training solutions that the modes may leave out: 1e-18, nearly all that they tell
+#   ACCURACY  solve only as many points of the plan as it takes to be so accurate (1e-3) at all others; empty: all
+#   ENERGY    part of the energy of the training solutions that the modes may leave out: 1e-18, nearly all they tell
 #   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
 #             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
 #             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY
@@ -40,7 +40,8 @@ podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
                      $(or $($1.PRESSURE_MODES:%=--pressure-modes %),--energy $(ENERGY)) \
                      $($1.DEFORMATION_MODES:%=--deformation-modes %) $($1.WEIGHT:%=--weight %) \
                      $(if $(filter row-norm,$($1.WEIGHT)),--plan $(PLAN) $(SET))
-deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) $($1.STABILITY:%=--stability %) $($1.WEIGHTS:%=--weights %)
+deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) \
+                     $($1.STABILITY:%=--stability %) $($1.WEIGHTS:%=--weights %)
 
 # $* is the name of the model, also in what a target needs ($$).
 .SECONDEXPANSION:
@@ -54,7 +55,8 @@ $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(OU
 
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
-	$(call quiet,deimselect,$@)$(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force $(strip $(call deimselect_options,$*))
+	$(call quiet,deimselect,$@)$(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
+	    $(strip $(call deimselect_options,$*))
 
 # ---- What is made of results
 
