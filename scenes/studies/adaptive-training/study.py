@@ -59,8 +59,8 @@ def picture(file, trained, target):
         left.plot(points, p95, "--", linewidth=1, fillstyle="none", label=f"{title}: 95 %", **style)
         for x, y, line in zip(points, worst, of):
             if line["failures"] != "0":
-                left.annotate(line["failures"], (x, y), (0, 5), textcoords="offset points", color=style["color"],
-                              fontsize=9, ha="center")
+                left.annotate(line["failures"], (x, y), (0, -14 if training == "adaptive" else 5), ha="center",
+                              textcoords="offset points", color=style["color"], fontsize=9)
     left.set(title="All modes that the points support; numbers: scenes that fail", yscale="log", xlim=(0, None),
              xlabel="training points", ylabel="deviation of the central film")
     left.legend()
