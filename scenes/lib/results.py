@@ -31,8 +31,11 @@ def stop(message, code=1):
 def run(program, *options, outcomes=(SOLVED, NOT_CONVERGED, NOT_TRUSTED)):
     """Runs a program of the toolchain. Returns its completed process (returncode, stdout, stderr as text);
     ends the script with the program's own message where the exit code is not among the outcomes."""
-    command = [os.path.join(os.environ["BIN"], program), *map(str, options)]
-    done = subprocess.run(command, capture_output=True, text=True)
+    file = os.path.join(os.environ["BIN"], program)
+    try:
+        done = subprocess.run([file, *map(str, options)], capture_output=True, text=True)
+    except OSError as error:
+        stop(f"{file}: found {error.strerror}, expected a program")
     if done.returncode not in outcomes:
         sys.stderr.write(done.stderr)
         sys.exit(done.returncode)

@@ -17,7 +17,7 @@ value() { awk -F, -v name="$1" -v position="$2" -v column="$3" '$1 == name && $2
 sizes() { romrun --print out/calibrated.h5 position_rows | tail -n +2 | grep -c .; }
 
 # film WAY SCENE: the central film as it was kept, scenes counted from 0.
-film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))[int(sys.argv[2])]["central"])' "out/trade/$1.json" "$2"; }
+film() { /usr/bin/python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))[int(sys.argv[2])]["H_c"])' "out/trade/$1.json" "$2"; }
 
 @test "a stationary scene: sizes, grids, tolerances, starts and formulas in one picture" {
     copy_scene studies/stationary-line
