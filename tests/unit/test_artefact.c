@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/artefact/artefact.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 
 #include <fcntl.h>
 #include <hdf5.h>
@@ -20,25 +21,15 @@ static const program caller = {.name = "snapgen", .argc = 4, .argv = words};
 static const program forcing = {.name = "snapgen", .argc = 4, .argv = words, .force = true};
 static const artefact_schema *const snapshots_only[] = {&schema_snapshots, NULL};
 
-static char folder[64];
 static char path[128]; // of the file that a test is about
 static char partial[160];
 static ehd_error error;
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-artefact-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/file.h5", folder);
     snprintf(partial, sizeof partial, "%s.partial", path);
     return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 // ---- helpers
@@ -1237,7 +1228,7 @@ static void growing_opens_elsewhere(void **state) {
 }
 
 int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, remove_folder)
     const struct CMUnitTest tests[] = {
         TEST(round_trip),
         TEST(copies_are_equal),
