@@ -14,9 +14,9 @@
 static const double START_FILM = 2;
 
 /* Continuation strides, as parts of the way, below which it is given up. Of 89 cold starts that go
- * this way (M 0.5 to 1000, L 0 to 50, lines and points of three laws) 28 converge with strides down
- * to 1/2, 40 to 1/4 and 43 to 1/8 and below; the others drive the film to zero on their grid, for
- * which 1/16, 1/256 and 1/4096 take 15800, 18700 and 21400 Newton iterations in all. */
+ * this way (M 0.5 to 1000, L 0 to 50, lines and points of three laws) 28 converge with strides
+ * down to 1/2, 40 to 1/4 and 43 to 1/8 and below; the others drive the film to zero on their grid,
+ * for which 1/16, 1/256 and 1/4096 take 15800, 18700 and 21400 Newton iterations in all. */
 static const double MIN_STRIDE = 1. / 256;
 
 /* Ends the pressurised zone of the dry contact at a node; of a point contact it loses that node. */
@@ -235,8 +235,8 @@ ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solv
     double before = program_seconds();
     full_info part;
 
-    // half the way and less first takes more iterations than a cold start: 2424 and more instead of
-    // 1389 for a plan of 40 lines far apart, 4081 for 2566 of 54, 685 for 662 of 20 points
+    // half the way and less first takes more iterations than a cold start: 2424 and more instead
+    // of 1389 for a plan of 40 lines far apart, 4081 for 2566 of 54, 685 for 662 of 20 points
     ehd_status status = full_solve(info, state, solver, contact, NULL, error);
     if (!status && info->status != EHD_OK) {
         status = full_solve_cold(&part, state, solver, contact, error);

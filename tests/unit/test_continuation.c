@@ -41,8 +41,8 @@ static void far_start_converges(void **state) {
     problem_free(&cold);
 }
 
-/* Where neighbours lie too far apart, smaller strides take hundreds of iterations or thousands, and a
- * cold start a few. */
+/* Where neighbours lie too far apart, smaller strides take hundreds of iterations or thousands,
+ * and a cold start a few. */
 static void far_start_is_given_up_early(void **state) {
     (void)state;
     full_settings settings = full_default_settings();

@@ -77,8 +77,8 @@ static void cut_tables_equal_plain_sums(void **state) {
     trained_free(&training);
 }
 
-/* Checkpoints of a point contact that differ take 400 MB at most, and one beyond. The tables counted
- * here are much larger than those filled: the band of an independent basis has none. */
+/* Checkpoints of a point contact that differ take 400 MB at most, and one beyond. The tables
+ * counted here are much larger than those filled: the band of an independent basis has none. */
 static void memory_bounds_the_checkpoints_of_a_point(void **state) {
     enum { LINES = 2, COLUMNS = 20, STATES = 12 };
     (void)state;

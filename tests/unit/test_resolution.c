@@ -69,8 +69,8 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     }
 }
 
-/* Without piezoviscosity the viscous pressure is the pressure, and the effect one integral over the
- * missing inlet, here by the trapezoidal rule in t = ln(X / x_min) on many more points. */
+/* Without piezoviscosity the viscous pressure is the pressure, and the effect one integral over
+ * the missing inlet, here by the trapezoidal rule in t = ln(X / x_min) on many more points. */
 static void inlet_effect_is_integrated_finely(void **state) {
     (void)state;
     const ehd_contact contact = sample_contact("barus", "incompressible", 10, 0, 0.02);

@@ -173,8 +173,9 @@ static void pivoted_qr_takes_the_longest_remaining_row(void **state) {
     free(jacobian_modes);
 }
 
-/* log of S of a basis sampled at the rows (s_opt.c), its determinant by singular values; with fewer
- * rows than modes by those that are not zero, as where a vanishing ridge is taken away again. */
+/* log of S of a basis sampled at the rows (s_opt.c), its determinant by singular values; with
+ * fewer rows than modes by those that are not zero, as where a vanishing ridge is taken away
+ * again. */
 static double naive_log_s(const double *modes, size_t num_modes, size_t num_nodes,
                           const size_t *rows, size_t num_rows) {
     double *sampled = malloc(num_rows * num_modes * sizeof *sampled);

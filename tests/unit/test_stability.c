@@ -199,8 +199,8 @@ static void leaves_out_rounding_errors_before_an_exit(void **state) {
     check_close(inverse, 1.0, 1e-10, 0.0);
 }
 
-/* What is there before an exit, be it as little as at the worst one of the lower loaded region, has
- * to be determined. */
+/* What is there before an exit, be it as little as at the worst one of the lower loaded region,
+ * has to be determined. */
 static void keeps_what_is_small_before_an_exit(void **state) {
     (void)state;
     const double part = 1e-4;
