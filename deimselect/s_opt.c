@@ -19,7 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Added to A^T A, whose modes have unit norm: with fewer rows than modes it has no inverse yet. */
+/* Added to A^T A, whose modes have unit norm: with fewer rows than modes it has no inverse yet.
+ * From 1e-14 to 1e-6 the examples' models (56 modes of a line, 24 of a point) have the same rows;
+ * from 1e-15 on down rounding decides, then there is no factorisation, and above 1e-6 the ridge
+ * does. */
 static const double RIDGE = 1e-10;
 
 enum { BLOCK = 512 }; // nodes

@@ -12,10 +12,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Directions whose square over the rows before an exit is below this are rounding errors of the
- * Gram matrix. */
-static const double MIN_RESOLVED = 1e-12;
-
 /* One basis before one exit. */
 typedef struct exit_block {
     const double *modes; // [num_modes, num_nodes]
@@ -76,6 +72,8 @@ static ehd_status block_init(exit_block *block, row_stability *self, double *run
                              const size_t *from, const double *modes, size_t num_modes,
                              const size_t *num_before, ehd_error *error) {
     const int n = (int)num_modes;
+    // of sums over all nodes, of modes of unit norm
+    const double rounding = DBL_EPSILON * (double)self->num_nodes;
     block->modes = modes;
     block->num_modes = num_modes;
     block->num_before = num_before;
@@ -91,7 +89,7 @@ static ehd_status block_init(exit_block *block, row_stability *self, double *run
         error);
     if (status) return status;
     size_t unresolved = 0; // eigenvalues ascend
-    while (unresolved < num_modes && !(self->values[unresolved] > MIN_RESOLVED))
+    while (unresolved < num_modes && !(self->values[unresolved] > rounding))
         unresolved++;
     block->num_resolved = num_modes - unresolved;
     memmove(block->resolved, block->resolved + unresolved * num_modes,

@@ -131,6 +131,9 @@ static double reference_approach(const full_march *self, const full_state *state
 /* Continuation from the solution of a given load to that of a given approach; the frame follows. */
 static ehd_status continue_to_approach(full_info *info, full_march *self, contact_frame *frame,
                                        ehd_error *error) {
+    // of 120 approaches (lines and points, M 5 to 100, L 0 to 10, H0 from -6 to 2) 73 are reached:
+    // 52 without halving, 65 with strides down to 1/8, 71 to 1/32, all to 1/128; to give the others
+    // up, which mostly lift off, takes about 30 solutions
     const double min_stride = 1. / 1024, settled = 1e-8;
     const double wanted = frame->approach;
     full_state *state = &state_before(self, 0)->state, *last = &state_before(self, 1)->state;

@@ -125,10 +125,10 @@ ehd_status full_solve(
 ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
-/* Newton from the solution of another contact on the same grid and with the same lubricant; where
- * that fails, in smaller strides from there, then from a cold start. */
+/* Newton from `state`, the solution of another contact on the same grid; where that fails, from a
+ * cold start. */
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
-                           const ehd_contact *start, const ehd_contact *contact, ehd_error *error);
+                           const ehd_contact *contact, ehd_error *error);
 
 /* Film and deflection of the pressure in `state`, from scratch. */
 void full_film(full_state *state, full_solver *solver);

@@ -55,11 +55,9 @@ static void print_settings(void) {
 
 // ---- the start
 
-/* State and contact of a stored result. Where its lubricant was another one, the state does not
- * solve this contact and is only a start. */
-static ehd_status set_start(full_state *state, ehd_contact *start, const stored_result *stored,
+/* State of a stored result. */
+static ehd_status set_start(full_state *state, const ehd_grid *grid, const stored_result *stored,
                             const char *path, ehd_error *error) {
-    const ehd_grid *grid = &start->grid;
     size_t centre = (size_t)ceil(-grid->x_min / grid->step) + 1, exit = grid->num_nodes - 1;
 
     if (!stored->pressure)
@@ -80,21 +78,16 @@ static ehd_status set_start(full_state *state, ehd_contact *start, const stored_
     while (exit > centre && !(state->pressure[exit - 1] > 0))
         exit--;
     full_state_set_zone(state, grid, exit);
-
-    double moes_L = isnan(stored->moes_L) ? start->moes_L : stored->moes_L;
-    contact_set_moes(start, stored->moes_M, moes_L);
-    start->hertz_pressure = stored->hertz_pressure;
-    start->alpha_p_H = start->lubricant.alpha * stored->hertz_pressure;
     return EHD_OK;
 }
 
 /* *film: central film of the stored result. */
-static ehd_status load_start(full_state *state, ehd_contact *start, double *film, const char *path,
-                             ehd_error *error) {
+static ehd_status load_start(full_state *state, double *film, const ehd_contact *contact,
+                             const char *path, ehd_error *error) {
     stored_result stored;
-    ehd_status status = result_read(&stored, path, start->kind, true, error);
+    ehd_status status = result_read(&stored, path, contact->kind, true, error);
 
-    if (!status) status = set_start(state, start, &stored, path, error);
+    if (!status) status = set_start(state, &contact->grid, &stored, path, error);
     *film = stored.central_film_thickness;
     result_free(&stored);
     return status;
@@ -137,19 +130,19 @@ static int compare_seconds(const void *left, const void *right) {
     return (a > b) - (a < b);
 }
 
-/* Solves `repeats` times, from `first`, the solution of contact `start`, or cold where start is
- * NULL; *info is the run of median time. */
+/* Solves --repeat times, from `first` with --start, else cold; *info is the run of median time. */
 static ehd_status solve_again(full_info *info, full_state *state, full_solver *solver,
-                              const full_state *first, const ehd_contact *start,
-                              const ehd_contact *contact, size_t repeats, ehd_error *error) {
+                              const full_state *first, const ehd_contact *contact,
+                              const fullrun_options *options, ehd_error *error) {
+    const size_t repeats = options->repeats;
     full_info *runs = calloc(repeats, sizeof *runs);
     ehd_status status =
         runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
 
     for (size_t i = 0; i < repeats && !status; i++) {
         full_state_copy(state, first, &contact->grid);
-        status = start ? full_solve_from(&runs[i], state, solver, start, contact, error)
-                       : full_solve_cold(&runs[i], state, solver, contact, error);
+        status = options->start ? full_solve_from(&runs[i], state, solver, contact, error)
+                                : full_solve_cold(&runs[i], state, solver, contact, error);
     }
     if (!status) {
         qsort(runs, repeats, sizeof *runs, compare_seconds);
@@ -186,8 +179,8 @@ static void show_work(void *context, const ehd_grid *grid, size_t iteration, dou
 }
 
 static ehd_status solve(full_info *info, full_state *state, const program *caller,
-                        const ehd_contact *contact, const ehd_contact *start,
-                        const fullrun_options *options, ehd_error *error) {
+                        const ehd_contact *contact, const fullrun_options *options,
+                        ehd_error *error) {
     long_work work = {.grid = &contact->grid};
     full_settings settings = make_settings(options);
     full_solver *solver = NULL;
@@ -203,7 +196,7 @@ static ehd_status solve(full_info *info, full_state *state, const program *calle
     if (!status) status = full_state_init(&first, &contact->grid, error);
     if (!status) {
         full_state_copy(&first, state, &contact->grid);
-        status = solve_again(info, state, solver, &first, start, contact, options->repeats, error);
+        status = solve_again(info, state, solver, &first, contact, options, error);
     }
     full_state_free(&first);
     full_solver_free(solver);
@@ -306,8 +299,7 @@ typedef struct stationary_run {
     const fullrun_options *options;
     const ehd_contact *contact;
     const scene *given;
-    ehd_contact start; // of the state that --start gives
-    double start_film; // its central film
+    double start_film; // central film of the state that --start gives
     full_state state;
     full_info info;
     double *exits; // of a point contact
@@ -315,9 +307,8 @@ typedef struct stationary_run {
 
 static ehd_status solve_stationary(stationary_run *self, ehd_error *error) {
     const fullrun_options *options = self->options;
-    const ehd_contact *contact = self->contact, *start = options->start ? &self->start : NULL;
-    ehd_status status =
-        solve(&self->info, &self->state, self->caller, contact, start, options, error);
+    const ehd_contact *contact = self->contact;
+    ehd_status status = solve(&self->info, &self->state, self->caller, contact, options, error);
 
     if (!status) status = make_exits(&self->exits, &self->state, contact, error);
     if (!status)
@@ -358,7 +349,6 @@ static ehd_status run_stationary(const program *caller, const fullrun_options *o
                            .options = options,
                            .contact = contact,
                            .given = given,
-                           .start = *contact,
                            .start_film = NAN};
     artefact *file = NULL;
     ehd_status status = grid_check_memory(caller, caller->arguments[0], contact,
@@ -366,7 +356,7 @@ static ehd_status run_stationary(const program *caller, const fullrun_options *o
 
     if (!status) status = full_state_init(&self.state, &contact->grid, error);
     if (!status && options->start)
-        status = load_start(&self.state, &self.start, &self.start_film, options->start, error);
+        status = load_start(&self.state, &self.start_film, contact, options->start, error);
     if (!status && caller->output)
         status = result_create(&file, caller, contact, text, inputs, error);
     if (!status) status = solve_stationary(&self, error);

@@ -44,7 +44,8 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
 
 /* Pressure at x_min of an inlet from minus infinity, where the grid's is zero: the integral of
  * lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and a constant,
- * as film. X = x_min / s, midpoint rule in s. */
+ * as film. X = x_min / s, midpoint rule in s. Over nine contacts (M 2 to 40, L 0 to 10, x_min -200
+ * to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
 static double missing_pressure(const central_line *line, const ehd_contact *contact) {
     const int num_intervals = 200;
     double start = grid_x(&contact->grid, 0), flux = line->film[line->exit], sum = 0;

@@ -117,8 +117,7 @@ static ehd_status solve_point(void *shared, void *given, size_t point, size_t pa
         memcpy(state->pressure, start->pressure, contact->grid.num_nodes * sizeof(double));
         state->rigid_approach = start->rigid_approach;
         full_state_set_zone(state, &contact->grid, start->exit);
-        status = full_solve_from(&info, state, self->solver, &owner->set->contacts[parent], contact,
-                                 error);
+        status = full_solve_from(&info, state, self->solver, contact, error);
     } else {
         status = full_solve_cold(&info, state, self->solver, contact, error);
     }

@@ -13,7 +13,9 @@
 #include <stdlib.h>
 
 /* How far candidates may lie outside of the hull of the corners, in parts of their extent: all of
- * the corners of a curved edge would be more points than training there needs. */
+ * the corners of a curved edge would be more points than training there needs. From 1e-9 to 0.02
+ * the plans of both examples and both stationary-line studies are trained on 55 to 58, 24, 71 to 74
+ * and 70 to 76 points, and with 0.1 on 58, 24, 82 and 79. */
 static const double CORNER_TOLERANCE = 1.0 / 200;
 
 enum { MIN_BATCH = 4 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/point_choice.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -96,11 +97,11 @@ static size_t worst(const candidates *from, const nearness *near, double part, b
     return best;
 }
 
+/* As far from those chosen now as there are any; what rounding sets apart is the same place. */
 static size_t furthest_worst(const candidates *from, const nearness *near, bool known) {
-    const double min_part = 1e-3;
     size_t found = NO_PARENT;
 
-    for (double part = 1; part > min_part && found == NO_PARENT; part /= 2)
+    for (double part = 1; part > DBL_EPSILON && found == NO_PARENT; part /= 2)
         found = worst(from, near, part, known);
     return found;
 }

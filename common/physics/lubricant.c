@@ -9,17 +9,25 @@
 
 // ---- tables of laws
 
-static bool has_key(const lubricant_law *law, const char *key) {
-    const law_parameter *parameter = law->parameters;
+size_t law_num_parameters(const lubricant_law *law) {
+    size_t count = 0;
 
-    while (parameter->key && strcmp(parameter->key, key))
-        parameter++;
-    return parameter->key != NULL;
+    while (count < MAX_LAW_PARAMETERS && law->parameters[count].key)
+        count++;
+    return count;
+}
+
+static bool has_key(const lubricant_law *law, const char *key) {
+    for (size_t i = 0; i < law_num_parameters(law); i++)
+        if (strcmp(law->parameters[i].key, key) == 0) return true;
+    return false;
 }
 
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot) {
+    if (slot >= MAX_LAW_KEYS) return NULL;
     for (const lubricant_law *const *law = laws; *law; law++)
-        for (const law_parameter *parameter = (*law)->parameters; parameter->key; parameter++) {
+        for (size_t i = 0; i < law_num_parameters(*law); i++) {
+            const law_parameter *parameter = &(*law)->parameters[i];
             const lubricant_law *const *first = laws;
             while (!has_key(*first, parameter->key))
                 first++;
@@ -55,18 +63,26 @@ void laws_list(char *list, size_t size, const lubricant_law *const *laws, const 
 // ---- one lubricant
 
 /* The values of a law's parameters in their order, defaults included. */
-static void collect_values(law_value *values, const lubricant_law *law,
-                           const lubricant_law *const *laws, const law_settings *settings) {
-    for (const law_parameter *parameter = law->parameters; parameter->key; parameter++, values++) {
+static ehd_status collect_values(law_value *values, const lubricant_law *law,
+                                 const lubricant_law *const *laws, const law_settings *settings,
+                                 const char *group, ehd_error *error) {
+    for (size_t i = 0; i < law_num_parameters(law); i++, values++) {
+        const law_parameter *parameter = &law->parameters[i];
         const char *default_value = parameter->default_value;
+        const size_t slot = laws_slot(laws, parameter->key);
 
-        *values = settings->values[laws_slot(laws, parameter->key)];
+        if (slot == MAX_LAW_KEYS)
+            return ehd_fail(error, EHD_INTERNAL,
+                            "%s.%s: found more keys of laws before it, expected at most %d", group,
+                            parameter->key, MAX_LAW_KEYS - 1);
+        *values = settings->values[slot];
         if (!default_value) continue;
         if (parameter->choices && !*values->word)
             snprintf(values->word, sizeof values->word, "%s", default_value);
         if (!parameter->choices && isnan(values->number))
             values->number = strtod(default_value, NULL);
     }
+    return EHD_OK;
 }
 
 /* Finds the law that the settings name, and lets it prepare. `group`: its key, for errors. */
@@ -83,8 +99,8 @@ static ehd_status prepare_law(const lubricant_law **law, ehd_lubricant *lubrican
                         list);
     }
     if (!(*law)->prepare) return EHD_OK;
-    collect_values(values, *law, laws, settings);
-    return (*law)->prepare(lubricant, values, error);
+    ehd_status status = collect_values(values, *law, laws, settings, group, error);
+    return status ? status : (*law)->prepare(lubricant, values, error);
 }
 
 ehd_status lubricant_init(ehd_lubricant *lubricant, const lubricant_settings *settings,

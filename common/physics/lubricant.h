@@ -12,8 +12,8 @@
 
 enum {
     LAW_WORD = 24,           // bytes of a law's name or of a parameter that is a word
-    MAX_LAW_PARAMETERS = 16, // of one law
-    MAX_LAW_KEYS = 32,       // of all laws of a table
+    MAX_LAW_PARAMETERS = 16, // of one law; the compiler tells of more
+    MAX_LAW_KEYS = 32,       // of all laws of a table; a law with one more is refused
     MAX_LAW_CONSTANTS = 16
 };
 
@@ -59,7 +59,7 @@ typedef struct ehd_lubricant ehd_lubricant;
 /* A law of viscosity or density. */
 typedef struct lubricant_law {
     const char *name;
-    law_parameter parameters[MAX_LAW_PARAMETERS + 1]; // end with one whose key is NULL
+    law_parameter parameters[MAX_LAW_PARAMETERS]; // where fewer, then one whose key is NULL
     /* Computes from the values of these parameters, in their order, what `evaluate` needs:
      * constants and, of a viscosity, what ehd_lubricant has below them. NULL: there is nothing to
      * do. */
@@ -83,10 +83,13 @@ struct ehd_lubricant {
     double pressure_limit; // Pa, the law is not to be used above; by default infinite
 };
 
-/* The keys of a table of laws, each once, in the order of the laws: number `slot`, or NULL. */
+size_t law_num_parameters(const lubricant_law *law);
+
+/* The keys of a table of laws, each once, in the order of the laws: number `slot`, or NULL. Those
+ * beyond MAX_LAW_KEYS have no number. */
 const law_parameter *laws_key(const lubricant_law *const *laws, size_t slot);
 
-/* The number of a key; MAX_LAW_KEYS where no law has it. */
+/* The number of a key; MAX_LAW_KEYS where it has none. */
 size_t laws_slot(const lubricant_law *const *laws, const char *key);
 
 /* NULL where there is no such law. */
@@ -100,7 +103,8 @@ void laws_list(
     // input:
     const lubricant_law *const *laws, const char *key);
 
-/* Returns EHD_OK, EHD_MEMORY, or EHD_DATA (unknown law or preset, constants out of range). */
+/* Returns EHD_OK, EHD_MEMORY, EHD_DATA (unknown law or preset, constants out of range), or
+ * EHD_INTERNAL (a law's key beyond MAX_LAW_KEYS). */
 ehd_status lubricant_init(
     // output:
     ehd_lubricant *lubricant,

@@ -97,6 +97,7 @@ enum {
     NUM_WLF,
     WLF_LOG_AT_ZERO = NUM_WLF // ln(eta(0)/mu_g)
 };
+_Static_assert((int)WLF_LOG_AT_ZERO < (int)MAX_LAW_CONSTANTS, "there is no room for the constants");
 
 static const struct {
     const char *name;

@@ -133,11 +133,14 @@ static ehd_status check_preset(const scene_source *source, const char *group,
     if (!law) return EHD_OK; // lubricant_init refuses it
     snprintf(key, sizeof key, "%s.law", group);
     const place where = place_of_key(source, key);
-    for (const law_parameter *parameter = law->parameters; parameter->key; parameter++) {
+    for (size_t i = 0; i < law_num_parameters(law); i++) {
+        const law_parameter *parameter = &law->parameters[i];
         const bool is_preset = parameter->need == LAW_PRESET;
         if (!is_preset && parameter->need != LAW_CONSTANT) continue;
         snprintf(key, sizeof key, "%s.%s", group, parameter->key);
-        count_key(is_preset ? &preset : &constant, setting_find(key), &source->values);
+        const setting *row = setting_find(key);
+        if (!row) continue; // lubricant_init refuses the law
+        count_key(is_preset ? &preset : &constant, row, &source->values);
         add_name(is_preset ? presets : constants, parameter->key);
     }
     if (preset.given > 0 && constant.given > 0)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/settings_table.h"
 
-#include <assert.h>
 #include <ctype.h>
 #include <math.h>
 #include <pthread.h>
@@ -123,29 +122,36 @@ static const setting history_rows[] = {
 
 const char *const vary_names[NUM_VARY] = {"load", "speed", "radius", "modulus", "approach"};
 
+// rows and texts that make_table makes at most, of two tables of laws and of the histories
+#define ROWS_OF(rows) (sizeof(rows) / sizeof *(rows)-1)
+enum {
+    LAW_ROWS = 1 + MAX_LAW_KEYS,
+    MAX_ROWS =
+        ROWS_OF(contact_rows) + 2 * LAW_ROWS + ROWS_OF(run_rows) + NUM_VARY * ROWS_OF(history_rows),
+    MAX_TEXTS = 2 * 2 * LAW_ROWS + NUM_VARY * (1 + ROWS_OF(history_rows)),
+    TEXT_ROOM = 512
+};
+_Static_assert((int)MAX_ROWS <= (int)MAX_SETTINGS, "MAX_SETTINGS is too small");
+
 /* The rows of all settings, and the storage of their texts that are made at run time. */
 static struct {
-    setting rows[MAX_SETTINGS + 1];
+    setting rows[MAX_ROWS + 1];
     size_t num_rows;
-    char texts[16384];
-    size_t texts_length;
+    char texts[MAX_TEXTS][TEXT_ROOM];
+    size_t num_texts;
 } table;
 
 /* A text stored with the table. */
 static const char *make_text(const char *format, ...) {
-    char *text = table.texts + table.texts_length;
-    const size_t room = sizeof table.texts - table.texts_length;
+    char *text = table.texts[table.num_texts++];
     va_list arguments;
     va_start(arguments, format);
-    const int length = vsnprintf(text, room, format, arguments);
+    vsnprintf(text, TEXT_ROOM, format, arguments);
     va_end(arguments);
-    assert(length >= 0 && (size_t)length < room);
-    table.texts_length += (size_t)length + 1;
     return text;
 }
 
 static void add_row(const setting *row) {
-    assert(table.num_rows < MAX_SETTINGS);
     table.rows[table.num_rows++] = *row;
 }
 
@@ -158,7 +164,7 @@ static void add_rows(const setting *rows) {
  * `offset` in a scene. */
 static void add_laws(const char *group, size_t offset, const lubricant_law *const *laws,
                      const char *default_value, const char *help) {
-    char list[512];
+    char list[TEXT_ROOM];
     const law_parameter *parameter;
     laws_list(list, sizeof list, laws, NULL);
     const setting law = {.key = make_text("%s.law", group),
@@ -173,7 +179,6 @@ static void add_laws(const char *group, size_t offset, const lubricant_law *cons
     add_row(&law);
     for (size_t slot = 0; (parameter = laws_key(laws, slot)); slot++) {
         laws_list(list, sizeof list, laws, parameter->key);
-        assert(slot < MAX_LAW_KEYS);
         const setting row = {.key = make_text("%s.%s", group, parameter->key),
                              .type = parameter->choices ? SETTING_CHOICE : SETTING_REAL,
                              .offset =

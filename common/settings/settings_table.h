@@ -10,7 +10,10 @@
 #include <stddef.h>
 #include <stdio.h>
 
-enum { MAX_SETTINGS = 192, MAX_KEY = 128 };
+enum {
+    MAX_SETTINGS = 192, // with fewer than there may be, settings_table.c does not compile
+    MAX_KEY = 128
+};
 
 /* The row of a key such as "moes.M", or NULL. */
 const setting *setting_find(const char *key);

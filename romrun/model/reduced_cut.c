@@ -7,8 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double CHECKPOINT_DISTANCE = 0.02;     // of a line contact, half widths
-static const size_t CHECKPOINT_MEMORY = 400u << 20; // bound of a point contact's tables, bytes
+/* Half widths between those of a line contact. A solution with 56 modes on 1201 nodes takes 0.107
+ * ms at distances up to 0.02, 0.115 at 0.04, 0.135 at 0.08, 0.17 at 0.16 and with one checkpoint;
+ * all exits instead of every fifth take 9 MB more. */
+static const double CHECKPOINT_DISTANCE = 0.02;
+
+/* Bound of a point contact's tables, bytes. A solution with 100 modes and 240 rows on 65 by 65
+ * nodes takes 0.73 ms with one table, 0.45 with 5 MB of them, 0.41 with 20 to 110 MB, all 128 that
+ * differ; on 129 by 129 1.4 ms with one, 0.57 with 20 MB, 0.52 with 200 MB, 0.51 with 320 MB, all
+ * 168. Then loading takes 1.9 instead of 0.9 s. */
+static const size_t CHECKPOINT_MEMORY = 400u << 20;
 
 // ---- from one exit line to another
 

@@ -4,19 +4,17 @@
 #include <string.h>
 
 void kept_factors_init(kept_factors *self, const reduced_model *model, arena *memory) {
-    size_t max_rows = system_max_rows(model), num_lines = model->band.num_lines;
+    size_t max_rows = system_max_rows(model);
 
     self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
     self->row = arena_array(memory, model->rows.num_rows, sizeof *self->row);
-    self->exit = arena_array(memory, num_lines, sizeof *self->exit);
-    self->start.coordinates = arena_array(memory, model->num_unknowns, sizeof(double));
-    if (num_lines > 1)
-        self->start.exits = arena_array(memory, num_lines, sizeof *self->start.exits);
+    self->exit = arena_array(memory, model->band.num_lines, sizeof *self->exit);
     self->factors = least_squares_create(max_rows, model->num_unknowns);
-    memory->failed |= !self->factors;
+    memory->failed |= reduced_state_init(&self->start, model, NULL) != EHD_OK || !self->factors;
 }
 
 void kept_factors_free(kept_factors *self) {
+    reduced_state_free(&self->start);
     self->factors = least_squares_free(self->factors);
 }
 

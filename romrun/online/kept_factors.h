@@ -16,7 +16,7 @@ typedef struct kept_factors {
     reduced_state start; // of the present iteration, to return to where it fails
 } kept_factors;
 
-/* Memory from an arena, but for the factors. */
+/* Memory from an arena, but for the factors and the state. */
 void kept_factors_init(kept_factors *self, const reduced_model *model, arena *memory);
 void kept_factors_free(kept_factors *self);
 

@@ -5,16 +5,25 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-static char folder[] = "/tmp/ehdrom-XXXXXX";
+char folder[] = "/tmp/ehdrom-XXXXXX";
 
-int enter_folder(void **state) {
+int make_folder(void **state) {
     (void)state;
-    return mkdtemp(folder) && chdir(folder) == 0 ? 0 : -1;
+    snprintf(folder, sizeof folder, "/tmp/ehdrom-XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
 }
 
-int leave_folder(void **state) {
+int remove_folder(void **state) {
     char command[64];
     (void)state;
     snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return chdir("/") == 0 ? system(command) : -1;
+    return system(command);
+}
+
+int enter_folder(void **state) {
+    return make_folder(state) == 0 && chdir(folder) == 0 ? 0 : -1;
+}
+
+int leave_folder(void **state) {
+    return chdir("/") == 0 ? remove_folder(state) : -1;
 }

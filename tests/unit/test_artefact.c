@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/artefact/artefact.h"
+#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 
 #include <fcntl.h>
 #include <hdf5.h>
@@ -20,25 +22,15 @@ static const program caller = {.name = "snapgen", .argc = 4, .argv = words};
 static const program forcing = {.name = "snapgen", .argc = 4, .argv = words, .force = true};
 static const artefact_schema *const snapshots_only[] = {&schema_snapshots, NULL};
 
-static char folder[64];
 static char path[128]; // of the file that a test is about
 static char partial[160];
 static ehd_error error;
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-artefact-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/file.h5", folder);
     snprintf(partial, sizeof partial, "%s.partial", path);
     return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 // ---- helpers
@@ -446,6 +438,67 @@ static void output_names(void **state) {
                   EHD_CANTCREATE, "No such");
     check_refused(artefact_create(&file, "/proc/x.h5", &schema_result, &forcing, "", NULL, &error),
                   EHD_CANTCREATE, "/proc/x.h5");
+}
+
+/* The provisional name has to be free or a file of our own kind. */
+static void provisional_names(void **state) {
+    (void)state;
+    artefact *file = NULL;
+    assert_int_equal(mkdir(partial, 0777), 0);
+    check_refused(artefact_create(&file, path, &schema_result, &forcing, "", NULL, &error),
+                  EHD_CANTCREATE, "expected a writable file");
+    assert_int_equal(rmdir(partial), 0);
+    assert_int_equal(mkfifo(partial, 0666), 0);
+    check_refused(artefact_create(&file, path, &schema_result, &forcing, "", NULL, &error),
+                  EHD_CANTCREATE, "found no regular file, expected one or none");
+    assert_int_equal(unlink(partial), 0);
+    assert_null(file);
+}
+
+/* What happens to both names between the first and the last call. */
+static void names_that_change_meanwhile(void **state) {
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        artefact *file = NULL;
+        check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
+        put_grid(file);
+        put_fields(file);
+        if (i == 0) {
+            spill(path, "other", 5);
+            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "an existing file");
+            assert_int_equal(unlink(path), 0);
+        } else if (i == 1) {
+            assert_int_equal(mkdir(path, 0777), 0);
+            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "no regular file");
+            assert_int_equal(rmdir(path), 0);
+        } else {
+            assert_int_equal(unlink(partial), 0);
+            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "to get this name");
+        }
+        assert_null(file);
+        assert_false(exists(path));
+        unlink(partial);
+    }
+}
+
+static void survives_failing_allocations(void **state) {
+    (void)state;
+    artefact *file = NULL;
+    size_t call = 0;
+    for (;; call++) {
+        allocation_fail_at(call);
+        const ehd_status status =
+            artefact_create(&file, path, &schema_snapshots, &caller, "a: 1\n", NULL, &error);
+        if (!allocation_failed()) break;
+        // of the file object; later ones are texts that then are not written
+        if (call < 3)
+            assert_int_equal(status, EHD_MEMORY);
+        else
+            check_refused(status, EHD_IO, "provenance");
+        assert_null(file);
+    }
+    assert_true(call >= 3);
+    artefact_close(&file);
 }
 
 static void two_writers(void **state) {
@@ -908,6 +961,21 @@ static void resume_after_kill(void **state) {
     }
 }
 
+/* What is finished of an interrupted run is not replaced unless asked to; an empty one is. */
+static void unfinished_runs(void **state) {
+    (void)state;
+    artefact *file = NULL;
+    killed_stream(true);
+    check_refused(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error),
+                  EHD_CANTCREATE, "found an interrupted run with solved points, expected --resume");
+    assert_null(file);
+    assert_true(exists(partial));
+    check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, "", NULL, &error));
+    artefact_close(&file);
+    check_ok(artefact_create(&file, path, &schema_snapshots, &caller, "", NULL, &error));
+    artefact_close(&file);
+}
+
 static void resume_refuses_damage(void **state) {
     (void)state;
     killed_stream(true);
@@ -1237,7 +1305,7 @@ static void growing_opens_elsewhere(void **state) {
 }
 
 int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, remove_folder)
     const struct CMUnitTest tests[] = {
         TEST(round_trip),
         TEST(copies_are_equal),
@@ -1245,6 +1313,9 @@ int main(void) {
         TEST(long_texts),
         TEST(misuse_is_internal),
         TEST(output_names),
+        TEST(provisional_names),
+        TEST(names_that_change_meanwhile),
+        TEST(survives_failing_allocations),
         TEST(two_writers),
         TEST(refuses_what_is_no_artefact),
         TEST(refuses_what_does_not_fit),
@@ -1253,6 +1324,7 @@ int main(void) {
         TEST(failing_writes),
         TEST(failure_is_remembered),
         TEST(resume_after_kill),
+        TEST(unfinished_runs),
         TEST(resume_refuses_damage),
         TEST(resume_checks_inputs),
         TEST(kill_before_stream),

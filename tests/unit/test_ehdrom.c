@@ -3,6 +3,7 @@
  * test_ehdrom_transient.c. */
 #include "romrun/online/ehdrom.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/reduced_problem.h"
 
 #include <math.h>
@@ -11,38 +12,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_ROWS = 40 };
+enum { NUM_ROWS = FEW_ROWS };
 
-static trained training; // 121 nodes
+static trained training;
 static reduced_basis bases[2];
-static size_t rows[NUM_ROWS]; // from before the contact to behind the exits
-static char folder[64], path[128];
+static size_t rows[NUM_ROWS];
+static char path[128];
 static ehd_error error;
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-library-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/model.h5", folder);
-    trained_init(&training, 0.05);
-    trained_basis(&bases[0], &training, DEFORMATION_INDEPENDENT, 9, 7);
-    trained_basis(&bases[1], &training, DEFORMATION_COUPLED, 9, 0);
-    for (size_t r = 0; r < NUM_ROWS; r++)
-        rows[r] = 40 + (r * 27) % 67; // 40 … 106, not ascending
+    trained_few_init(&training, bases, rows);
     return 0;
 }
 
 static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-
-    reduced_basis_free(&bases[0]);
-    reduced_basis_free(&bases[1]);
-    trained_free(&training);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
+    trained_few_free(&training, bases);
+    return remove_folder(state);
 }
 
 typedef struct library_run {

@@ -5,6 +5,7 @@
 #include "romrun/online/ehdrom.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/reduced_problem.h"
 
 #include <math.h>
@@ -27,7 +28,6 @@ static scene given;
 static ehd_contact reference;
 static ehd_histories *histories;
 static ehdrom_model *models[2]; // coupled, independent
-static char folder[64];
 static ehd_error error;
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
@@ -116,12 +116,10 @@ static ehdrom_model *make_model(const snapshot_set *set, deformation_kind kind, 
 }
 
 static int set_up(void **state) {
-    (void)state;
     training self;
     char path[128];
 
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-transient-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/model.h5", folder);
     check_ok(scene_parse(&given, scene_of_training, strlen(scene_of_training), "scene", NULL, 0,
                          &error));
@@ -140,14 +138,10 @@ static int set_up(void **state) {
 }
 
 static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-
     ehdrom_close(models[0]);
     ehdrom_close(models[1]);
     histories_free(histories);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
+    return remove_folder(state);
 }
 
 // ---- helpers

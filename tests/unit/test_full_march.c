@@ -365,6 +365,18 @@ static void start_from_a_given_approach(void **state) {
     marched_end(&second);
 }
 
+/* One that takes nearly all of the load away: the way there takes strides of 1/32 of it. */
+static void start_from_an_approach_far_away(void **state) {
+    (void)state;
+    scene of = marched_scene(20, 8, "dowson-higginson", 0.02,
+                             "end_time: 0.1, fixed_step: 0.1, approach: {law: constant}");
+    of.approach = 0;
+    marched_begin(&first, &of);
+    check_close(first.approach[0], 0, 0, 1e-9);
+    assert_true(first.load[0] > 0 && first.load[0] < 0.3);
+    marched_end(&first);
+}
+
 /* A given approach squeezes the film by as much with short steps as with long ones. */
 static void approach_is_well_posed(void **state) {
     (void)state;
@@ -590,6 +602,7 @@ int main(void) {
         cmocka_unit_test(ramps_end_in_the_stationary_contact),
         cmocka_unit_test(approach_gives_the_load_back),
         cmocka_unit_test(start_from_a_given_approach),
+        cmocka_unit_test(start_from_an_approach_far_away),
         cmocka_unit_test(approach_is_well_posed),
         cmocka_unit_test(approach_from_within_is_refused),
         cmocka_unit_test(speed_goes_down_to_zero),

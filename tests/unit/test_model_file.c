@@ -5,6 +5,7 @@
 #include "romrun/model/weighting.h"
 #include "romrun/online/reduced_solver.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/trained.h"
 
 #include <hdf5.h>
@@ -13,13 +14,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_ROWS = 40, NUM_JACOBIAN_MODES = 10 };
+enum { NUM_ROWS = FEW_ROWS, NUM_JACOBIAN_MODES = 10 };
 
-static trained training; // 121 nodes
+static trained training;
 static reduced_basis bases[2];
-static size_t rows[NUM_ROWS]; // from before the contact to behind the exits
+static size_t rows[NUM_ROWS];
 static double factors[NUM_ROWS], jacobian_modes[NUM_ROWS][NUM_JACOBIAN_MODES];
-static char folder[64], path[128];
+static char path[128];
 static ehd_error error;
 static char *words[] = {"podbuild", NULL};
 static const ehdrom_sizes everything = {0};
@@ -32,15 +33,9 @@ static program writer(void) {
 }
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-files-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/file.h5", folder);
-    trained_init(&training, 0.05);
-    trained_basis(&bases[0], &training, DEFORMATION_INDEPENDENT, 9, 7);
-    trained_basis(&bases[1], &training, DEFORMATION_COUPLED, 9, 0);
-    for (size_t r = 0; r < NUM_ROWS; r++)
-        rows[r] = 40 + (r * 27) % 67; // 40 … 106, not ascending
+    trained_few_init(&training, bases, rows);
     for (size_t r = 0; r < NUM_ROWS; r++)
         for (size_t j = 0; j < NUM_JACOBIAN_MODES; j++)
             jacobian_modes[r][j] = 0.2 * sin((double)(rows[r] * (j + 1)));
@@ -48,14 +43,8 @@ static int set_up(void **state) {
 }
 
 static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-
-    reduced_basis_free(&bases[0]);
-    reduced_basis_free(&bases[1]);
-    trained_free(&training);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
+    trained_few_free(&training, bases);
+    return remove_folder(state);
 }
 
 // ---- helpers

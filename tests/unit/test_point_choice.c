@@ -112,6 +112,19 @@ static void what_is_good_enough_or_taken_is_left(void **state) {
     check_choice(&none, NUM_LINE, NULL, 0);
 }
 
+/* A bad one next to a chosen one is taken too where no other is as bad, however near it lies; the
+ * same place is not. */
+static void near_ones_are_taken_the_same_is_not(void **state) {
+    const double indicated[] = {99, 1, 1, 1, 9, 8, 1, 1, 1, 1, 1, 99};
+    const candidates from = make_line(indicated, 2);
+    (void)state;
+
+    line_points[5].place[0] = line_points[4].place[0] + 1e-6;
+    check_choice(&from, NUM_LINE, (size_t[]){4, 5}, 2);
+    line_points[5].place[0] = line_points[4].place[0];
+    check_choice(&from, NUM_LINE, (size_t[]){4}, 1);
+}
+
 /* Without any knowledge the plane is filled evenly. */
 static void the_unknown_is_filled_evenly(void **state) {
     double indicated[NUM_LINE];
@@ -168,6 +181,7 @@ int main(void) {
                                        cmocka_unit_test(corners_of_few_points),
                                        cmocka_unit_test(the_worst_come_first_and_apart),
                                        cmocka_unit_test(what_is_good_enough_or_taken_is_left),
+                                       cmocka_unit_test(near_ones_are_taken_the_same_is_not),
                                        cmocka_unit_test(the_unknown_is_filled_evenly),
                                        cmocka_unit_test(what_has_a_number_comes_every_second_time),
                                        cmocka_unit_test(families_are_far_from_each_other),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/print.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,22 +14,13 @@ enum { NUM_TIMES = 2, NUM_LINES = 2, NUM_NODES = 3 };
 static char *words[] = {"fullrun", "a \"quoted\", name.yml", NULL};
 static const program caller = {.name = "fullrun", .argc = 2, .argv = words, .force = true};
 
-static char folder[64], path[128];
+static char path[128];
 static ehd_error error;
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-print-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/file.h5", folder);
     return 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
@@ -308,5 +300,5 @@ int main(void) {
         cmocka_unit_test(damaged_data_are_no_silent_end),
         cmocka_unit_test(any_byte_may_be_wrong),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, remove_folder);
 }

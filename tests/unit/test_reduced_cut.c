@@ -77,9 +77,39 @@ static void cut_tables_equal_plain_sums(void **state) {
     trained_free(&training);
 }
 
+/* Checkpoints of a point contact that differ take 400 MB at most, and one beyond. The tables
+ * counted here are much larger than those filled: the band of an independent basis has none. */
+static void memory_bounds_the_checkpoints_of_a_point(void **state) {
+    enum { LINES = 2, COLUMNS = 20, STATES = 12 };
+    (void)state;
+    for (size_t megabytes = 1; megabytes <= 200; megabytes += 199) {
+        size_t exits[STATES][LINES];
+        band_line lines[LINES];
+        double left[LINES * COLUMNS] = {0}, pressure[LINES * COLUMNS] = {0}, base = 0;
+        for (size_t s = 0; s < STATES; s++)
+            exits[s][0] = s, exits[s][1] = 2;
+        for (size_t l = 0; l < LINES; l++)
+            lines[l] = (band_line){.end = COLUMNS, .offset = l * COLUMNS, .max_exit = COLUMNS};
+        reduced_model model = {
+            .deformation = DEFORMATION_INDEPENDENT,
+            .num_pressure = 1,
+            .band = {.num_lines = LINES, .lines = lines, .pressure = pressure},
+            .cut = {.num_rows = 1, .left = left, .base = &base},
+            .states = {.num_states = STATES, .num_lines = LINES, .exit = exits[0]}};
+        model.band.num_nodes = (megabytes << 20) / sizeof(double);
+        assert_int_equal(reduced_model_make_checkpoints(&model, NULL), EHD_OK);
+        if (megabytes == 1)
+            assert_int_equal(model.checkpoints.num, STATES);
+        else
+            assert_in_range(model.checkpoints.num, 2, 5);
+        arena_free(&model.memory);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cut_tables_equal_plain_sums),
+        cmocka_unit_test(memory_bounds_the_checkpoints_of_a_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -69,6 +69,32 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     }
 }
 
+/* Without piezoviscosity the viscous pressure is the pressure, and the effect one integral over
+ * the missing inlet, here by the trapezoidal rule in t = ln(X / x_min) on many more points. */
+static void inlet_effect_is_integrated_finely(void **state) {
+    (void)state;
+    const ehd_contact contact = sample_contact("barus", "incompressible", 10, 0, 0.02);
+    const double start = grid_x(&contact.grid, 0), centre = -contact.grid.x_min;
+    const double end = 12, stride = 1e-4; // exp(-3 end) of the integral is behind its end
+    full_resolution resolution;
+    full_state solution;
+    double sum = 0;
+
+    solve(&solution, &contact);
+    const double flux = solution.film[solution.exit];
+    for (double t = 0; t < end; t += stride) {
+        const double x = start * exp(t);
+        const double film = solution.film[0] + contact_gap(x, 0) - contact_gap(start, 0) - 0.5 * t;
+        const double slope = contact.lambda * (film - flux) / (film * film * film);
+        sum += (t > 0 ? 1 : 0.5) * stride * slope * fabs(x);
+    }
+    const double central_pressure =
+        solution.pressure[(size_t)lround(centre / contact.grid.step) + 1];
+    assert_int_equal(full_resolution_estimate(&resolution, &solution, &contact, NULL), EHD_OK);
+    check_close(resolution.inlet_effect, 8. / 11 * sum / central_pressure, 5e-5, 0);
+    full_state_free(&solution);
+}
+
 /* Against the extrapolation from two finer grids. */
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
@@ -161,6 +187,7 @@ static void half_and_whole_say_the_same(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
+        cmocka_unit_test(inlet_effect_is_integrated_finely),
         cmocka_unit_test(step_effect_is_what_a_fine_step_does),
         cmocka_unit_test(nodes_grow_with_the_grid),
         cmocka_unit_test(too_coarse_to_tell),

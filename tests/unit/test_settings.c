@@ -4,6 +4,7 @@
 #include "common/settings/settings_table.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -75,20 +76,6 @@ static const law_value *viscosity(const scene *of, const char *key) {
 }
 
 // ---- a folder for files
-
-static char folder[] = "/tmp/ehdrom-settings-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    char command[128];
-    (void)state;
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return system(command);
-}
 
 static const char *path_of(const char *name) {
     static char path[128];

@@ -171,6 +171,54 @@ static void leaves_out_what_vanishes_before_an_exit(void **state) {
     check_close(inverse, 1.0, 1e-10, 0.0);
 }
 
+/* The same where only rounding errors are left of it: unit vectors of nodes on both sides of the
+ * exit, rotated into each other. */
+static void leaves_out_rounding_errors_before_an_exit(void **state) {
+    (void)state;
+    enum { NUM_BEFORE = NUM_MODES / 2 };
+    double rotation[NUM_MODES][NUM_MODES], modes[NUM_MODES][NUM_NODES] = {{0}};
+    size_t rows[NUM_MODES];
+    const size_t exit = 40;
+    for (size_t i = 0; i < NUM_MODES; i++)
+        for (size_t j = 0; j < NUM_MODES; j++)
+            rotation[i][j] = sin((double)((i + 1) * (i + j + 2)));
+    make_orthonormal(rotation[0], NUM_MODES, NUM_MODES);
+    for (size_t j = 0; j < NUM_MODES; j++) {
+        rows[j] = j < NUM_BEFORE ? 7 * j : exit + j;
+        for (size_t i = 0; i < NUM_MODES; i++)
+            modes[i][rows[j]] = rotation[i][j];
+    }
+    const selection_bases bases = {.num_nodes = NUM_NODES,
+                                   .num_modes = {NUM_MODES, NUM_MODES},
+                                   .modes = {modes[0], modes[0]},
+                                   .num_leading = NUM_MODES,
+                                   .num_exits = 1,
+                                   .exits = &exit};
+    double inverse;
+    assert_int_equal(row_stability_of(&inverse, &bases, rows, NUM_MODES, NULL), EHD_OK);
+    check_close(inverse, 1.0, 1e-10, 0.0);
+}
+
+/* What is there before an exit, be it as little as at the worst one of the lower loaded region,
+ * has to be determined. */
+static void keeps_what_is_small_before_an_exit(void **state) {
+    (void)state;
+    const double part = 1e-4;
+    double mode[NUM_NODES] = {[5] = part, [20] = sqrt(1 - part * part)};
+    const size_t exit = 10, rows[] = {20, 5};
+    const selection_bases bases = {.num_nodes = NUM_NODES,
+                                   .num_modes = {1, 1},
+                                   .modes = {mode, mode},
+                                   .num_leading = 1,
+                                   .num_exits = 1,
+                                   .exits = &exit};
+    double inverse;
+    assert_int_equal(row_stability_of(&inverse, &bases, rows, 1, NULL), EHD_OK);
+    assert_true(isinf(inverse));
+    assert_int_equal(row_stability_of(&inverse, &bases, rows, 2, NULL), EHD_OK);
+    check_close(inverse, 1.0, 1e-10, 0.0);
+}
+
 static void exits_begin_with_the_joint_rows(void **state) {
     (void)state;
     const selection_bases bases = make_bases(), leading = selection_leading(&bases);
@@ -242,6 +290,8 @@ int main(void) {
         cmocka_unit_test(equals_singular_values_from_scratch),
         cmocka_unit_test(too_few_rows_before_an_exit_are_not_stable),
         cmocka_unit_test(leaves_out_what_vanishes_before_an_exit),
+        cmocka_unit_test(leaves_out_rounding_errors_before_an_exit),
+        cmocka_unit_test(keeps_what_is_small_before_an_exit),
         cmocka_unit_test(exits_begin_with_the_joint_rows),
         cmocka_unit_test(exits_take_the_row_that_the_worst_exit_needs),
         cmocka_unit_test(fewest_is_the_smallest_prefix),

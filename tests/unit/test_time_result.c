@@ -5,6 +5,7 @@
 #include "common/output/result.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/sample.h"
 
 #include <fcntl.h>
@@ -26,7 +27,7 @@ static const char *model; // of the run, NULL: none
 static scene given;       // only its tables count
 
 static ehd_contact contact; // 121 inner nodes
-static char folder[64], path[128], partial[160];
+static char path[128], partial[160];
 static ehd_error error;
 static char *words[] = {"fullrun", NULL};
 
@@ -38,9 +39,7 @@ static program writer(void) {
 }
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-time-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/result.h5", folder);
     snprintf(partial, sizeof partial, "%s.partial", path);
     restart_size = RESTART_SIZE;
@@ -48,14 +47,6 @@ static int set_up(void **state) {
     given = (scene){0};
     contact = sample_contact("barus", "incompressible", 20, 5, 0.05);
     return contact.grid.num_nodes == NUM_NODES ? 0 : -1;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 // ---- killing between writes
@@ -722,7 +713,7 @@ static void resume_and_damage(void **state) {
 }
 
 int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, remove_folder)
     const struct CMUnitTest tests[] = {
         TEST(grows_and_reads_back),
         TEST(summary_is_stored),

@@ -6,6 +6,7 @@
 #include "common/output/time_result.h"
 #include "common/settings/scene_contact.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/marched.h"
 
 #include <math.h>
@@ -115,16 +116,14 @@ static void effort(double *rows, double *linear, double *exit_part, const void *
 
 // ---- a run, in a process of its own because an interruption lasts
 
-static char folder[64], path[128], partial[160], out_path[128], err_path[128];
+static char path[128], partial[160], out_path[128], err_path[128];
 static char out[TEXT], err[TEXT];
 static scene given;
 static ehd_contact contact;
 static ehd_error error;
 
 static int set_up(void **state) {
-    (void)state;
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-run-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/r.h5", folder);
     snprintf(partial, sizeof partial, "%s.partial", path);
     snprintf(out_path, sizeof out_path, "%s/out", folder);
@@ -132,14 +131,6 @@ static int set_up(void **state) {
     stub = (stub_solver){.fails_from = INFINITY};
     given = marched_scene(20, 5, "incompressible", 0.1, "end_time: 1, fixed_step: 0.1");
     return scene_contact(&contact, &given, &error) ? -1 : 0;
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    char command[128];
-
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
 }
 
 static void print_trace(const time_trace *trace) {
@@ -309,7 +300,7 @@ static void an_early_end_is_told(void **state) {
 }
 
 int main(void) {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
+#define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, remove_folder)
     const struct CMUnitTest tests[] = {
         TEST(resumed_reports_what_an_uninterrupted_run_does),
         TEST(interrupted_at_the_start),

@@ -6,6 +6,7 @@
 #include "romrun/model/trade_file.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/folder.h"
 #include "tests/unit/reduced_problem.h"
 
 #include <math.h>
@@ -13,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char folder[64], path[128], calibrated[128];
+static char path[128], calibrated[128];
 static trained training;
 static ehd_error error;
 
@@ -22,10 +23,8 @@ static ehd_error error;
 /* A model of all modes and rows of the small training. */
 static int set_up(void **state) {
     reduced_basis basis;
-    (void)state;
 
-    snprintf(folder, sizeof folder, "/tmp/ehdrom-trade-XXXXXX");
-    if (!mkdtemp(folder)) return -1;
+    if (make_folder(state)) return -1;
     snprintf(path, sizeof path, "%s/model.h5", folder);
     snprintf(calibrated, sizeof calibrated, "%s/calibrated.h5", folder);
     trained_init(&training, 0.05);
@@ -36,12 +35,8 @@ static int set_up(void **state) {
 }
 
 static int tear_down(void **state) {
-    char command[128];
-    (void)state;
-
     trained_free(&training);
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command);
+    return remove_folder(state);
 }
 
 // ---- the ladder

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -58,6 +59,34 @@ static void half_of_the_rows_stand_for_all(void **state) {
         }
 }
 
+/* Rows that crowd on one side, of which some get the least weight, take Gauss-Seidel hundreds of
+ * sweeps: then the gradient vanishes where the bound does not hold, and nowhere points below it. */
+static void weights_are_those_of_the_minimum(void **state) {
+    enum { ROWS = 20, MODES = 8 };
+    const double tolerance = 1e-4;
+    double sampled[ROWS][MODES], factors[ROWS];
+    size_t num_bound = 0;
+    (void)state;
+
+    for (size_t r = 0; r < ROWS; r++)
+        for (size_t j = 0; j < MODES; j++)
+            sampled[r][j] = 0.3 * cos(M_PI * (double)j * pow((double)(r + 1) / ROWS, 2));
+    assert_int_equal(weighting_quadrature(factors, sampled[0], ROWS, MODES, NULL), EHD_OK);
+    for (size_t r = 0; r < ROWS; r++) {
+        double gradient = 0;
+        for (size_t s = 0; s <= ROWS; s++) { // the last one: minus |q_r|^2
+            double product = 0;
+            for (size_t j = 0; j < MODES; j++)
+                product += sampled[r][j] * sampled[s < ROWS ? s : r][j];
+            gradient += s < ROWS ? factors[s] * factors[s] * product * product : -product;
+        }
+        const bool bound = factors[r] * factors[r] < 0.05 * (1 + 1e-9);
+        num_bound += bound;
+        assert_true(gradient > -tolerance && (bound || gradient < tolerance));
+    }
+    assert_in_range(num_bound, 1, ROWS - 1);
+}
+
 /* Rows (1, 0), (0, 1) and (1, 1): the first two are exact, so that the third would get zero weight;
  * the bound keeps it a say. */
 static void weights_stay_positive(void **state) {
@@ -90,6 +119,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_rows_weigh_one),
         cmocka_unit_test(half_of_the_rows_stand_for_all),
+        cmocka_unit_test(weights_are_those_of_the_minimum),
         cmocka_unit_test(weights_stay_positive),
         cmocka_unit_test(plain_weights_are_one),
         cmocka_unit_test(weightings_are_found_by_name),

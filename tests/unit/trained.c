@@ -83,3 +83,17 @@ void trained_basis(reduced_basis *basis, const trained *self, deformation_kind k
     pod_free(&pressure);
     pod_free(&deformation);
 }
+
+void trained_few_init(trained *self, reduced_basis bases[2], size_t rows[FEW_ROWS]) {
+    trained_init(self, 0.05);
+    trained_basis(&bases[0], self, DEFORMATION_INDEPENDENT, 9, 7);
+    trained_basis(&bases[1], self, DEFORMATION_COUPLED, 9, 0);
+    for (size_t r = 0; r < FEW_ROWS; r++)
+        rows[r] = 40 + (r * 27) % 67; // 40 … 106
+}
+
+void trained_few_free(trained *self, reduced_basis bases[2]) {
+    reduced_basis_free(&bases[0]);
+    reduced_basis_free(&bases[1]);
+    trained_free(self);
+}

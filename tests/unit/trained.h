@@ -33,4 +33,11 @@ void trained_basis(
     // input:
     const trained *self, deformation_kind kind, size_t num_pressure, size_t num_deformation);
 
+enum { FEW_ROWS = 40 };
+
+/* A training on 121 nodes, independent and coupled bases with nine pressure modes, and rows for a
+ * model of either, in no order, from before the contact to behind the exits. */
+void trained_few_init(trained *self, reduced_basis bases[2], size_t rows[FEW_ROWS]);
+void trained_few_free(trained *self, reduced_basis bases[2]);
+
 #endif
