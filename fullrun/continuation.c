@@ -147,8 +147,8 @@ static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver
 ehd_grid full_coarser_grid(const ehd_grid *grid) {
     size_t sides = grid->inner_lines / 2; // of a whole grid: lines on either side of y = 0
 
-    return grid_of(grid->x_min, 2 * grid->step, (grid->inner_x + 1) / 2,
-                   grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1, grid->half);
+    return grid_like(grid, grid->x_min, 2 * grid->step, (grid->inner_x + 1) / 2,
+                     grid->half ? grid->inner_lines / 2 + 1 : 2 * ((sides + 1) / 2) + 1);
 }
 
 /* Bilinear interpolation at an inner node of the finer grid. */

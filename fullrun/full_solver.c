@@ -21,7 +21,7 @@ struct full_solver {
     double *row_scale;          // [num_inner]
     double *step;               // [num_nodes]
     double *step_film;          // [num_nodes]
-    double *fluid_memory;       // [4, num_nodes]
+    double *fluid_memory;       // [NUM_FLUID_ARRAYS, num_nodes]
     size_t num_unknowns;        // as in full_system
     size_t *unknown, *index;    // [num_nodes]
     unsigned char *flips;       // [num_nodes] how often a node has lost or gained pressure
@@ -84,7 +84,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->row_scale = arena_array(memory, num_inner, sizeof(double));
     self->step = arena_array(memory, num_nodes, sizeof(double));
     self->step_film = arena_array(memory, num_nodes, sizeof(double));
-    self->fluid_memory = arena_array(memory, 4 * num_nodes, sizeof(double));
+    self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * num_nodes, sizeof(double));
     self->unknown = arena_array(memory, num_nodes, sizeof *self->unknown);
     self->index = arena_array(memory, num_nodes, sizeof *self->index);
     self->flips = arena_array(memory, num_nodes, sizeof *self->flips);
@@ -188,16 +188,11 @@ static double closure_residual(const full_solver *self, const full_state *state,
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
     size_t num_nodes = self->grid.num_nodes;
-    double *memory = self->fluid_memory;
-    int compressible = contact->lubricant.density != NULL;
-    reynolds_fluid fluid = {memory, memory + num_nodes,
-                            compressible ? memory + 2 * num_nodes : NULL,
-                            compressible ? memory + 3 * num_nodes : NULL};
 
-    self->fluid = fluid;
+    self->fluid = reynolds_fluid_in(self->fluid_memory, num_nodes, contact);
     full_film(state, self);
     reynolds_fluid_evaluate(&self->fluid, contact, state->pressure, num_nodes);
-    reynolds_rows(self->rows, self->grid.step, contact->entrainment, squeeze, self->stencils,
+    reynolds_rows(self->rows, &self->grid, contact->entrainment, squeeze, self->stencils,
                   self->grid.num_inner, &self->fluid, state->pressure, state->film);
 }
 
@@ -249,8 +244,11 @@ static double film_at(void *context, size_t node) {
 static double flux_at(void *context, size_t node) {
     const exit_query *query = context;
 
-    return exit_flux(&query->solver->fluid, query->state->pressure, query->state->film, node - 1,
-                     node, query->entrainment, query->solver->grid.step);
+    const full_solver *solver = query->solver;
+    const reynolds_stencil *stencil = &solver->stencils[grid_row_of_node(&solver->grid, node)];
+
+    return reynolds_flux(&solver->grid, query->entrainment, stencil, &solver->fluid,
+                         query->state->pressure, query->state->film);
 }
 
 /* The multiplier at a node without pressure, scaled as its row. */

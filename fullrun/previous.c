@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/previous.h"
 
+#include "common/physics/deflection.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -183,9 +185,10 @@ static double deflection_beyond(const previous_state *self, const ehd_contact *r
     for (size_t k = 1; k < self->state.exit; k++) {
         double pressure = self->state.pressure[k], along = fabs(x - grid_x(grid, k));
         if (pressure == 0) continue;
-        double kernel = reference->kind->kernel(along, fabs(y - grid_y(grid, k)), grid->step);
+        double kernel =
+            deflection_influence(reference->kind, grid, along, fabs(y - grid_y(grid, k)));
         if (grid_weight(grid, k) > 1) // the mirrored node
-            kernel += reference->kind->kernel(along, fabs(y + grid_y(grid, k)), grid->step);
+            kernel += deflection_influence(reference->kind, grid, along, fabs(y + grid_y(grid, k)));
         sum += pressure * kernel;
     }
     return sum;

@@ -40,7 +40,9 @@
 #define GRID_ATTRIBUTES(kinds)                                                                     \
     ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, "kind of contact: " kinds),              \
         ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, "first node of x"),                    \
-        ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x")
+        ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x"),     \
+        ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                             \
+                  "of the equations on the grid: accurate or published; published where missing")
 #define HALF_ATTRIBUTE                                                                             \
     ATTRIBUTE(                                                                                     \
         "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,                                              \

@@ -76,6 +76,9 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
 
     if (!status) status = artefact_put_real(file, "x_min", grid->x_min, error);
     if (!status) status = artefact_put_real(file, "step", grid->step, error);
+    if (!status)
+        status = artefact_put_text(file, "discretization",
+                                   discretization_name(grid->discretization), error);
     return status;
 }
 
@@ -99,6 +102,21 @@ ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kin
                     artefact_path(file), found, across ? "several" : "none", kind->name);
 }
 
+ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
+                                    ehd_error *error) {
+    char *name = NULL;
+
+    *discretization = DISCRETIZATION_PUBLISHED;
+    if (!artefact_has(file, "discretization")) return EHD_OK;
+    ehd_status status = artefact_get_text(file, "discretization", &name, error);
+    if (!status && !discretization_find(discretization, name))
+        status = ehd_fail(error, EHD_DATA, "%s: discretization: found %.32s, expected %s|%s",
+                          artefact_path(file), name, discretization_name(DISCRETIZATION_ACCURATE),
+                          discretization_name(DISCRETIZATION_PUBLISHED));
+    free(name);
+    return status;
+}
+
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
     char *contact = NULL;
     ehd_status status = artefact_get_text(file, "contact", &contact, error);
@@ -115,9 +133,12 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status) status = grid_count_lines(&num_lines, file, *kind, error);
     if (!status && artefact_has(file, "half"))
         status = artefact_get_integer(file, "half", &half, error);
+    ehd_discretization discretization = DISCRETIZATION_PUBLISHED;
+    if (!status) status = grid_read_discretization(&discretization, file, error);
     if (status) return status;
     *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines,
                     num_lines > 1 && half != 0);
+    grid->discretization = discretization;
     double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,
@@ -130,6 +151,10 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error) {
     if (grid_same(grid, expected)) return EHD_OK;
+    if (grid->discretization != expected->discretization)
+        return ehd_fail(error, EHD_DATA, "%s: discretization: found %s, expected %s, as in %s",
+                        path, discretization_name(grid->discretization),
+                        discretization_name(expected->discretization), expected_path);
     return ehd_fail(error, EHD_DATA,
                     "%s: x: found %zu nodes from %g by %g, expected %zu from %g by %g, as in %s",
                     path, grid->num_inner, grid->x_min, grid->step, expected->num_inner,

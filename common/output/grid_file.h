@@ -12,7 +12,7 @@
 /* Axis x, the inner nodes, and of a point contact y, their lines. */
 ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* Attributes contact, x_min and step. */
+/* Attributes contact, x_min, step and discretization. */
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                                  ehd_error *error);
 
@@ -34,6 +34,10 @@ ehd_status grid_put_field(artefact *file, const char *name, size_t index,
  */
 ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kind *kind,
                             ehd_error *error);
+
+/* The discretisation of a file: published where it says nothing. EHD_DATA: an unknown one. */
+ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
+                                    ehd_error *error);
 
 /* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or
  * the kind is not known. */

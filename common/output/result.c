@@ -161,6 +161,7 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     stored->moes_L = NAN;
     if (!status) status = artefact_get_real(file, "x_min", &stored->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &stored->step, error);
+    if (!status) status = grid_read_discretization(&stored->discretization, file, error);
     if (!status) status = artefact_get_real(file, "hertz_pressure", &stored->hertz_pressure, error);
     if (!status) status = artefact_get_real(file, "moes_M", &stored->moes_M, error);
     if (!status) status = artefact_get_real(file, "alpha_p_H", &stored->alpha_p_H, error);
@@ -262,9 +263,11 @@ void result_free(stored_result *stored) {
 
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error) {
-    const ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
-                                 stored->num_lines, false);
     const ehd_grid whole = grid_whole(grid);
+    ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
+                           stored->num_lines, false);
+
+    own.discretization = stored->discretization;
 
     return grid_check(&own, path, &whole, "the scene", error);
 }

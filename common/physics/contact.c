@@ -141,6 +141,25 @@ const contact_kind *contact_kind_find(const char *name) {
     return NULL;
 }
 
+// ---- discretisations
+
+static const char *const discretizations[] = {
+    [DISCRETIZATION_PUBLISHED] = "published", [DISCRETIZATION_ACCURATE] = "accurate"};
+enum { NUM_DISCRETIZATIONS = sizeof discretizations / sizeof *discretizations };
+
+const char *discretization_name(ehd_discretization discretization) {
+    return discretizations[discretization];
+}
+
+bool discretization_find(ehd_discretization *discretization, const char *name) {
+    for (size_t i = 0; i < NUM_DISCRETIZATIONS; i++) {
+        if (strcmp(discretizations[i], name) != 0) continue;
+        *discretization = (ehd_discretization)i;
+        return true;
+    }
+    return false;
+}
+
 // ---- any contact
 
 double contact_gap(double x, double y) {
@@ -157,6 +176,14 @@ ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, 
 
     grid.num_nodes = grid_width(&grid) * grid_lines(&grid);
     return grid;
+}
+
+ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
+                   size_t inner_lines) {
+    ehd_grid other = grid_of(x_min, step, inner_x, inner_lines, grid->half);
+
+    other.discretization = grid->discretization;
+    return other;
 }
 
 size_t grid_width(const ehd_grid *grid) {
@@ -210,7 +237,10 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node) {
 ehd_grid grid_whole(const ehd_grid *grid) {
     size_t lines = grid->half ? 2 * grid->inner_lines - 1 : grid->inner_lines;
 
-    return grid_of(grid->x_min, grid->step, grid->inner_x, lines, false);
+    ehd_grid whole = grid_of(grid->x_min, grid->step, grid->inner_x, lines, false);
+
+    whole.discretization = grid->discretization;
+    return whole;
 }
 
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {
@@ -256,7 +286,8 @@ double grid_load_weight(const ehd_grid *grid, size_t node) {
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
-    return a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half &&
+    return a->discretization == b->discretization && a->inner_x == b->inner_x &&
+           a->inner_lines == b->inner_lines && a->half == b->half &&
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 

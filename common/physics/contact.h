@@ -34,7 +34,18 @@ extern const contact_kind contact_line, contact_point;
 /* The kind of this name, or NULL. */
 const contact_kind *contact_kind_find(const char *name);
 
-/* Uniform grid of square cells. The unknowns are at `num_inner` inner nodes; boundary nodes,
+/* How the equations are discretised (README.md, Reynolds equation). */
+typedef enum ehd_discretization {
+    DISCRETIZATION_PUBLISHED, // as in Maier et al. (2015)
+    DISCRETIZATION_ACCURATE
+} ehd_discretization;
+
+/* The name of a discretisation in scenes and files. */
+const char *discretization_name(ehd_discretization discretization);
+/* Finds one by its name; false: there is none. */
+bool discretization_find(ehd_discretization *discretization, const char *name);
+
+/* Uniform grid of square cells, and the discretisation on it. The unknowns are at `num_inner` inner nodes; boundary nodes,
  * where the pressure is zero, lie one step outside. All nodes are numbered together, along x
  * first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
  * are 1 … num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y =
@@ -48,10 +59,14 @@ typedef struct ehd_grid {
     bool half;          // the first line is y = 0
     size_t num_inner;   // inner_x inner_lines
     size_t num_nodes;
+    ehd_discretization discretization;
 } ehd_grid;
 
-/* Fills the counts. */
+/* Fills the counts; the published discretisation. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half);
+/* Another grid with the discretisation of this one, and also half where it is. */
+ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
+                   size_t inner_lines);
 
 double grid_x(const ehd_grid *grid, size_t node);
 double grid_y(const ehd_grid *grid, size_t node); // 0 of a line contact
@@ -105,7 +120,7 @@ double grid_cell(const ehd_grid *grid);
 /* What a node's pressure adds to the load. */
 double grid_load_weight(const ehd_grid *grid, size_t node);
 
-/* Whether two grids have the same nodes, to 1e-9 of a step. */
+/* Whether two grids have the same nodes, to 1e-9 of a step, and the same discretisation. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 /* The equation that closes the system: by_approach H0 + by_load int P = value. */

@@ -64,6 +64,16 @@ static size_t wrapped(size_t index, size_t period) {
     return index <= period / 2 ? index : period - index;
 }
 
+double deflection_influence(const contact_kind *kind, const ehd_grid *grid, double x, double y) {
+    const double h = grid->step, here = kind->kernel(x, y, h);
+
+    if (grid->discretization == DISCRETIZATION_PUBLISHED) return here;
+    double curvature = kind->kernel(x - h, y, h) - 2 * here + kind->kernel(x + h, y, h);
+    if (kind->dimensions > 1)
+        curvature += kind->kernel(x, y - h, h) - 2 * here + kind->kernel(x, y + h, h);
+    return here - curvature / 24;
+}
+
 static void make_transfer(ehd_deflection *self, const contact_kind *kind) {
     const ehd_grid *grid = &self->grid;
     size_t width = grid_width(grid), num_lines = grid_lines(grid);
@@ -72,12 +82,13 @@ static void make_transfer(ehd_deflection *self, const contact_kind *kind) {
 
     for (size_t l = 0; l < num_lines; l++)
         for (size_t d = 0; d < width; d++)
-            self->kernel[l * width + d] = kind->kernel((double)d * step, (double)l * step, step);
+            self->kernel[l * width + d] =
+                deflection_influence(kind, grid, (double)d * step, (double)l * step);
     for (size_t l = 0; l < self->lines; l++) {
         double y = (double)wrapped(l, period) * step;
         for (size_t d = 0; d < self->length; d++)
             self->signal[l * self->length + d] =
-                kind->kernel((double)wrapped(d, self->length) * step, y, step);
+                deflection_influence(kind, grid, (double)wrapped(d, self->length) * step, y);
     }
     fftw_execute(self->forward);
     // an even signal has cosine coefficients only, which also multiply the sines of the pressure

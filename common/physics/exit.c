@@ -1,19 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/exit.h"
 
-double exit_flux(const reynolds_fluid *fluid, const double *pressure, const double *film,
-                 size_t before, size_t node, double entrainment, double step) {
-    const size_t nodes[] = {before, node};
-    double mass = 0, eps = 0;
-
-    for (size_t i = 0; i < 2; i++) {
-        size_t k = nodes[i];
-        mass += 0.5 * (fluid->density ? fluid->density[k] : 1) * film[k];
-        eps += 0.5 * fluid->mobility[k] * film[k] * film[k] * film[k];
-    }
-    return entrainment * mass - eps * (pressure[node] - pressure[before]) / step;
-}
-
 double exit_multiplier(const reynolds_row *row) {
     return -row->residual;
 }

@@ -7,14 +7,6 @@
 #include "common/physics/reynolds.h"
 #include <stdbool.h>
 
-/* Flux U rho H - eps dP/dx across the half node between two neighbouring nodes of a line, `before`
- * and `node`, as places in the arrays. In the pressurised zone of a stationary line contact it is
- * the same everywhere, and the exit condition P = dP/dx = 0 says that U rho H equals it at the
- * exit. */
-double exit_flux(const reynolds_fluid *fluid,                // arrays [num_nodes]
-                 const double *pressure, const double *film, // [num_nodes]
-                 size_t before, size_t node, double entrainment, double step);
-
 /* Multiplier Lambda of a row at a node without pressure: what is missing in the flow balance there.
  * Negative where the node should have pressure. */
 double exit_multiplier(const reynolds_row *row);
@@ -23,7 +15,9 @@ double exit_multiplier(const reynolds_row *row);
  * pressure; negative where it does not. */
 double exit_violation(bool has_pressure, double pressure, double multiplier);
 
-/* The line of a stationary line contact on which the exit is looked for. */
+/* The line of a stationary line contact on which the exit is looked for. In its pressurised zone
+ * the flux is the same everywhere, and the exit condition P = dP/dx = 0 says that U rho H equals it
+ * at the exit. */
 typedef struct exit_line {
     const double *pressure; // P at the nodes from first_node on, up to before the exit
     size_t first_node;      // from which on negative pressure is looked for
@@ -35,7 +29,7 @@ typedef struct exit_line {
     double pressure_noise, multiplier_noise;        // negative ones that do not count
     void *state;                                    // for the functions
     double (*film)(void *state, size_t node);       // H
-    double (*flux)(void *state, size_t node);       // exit_flux across the half node before
+    double (*flux)(void *state, size_t node);       // through the half node before
     double (*multiplier)(void *state, size_t node); // exit_multiplier
 } exit_line;
 

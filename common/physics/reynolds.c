@@ -4,16 +4,61 @@
 #include <math.h>
 #include <string.h>
 
+// ---- stencils
+
+/* The node `lines` from a node across the entrainment, mirrored at the line y = 0 of a half grid;
+ * NO_NODE beyond the boundary. */
+static size_t node_across(const ehd_grid *grid, size_t node, ptrdiff_t lines) {
+    const ptrdiff_t width = (ptrdiff_t)grid_width(grid);
+    ptrdiff_t line = (ptrdiff_t)node / width + lines;
+
+    if (grid->half && line < 0) line = -line;
+    if (line < 0 || line >= (ptrdiff_t)grid_lines(grid)) return NO_NODE;
+    return (size_t)(line * width + (ptrdiff_t)node % width);
+}
+
+size_t reynolds_reach_back(const ehd_grid *grid) {
+    return grid->discretization == DISCRETIZATION_ACCURATE ? 3 : 2;
+}
+
+size_t reynolds_reach_ahead(const ehd_grid *grid) {
+    return grid->discretization == DISCRETIZATION_ACCURATE ? 2 : 1;
+}
+
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
+    const bool wide = grid->discretization == DISCRETIZATION_ACCURATE;
     size_t width = grid_width(grid), column = grid->inner_lines > 1 ? node % width : node;
     reynolds_stencil stencil = {
-        {column > 1 ? node - 2 : NO_NODE, node - 1, node, node + 1, NO_NODE, NO_NODE}};
+        .node = {[NODE_BACK3] = wide && column > 2 ? node - 3 : NO_NODE,
+                 [NODE_BACK2] = column > 1 ? node - 2 : NO_NODE,
+                 [NODE_BACK] = node - 1,
+                 [NODE_HERE] = node,
+                 [NODE_AHEAD] = node + 1,
+                 [NODE_AHEAD2] = wide && column + 2 < width ? node + 2 : NO_NODE,
+                 [NODE_LEFT2] = NO_NODE,
+                 [NODE_LEFT] = NO_NODE,
+                 [NODE_RIGHT] = NO_NODE,
+                 [NODE_RIGHT2] = NO_NODE}};
 
-    if (grid->inner_lines > 1) {
-        stencil.node[NODE_LEFT] = node < width ? node + width : node - width;
-        stencil.node[NODE_RIGHT] = node + width;
-    }
+    if (grid->inner_lines == 1) return stencil;
+    stencil.node[NODE_LEFT] = node_across(grid, node, -1);
+    stencil.node[NODE_RIGHT] = node_across(grid, node, 1);
+    if (!wide) return stencil;
+    stencil.node[NODE_LEFT2] = node_across(grid, node, -2);
+    stencil.node[NODE_RIGHT2] = node_across(grid, node, 2);
     return stencil;
+}
+
+// ---- fluid
+
+reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact) {
+    const bool compressible = contact->lubricant.density != NULL;
+
+    return (reynolds_fluid){.mobility = memory,
+                            .mobility_slope = memory + num_nodes,
+                            .log_mobility = memory + 2 * num_nodes,
+                            .density = compressible ? memory + 3 * num_nodes : NULL,
+                            .density_slope = compressible ? memory + 4 * num_nodes : NULL};
 }
 
 void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
@@ -23,7 +68,9 @@ void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
     for (size_t i = 0; i < num_nodes; i++) {
         double inverse = exp(-fluid->mobility[i]) / contact->lambda; // 1/(eta lambda)
         double inverse_slope = -fluid->mobility_slope[i] * inverse;
+        fluid->log_mobility[i] = -fluid->mobility[i];
         if (fluid->density) {
+            fluid->log_mobility[i] += log(fluid->density[i]);
             fluid->mobility[i] = fluid->density[i] * inverse;
             fluid->mobility_slope[i] =
                 fluid->density[i] * inverse_slope + fluid->density_slope[i] * inverse;
@@ -34,78 +81,285 @@ void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
     }
 }
 
+// ---- the state at the nodes of a stencil
+
+typedef struct row_nodes {
+    const reynolds_stencil *stencil;
+    const reynolds_fluid *fluid;
+    const double *pressure, *film;
+} row_nodes;
+
+/* rho H at a node and its derivatives. */
+typedef struct mass {
+    double value, by_pressure, by_film;
+} mass;
+
+static mass mass_at(const row_nodes *at, int a) {
+    const size_t node = at->stencil->node[a];
+    const reynolds_fluid *fluid = at->fluid;
+    const double h = at->film[node];
+
+    if (!fluid->density) return (mass){h, 0, 1};
+    return (mass){fluid->density[node] * h, fluid->density_slope[node] * h, fluid->density[node]};
+}
+
+/* Adds weight * rho H at stencil node `a`. */
+static void add_mass(reynolds_row *row, int a, double weight, const row_nodes *at) {
+    const mass here = mass_at(at, a);
+
+    row->residual += weight * here.value;
+    row->by_pressure[a] += weight * here.by_pressure;
+    row->by_film[a] += weight * here.by_film;
+}
+
+// ---- the published discretisation
+
 /* Flow coefficient eps = mobility H^3 at a node and its derivatives. */
 typedef struct conductance {
     double value, by_pressure, by_film;
 } conductance;
 
-static conductance conductance_at(const reynolds_fluid *fluid, const double *film, size_t node) {
-    double h = film[node], h2 = h * h, mobility = fluid->mobility[node];
-    conductance eps = {mobility * h2 * h, fluid->mobility_slope[node] * h2 * h, 3 * mobility * h2};
+static conductance conductance_at(const row_nodes *at, int a) {
+    size_t node = at->stencil->node[a];
+    double h = at->film[node], h2 = h * h, mobility = at->fluid->mobility[node];
+    conductance eps = {mobility * h2 * h, at->fluid->mobility_slope[node] * h2 * h,
+                       3 * mobility * h2};
     return eps;
 }
 
-/* Adds the part of d/dx(eps dP/dx) that comes from the flow between stencil nodes `a` and HERE. */
-static void add_flow(reynolds_row *row, int a, double scale, const reynolds_stencil *stencil,
-                     const conductance *eps, const double *pressure) {
-    double drop = pressure[stencil->node[a]] - pressure[stencil->node[NODE_HERE]];
-    double mean = (eps[a].value + eps[NODE_HERE].value) / 2;
+/* Adds scale * eps dP between stencil nodes `a` and `b`, with the mean of the nodal eps. */
+static void add_mean_flow(reynolds_row *row, int a, int b, double scale, const row_nodes *at) {
+    const size_t *node = at->stencil->node;
+    const conductance before = conductance_at(at, a), after = conductance_at(at, b);
+    double drop = at->pressure[node[b]] - at->pressure[node[a]];
+    double mean = (before.value + after.value) / 2;
 
     row->residual += scale * mean * drop;
-    row->by_pressure[a] += scale * (mean + eps[a].by_pressure / 2 * drop);
-    row->by_pressure[NODE_HERE] += scale * (-mean + eps[NODE_HERE].by_pressure / 2 * drop);
-    row->by_film[a] += scale * eps[a].by_film / 2 * drop;
-    row->by_film[NODE_HERE] += scale * eps[NODE_HERE].by_film / 2 * drop;
+    row->by_pressure[b] += scale * (mean + after.by_pressure / 2 * drop);
+    row->by_pressure[a] += scale * (-mean + before.by_pressure / 2 * drop);
+    row->by_film[b] += scale * after.by_film / 2 * drop;
+    row->by_film[a] += scale * before.by_film / 2 * drop;
 }
 
-/* Adds weight * rho H at stencil node `a`. */
-static void add_mass(reynolds_row *row, int a, double weight, const reynolds_stencil *stencil,
-                     const reynolds_fluid *fluid, const double *film) {
-    size_t node = stencil->node[a];
-    double h = film[node];
+static void add_published_row(reynolds_row *row, double step, double entrainment,
+                              const row_nodes *at) {
+    const double flow = 1 / (step * step);
+    const size_t *node = at->stencil->node;
 
-    if (fluid->density) {
-        row->residual += weight * fluid->density[node] * h;
-        row->by_pressure[a] += weight * fluid->density_slope[node] * h;
-        row->by_film[a] += weight * fluid->density[node];
+    add_mean_flow(row, NODE_HERE, NODE_AHEAD, flow, at);
+    add_mean_flow(row, NODE_BACK, NODE_HERE, -flow, at);
+    if (node[NODE_LEFT] != NO_NODE) {
+        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow, at);
+        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow, at);
+    }
+    if (node[NODE_BACK2] == NO_NODE) {
+        add_mass(row, NODE_HERE, -entrainment / step, at);
+        add_mass(row, NODE_BACK, entrainment / step, at);
     } else {
-        row->residual += weight * h;
-        row->by_film[a] += weight;
+        add_mass(row, NODE_HERE, -1.5 * entrainment / step, at);
+        add_mass(row, NODE_BACK, 2 * entrainment / step, at);
+        add_mass(row, NODE_BACK2, -0.5 * entrainment / step, at);
     }
 }
 
-void reynolds_rows(reynolds_row *rows, double step, double entrainment,
+static double published_flux(double step, double entrainment, const row_nodes *at) {
+    reynolds_row sum = {0};
+
+    add_mass(&sum, NODE_BACK, 0.5 * entrainment, at);
+    add_mass(&sum, NODE_HERE, 0.5 * entrainment, at);
+    add_mean_flow(&sum, NODE_BACK, NODE_HERE, -1 / step, at);
+    return sum.residual;
+}
+
+// ---- the accurate discretisation
+
+/* Change of the reduced pressure, int mobility dP, from one node to the next, exact where the
+ * mobility is exponential in the pressure: the logarithmic mean of the mobilities times the
+ * difference of the pressures (D. L. Scharfetter, H. K. Gummel, IEEE Trans. Electron Devices 16,
+ * 1969). */
+typedef struct link {
+    double value, by_before, by_after; // derivatives by the pressures
+} link;
+
+static link link_between(const row_nodes *at, int before, int after) {
+    const reynolds_fluid *fluid = at->fluid;
+    const size_t i = at->stencil->node[before], j = at->stencil->node[after];
+    const double a = fluid->mobility[i], b = fluid->mobility[j];
+    const double logarithm = fluid->log_mobility[i] - fluid->log_mobility[j];
+    double drop = at->pressure[j] - at->pressure[i], mean, by_log_a, by_log_b;
+
+    // a viscosity so large that the mobility is zero in floating point lets nothing through
+    if (!(a > 0 && b > 0)) return (link){0, 0, 0};
+    if (fabs(logarithm) < 1) {
+        // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
+        double y = logarithm / 2, s = y * y, geometric = a * sqrt(b / a);
+        double ratio =
+            1 + s / 6 * (1 + s / 20 * (1 + s / 42 * (1 + s / 72 * (1 + s / 110 * (1 + s / 156)))));
+        double slope =
+            y / 3 * (1 + s / 10 * (1 + s / 28 * (1 + s / 54 * (1 + s / 88 * (1 + s / 130)))));
+        mean = geometric * ratio;
+        by_log_a = geometric * (ratio + slope) / 2;
+        by_log_b = geometric * (ratio - slope) / 2;
+    } else {
+        mean = (a - b) / logarithm;
+        by_log_a = (a - mean) / logarithm;
+        by_log_b = (mean - b) / logarithm;
+    }
+    return (link){mean * drop, -mean + by_log_a / a * fluid->mobility_slope[i] * drop,
+                  mean + by_log_b / b * fluid->mobility_slope[j] * drop};
+}
+
+/* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. */
+enum { HALF_BACK2, HALF_BACK, HALF_BEFORE, HALF_AFTER, HALF_AHEAD, NUM_HALF };
+
+/* Weights of the film at a half node: of the cubic, and the mean beside the boundary. */
+static const double *film_weights(const int of[NUM_HALF], const row_nodes *at) {
+    static const double inside[NUM_HALF] = {0, -1. / 16, 9. / 16, 9. / 16, -1. / 16};
+    static const double beside[NUM_HALF] = {0, 0, 0.5, 0.5, 0};
+    const size_t *node = at->stencil->node;
+
+    return node[of[HALF_BACK]] != NO_NODE && node[of[HALF_AHEAD]] != NO_NODE ? inside : beside;
+}
+
+static double film_at_half(const int of[NUM_HALF], const double weights[NUM_HALF],
+                           const row_nodes *at) {
+    double film = 0;
+
+    for (int k = 0; k < NUM_HALF; k++)
+        if (weights[k] != 0) film += weights[k] * at->film[at->stencil->node[of[k]]];
+    return film;
+}
+
+/* Weights of rho H at a half node: of the cubic through two nodes before, one before and one behind
+ * it; near the inlet of the parabola, and the mean. */
+static const double *mass_weights(const int of[NUM_HALF], const row_nodes *at) {
+    static const double inside[NUM_HALF] = {1. / 16, -5. / 16, 15. / 16, 5. / 16, 0};
+    static const double near[NUM_HALF] = {0, -1. / 8, 6. / 8, 3. / 8, 0};
+    static const double beside[NUM_HALF] = {0, 0, 0.5, 0.5, 0};
+    const size_t *node = at->stencil->node;
+
+    return node[of[HALF_BACK]] == NO_NODE    ? beside
+           : node[of[HALF_BACK2]] == NO_NODE ? near
+                                             : inside;
+}
+
+/* Adds scale * step * (U rho H - eps dP/dx) through a half node along the entrainment. The pressure
+ * flow g = eps dP/dx is not constant between the nodes, but rises as U rho H does, where all flow
+ * is along: the reduced pressure changes by int g/H^3 dx, which Simpson's rule takes from both
+ * nodes and the half node between (the complete flux of J. H. M. ten Thije Boonkkamp, M. J. H.
+ * Anthonissen, J. Sci. Comput. 46, 2011). */
+static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double scale, double step,
+                           double entrainment, const row_nodes *at) {
+    const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
+    const double *film_weight = film_weights(of, at), *mass_weight = mass_weights(of, at);
+    const link change = link_between(at, a, b);
+    const double film_a = at->film[at->stencil->node[a]], film_b = at->film[at->stencil->node[b]];
+    const double film = film_at_half(of, film_weight, at);
+    const double cube_a = 1 / (film_a * film_a * film_a), cube_b = 1 / (film_b * film_b * film_b);
+    const double cube = 1 / (film * film * film);
+    mass masses[NUM_HALF], here = {0};
+
+    for (int k = 0; k < NUM_HALF; k++) {
+        if (mass_weight[k] == 0) continue;
+        masses[k] = mass_at(at, of[k]);
+        here.value += mass_weight[k] * masses[k].value;
+    }
+    const double over_a = masses[HALF_BEFORE].value - here.value;
+    const double over_b = masses[HALF_AFTER].value - here.value;
+    // change = flow sum + rise, with the flow times the step
+    const double sum = (cube_a + 4 * cube + cube_b) / 6;
+    const double rise = step * entrainment / 6;
+    const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) / sum;
+    // derivatives of the flow by rho H at the half node, and at the two nodes
+    const double by_here = rise * (cube_a + cube_b) / sum;
+    const double by_mass_a = -rise * cube_a / sum, by_mass_b = -rise * cube_b / sum;
+
+    row->residual += scale * (step * entrainment * here.value - flow);
+    for (int k = 0; k < NUM_HALF; k++) {
+        const double by_half_film = 2 * flow * cube / film / sum * film_weight[k];
+        row->by_film[of[k]] -= scale * by_half_film;
+        if (mass_weight[k] == 0) continue;
+        double by_mass = mass_weight[k] * (step * entrainment - by_here);
+        if (k == HALF_BEFORE) by_mass -= by_mass_a;
+        if (k == HALF_AFTER) by_mass -= by_mass_b;
+        row->by_pressure[of[k]] += scale * by_mass * masses[k].by_pressure;
+        row->by_film[of[k]] += scale * by_mass * masses[k].by_film;
+    }
+    row->by_film[a] -= scale * (flow / 2 + 3 * rise * over_a) * cube_a / film_a / sum;
+    row->by_film[b] -= scale * (flow / 2 + 3 * rise * over_b) * cube_b / film_b / sum;
+    row->by_pressure[a] -= scale * change.by_before / sum;
+    row->by_pressure[b] -= scale * change.by_after / sum;
+}
+
+/* Adds scale * step * eps dP/dy through a half node across. */
+static void add_flow_across(reynolds_row *row, const int of[NUM_HALF], double scale,
+                            const row_nodes *at) {
+    const double *film_weight = film_weights(of, at);
+    const link change = link_between(at, of[HALF_BEFORE], of[HALF_AFTER]);
+    const double film = film_at_half(of, film_weight, at), cube = film * film * film;
+
+    row->residual += scale * cube * change.value;
+    row->by_pressure[of[HALF_BEFORE]] += scale * cube * change.by_before;
+    row->by_pressure[of[HALF_AFTER]] += scale * cube * change.by_after;
+    for (int k = 0; k < NUM_HALF; k++)
+        if (film_weight[k] != 0)
+            row->by_film[of[k]] += scale * 3 * film * film * film_weight[k] * change.value;
+}
+
+static const int half_back[NUM_HALF] = {NODE_BACK3, NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD};
+
+static void add_accurate_row(reynolds_row *row, double step, double entrainment,
+                             const row_nodes *at) {
+    static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD,
+                                             NODE_AHEAD2};
+    static const int half_left[NUM_HALF] = {0, NODE_LEFT2, NODE_LEFT, NODE_HERE, NODE_RIGHT};
+    static const int half_right[NUM_HALF] = {0, NODE_LEFT, NODE_HERE, NODE_RIGHT, NODE_RIGHT2};
+    const double scale = 1 / (step * step);
+
+    add_flux_along(row, half_ahead, -scale, step, entrainment, at);
+    add_flux_along(row, half_back, scale, step, entrainment, at);
+    if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
+    add_flow_across(row, half_left, -scale, at);
+    add_flow_across(row, half_right, scale, at);
+}
+
+static double accurate_flux(double step, double entrainment, const row_nodes *at) {
+    reynolds_row sum = {0};
+
+    add_flux_along(&sum, half_back, 1 / step, step, entrainment, at);
+    return sum.residual;
+}
+
+// ---- rows
+
+static const struct {
+    // adds d/dx(eps dP/dx) + d/dy(eps dP/dy) - U d(rho H)/dx
+    void (*add_row)(reynolds_row *row, double step, double entrainment, const row_nodes *at);
+    // U rho H - eps dP/dx at the half node before
+    double (*flux)(double step, double entrainment, const row_nodes *at);
+} schemes[] = {[DISCRETIZATION_PUBLISHED] = {add_published_row, published_flux},
+               [DISCRETIZATION_ACCURATE] = {add_accurate_row, accurate_flux}};
+
+void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
                    const reynolds_squeeze *squeeze, const reynolds_stencil *stencils,
                    size_t num_rows, const reynolds_fluid *fluid, const double *pressure,
                    const double *film) {
-    const double flow = 1 / (step * step);
-
     for (size_t r = 0; r < num_rows; r++) {
-        const reynolds_stencil *stencil = &stencils[r];
+        const row_nodes at = {&stencils[r], fluid, pressure, film};
         reynolds_row *row = &rows[r];
-        conductance eps[NUM_STENCIL];
 
         memset(row, 0, sizeof *row);
-        for (int a = NODE_BACK; a <= NODE_AHEAD; a++)
-            eps[a] = conductance_at(fluid, film, stencil->node[a]);
-        add_flow(row, NODE_AHEAD, flow, stencil, eps, pressure);
-        add_flow(row, NODE_BACK, flow, stencil, eps, pressure);
-        for (int a = NODE_LEFT; a <= NODE_RIGHT && stencil->node[a] != NO_NODE; a++) {
-            eps[a] = conductance_at(fluid, film, stencil->node[a]);
-            add_flow(row, a, flow, stencil, eps, pressure);
-        }
-
-        if (stencil->node[NODE_BACK2] == NO_NODE) {
-            add_mass(row, NODE_HERE, -entrainment / step, stencil, fluid, film);
-            add_mass(row, NODE_BACK, entrainment / step, stencil, fluid, film);
-        } else {
-            add_mass(row, NODE_HERE, -1.5 * entrainment / step, stencil, fluid, film);
-            add_mass(row, NODE_BACK, 2 * entrainment / step, stencil, fluid, film);
-            add_mass(row, NODE_BACK2, -0.5 * entrainment / step, stencil, fluid, film);
-        }
+        schemes[grid->discretization].add_row(row, grid->step, entrainment, &at);
         if (squeeze) {
-            add_mass(row, NODE_HERE, -squeeze->rate, stencil, fluid, film);
+            add_mass(row, NODE_HERE, -squeeze->rate, &at);
             row->residual -= squeeze->previous[r];
         }
     }
+}
+
+double reynolds_flux(const ehd_grid *grid, double entrainment, const reynolds_stencil *stencil,
+                     const reynolds_fluid *fluid, const double *pressure, const double *film) {
+    const row_nodes at = {stencil, fluid, pressure, film};
+
+    return schemes[grid->discretization].flux(grid->step, entrainment, &at);
 }

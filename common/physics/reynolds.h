@@ -11,22 +11,27 @@
 #include "common/physics/contact.h"
 #include <stddef.h>
 
-/* Nodes of a row's stencil, named along the direction of entrainment. The last two, across it,
- * are those of a point contact. */
+/* Nodes of a row's stencil, named along the direction of entrainment. The last four, across it,
+ * are those of a point contact. The published discretisation has none of BACK3, AHEAD2, LEFT2 and
+ * RIGHT2. */
 enum {
+    NODE_BACK3,
     NODE_BACK2,
     NODE_BACK,
     NODE_HERE,
     NODE_AHEAD,
+    NODE_AHEAD2,
     NUM_LINE_STENCIL,
-    NODE_LEFT = NUM_LINE_STENCIL,
+    NODE_LEFT2 = NUM_LINE_STENCIL,
+    NODE_LEFT,
     NODE_RIGHT,
+    NODE_RIGHT2,
     NUM_STENCIL
 };
-#define NO_NODE ((size_t)-1) // BACK2 of the first inner node: first-order upwind there
+#define NO_NODE ((size_t)-1) // beyond the boundary nodes, or not in the discretisation
 
 typedef struct reynolds_stencil {
-    size_t node[NUM_STENCIL]; // into the arrays of nodes given to reynolds_rows
+    size_t node[NUM_STENCIL]; // into the arrays of nodes given to reynolds_rows, or NO_NODE
 } reynolds_stencil;
 
 typedef struct reynolds_row {
@@ -35,13 +40,19 @@ typedef struct reynolds_row {
     double by_film[NUM_STENCIL];
 } reynolds_row;
 
-/* Fluid at a list of nodes. Arrays [num_nodes]; owned by the caller. */
+/* Fluid at a list of nodes. Arrays [num_nodes]. */
 typedef struct reynolds_fluid {
     double *mobility;       // rho/(eta lambda), so that eps = mobility H^3
     double *mobility_slope; // with respect to the dimensionless pressure
+    double *log_mobility;   // ln mobility, but for a constant
     double *density;        // NULL when incompressible
     double *density_slope;
 } reynolds_fluid;
+
+enum { NUM_FLUID_ARRAYS = 5 };
+
+/* The fluid's arrays in `memory` [NUM_FLUID_ARRAYS, num_nodes], which the caller owns. */
+reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact);
 
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
 typedef struct reynolds_squeeze {
@@ -50,8 +61,12 @@ typedef struct reynolds_squeeze {
     const double *previous;
 } reynolds_squeeze;
 
-/* Stencil of an inner node of a grid, entrainment towards larger x. On the mirror line of a half
- * grid the nodes to the left and right are the same. */
+/* By how many nodes a stencil reaches back along the entrainment, and ahead and across it. */
+size_t reynolds_reach_back(const ehd_grid *grid);
+size_t reynolds_reach_ahead(const ehd_grid *grid);
+
+/* Stencil of an inner node of a grid and its discretisation, entrainment towards larger x. On the
+ * mirror line of a half grid the nodes to the left and right are the same. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
 /* Fluid properties at the given pressures. */
@@ -62,19 +77,23 @@ void reynolds_fluid_evaluate(
     const ehd_contact *contact, const double *pressure, // [num_nodes]
     size_t num_nodes);
 
-/* Residual and derivatives of the rows whose stencils are given: central differences of the
- * pressure flow with the mean of the nodal eps at half nodes, second-order upwind entrainment
+/* Residual and derivatives of the rows whose stencils are given, by the grid's discretisation
  * (README.md, Reynolds equation). */
 void reynolds_rows(
     // output:
     reynolds_row *rows, // [num_rows]
     // input:
-    double step, double entrainment,  // grid step; U of the Reynolds equation, 1 when steady
-    const reynolds_squeeze *squeeze,  // NULL when steady
-    const reynolds_stencil *stencils, // [num_rows]
+    const ehd_grid *grid, double entrainment, // U of the Reynolds equation, 1 when steady
+    const reynolds_squeeze *squeeze,          // NULL when steady
+    const reynolds_stencil *stencils,         // [num_rows]
     size_t num_rows,
     const reynolds_fluid *fluid, // arrays [num_nodes]
     const double *pressure,      // [num_nodes]
     const double *film);         // [num_nodes]
+
+/* Flux U rho H - eps dP/dx along the entrainment through the half node between the BACK and the
+ * HERE of a stencil. */
+double reynolds_flux(const ehd_grid *grid, double entrainment, const reynolds_stencil *stencil,
+                     const reynolds_fluid *fluid, const double *pressure, const double *film);
 
 #endif

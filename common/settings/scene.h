@@ -64,11 +64,12 @@ typedef struct transient_settings {
 
 /* Values that are not given and have no default are NaN, "" or -1. */
 typedef struct scene {
-    char contact[16];       // line, point
-    char regime[16];        // stationary, transient
-    char closure[16];       // load, approach
-    double approach;        // H0 in the reference frame; NaN: that of the stationary solution
-    double approach_length; // a_ref; NaN: 10 with closure approach, else 1
+    char contact[16];        // line, point
+    char regime[16];         // stationary, transient
+    char closure[16];        // load, approach
+    char discretization[16]; // accurate, published
+    double approach;         // H0 in the reference frame; NaN: that of the stationary solution
+    double approach_length;  // a_ref; NaN: 10 with closure approach, else 1
     struct {
         double M, L; // 1, given both or neither
     } moes;

@@ -178,7 +178,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
                  {"state_rigid_approach", num_pressure + num_deformation, 1}};
     // on a line contact the exit lies behind the centre, with room for a row's stencil in between
     bool on_line = grid->inner_lines == 1;
-    int64_t min_exit = on_line ? (int64_t)(-grid->x_min / grid->step) + 3 : 0;
+    int64_t min_exit =
+        on_line ? (int64_t)(-grid->x_min / grid->step) + 1 + (int64_t)reynolds_reach_back(grid) : 0;
     size_t num_states = artefact_length(file, "state");
     size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
     double *part = malloc(num_states * num_unknowns * sizeof *part);

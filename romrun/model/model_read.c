@@ -157,18 +157,25 @@ static ehd_status read_line(size_t *value, artefact *file, const char *name,
     return status;
 }
 
-/* Exits have to lie inside of their line's band, with room for a row's stencil, and the lines have
- * to make up all band nodes. */
+/* Whether the exits of a line lie inside of its band, with room for a row's stencil. */
+static bool exits_fit(const band_line *line, const ehd_grid *grid) {
+    const size_t width = grid_width(grid);
+    const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);
+
+    return line->begin >= 1 && line->begin + reynolds_reach_back(grid) <= line->min_exit &&
+           line->min_exit <= line->max_exit && line->max_exit <= width - 2 &&
+           (end < width ? end : width) <= line->end && line->end <= width;
+}
+
+/* Exits have to lie inside of their line's band, and the lines have to make up all band nodes. */
 static ehd_status check_lines(const reduced_model *model, const artefact *file, ehd_error *error) {
-    size_t width = grid_width(&model->grid), count = 0;
+    size_t count = 0;
 
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
         if (!grid_is_inner_line(&model->grid, l)) continue;
         count += line->end - line->begin;
-        if (!(line->begin >= 1 && line->begin + 2 <= line->min_exit &&
-              line->min_exit <= line->max_exit && line->max_exit + 2 <= line->end &&
-              line->end <= width))
+        if (!exits_fit(line, &model->grid))
             return ehd_fail(error, EHD_DATA,
                             "%s: band_line_begin: found columns %zu to %zu with exits from %zu to "
                             "%zu, expected these inside",
@@ -235,9 +242,7 @@ static ehd_status read_band_line(reduced_model *model, artefact *file, ehd_error
         *columns[i].value = (size_t)value;
     }
     line->end = line->begin + model->band.num_nodes;
-    if (line->begin + 2 <= line->min_exit && line->min_exit <= line->max_exit &&
-        line->max_exit + 2 <= line->end)
-        return EHD_OK;
+    if (exits_fit(line, &model->grid)) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "%s: found exits from %zu to %zu, expected them inside the band",
                     artefact_path(file), line->min_exit, line->max_exit);

@@ -77,12 +77,14 @@ static void find_extremes(reduced_model *model, const reduced_basis *basis,
     }
 }
 
-/* Widens the exit's range on each line by the margin, leaving two nodes before it (stencil). */
+/* Widens the exit's range on each line by the margin, leaving the nodes before it that the stencil
+ * needs. */
 static void widen_exits(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
     size_t margin =
                (size_t)ceil((model->band.num_lines > 1 ? LINES_MARGIN : EXIT_MARGIN) / grid->step),
            width = grid_width(grid);
+    const size_t back = reynolds_reach_back(grid);
     // on a line contact it lies behind the centre
     size_t first_column = model->band.num_lines > 1 ? 2 : (size_t)(-grid->x_min / grid->step) + 2;
 
@@ -92,8 +94,8 @@ static void widen_exits(reduced_model *model) {
             *line = (band_line){1, 1, 0, 1, 1};
             continue;
         }
-        line->min_exit =
-            line->min_exit > first_column + margin + 2 ? line->min_exit - margin : first_column + 2;
+        line->min_exit = line->min_exit > first_column + margin + back ? line->min_exit - margin
+                                                                       : first_column + back;
         line->max_exit = line->max_exit + margin < width - 2 ? line->max_exit + margin : width - 2;
     }
 }
@@ -102,7 +104,8 @@ static void widen_exits(reduced_model *model) {
  * exits of neighbouring lines need nodes, to behind the last of these exits. */
 static void set_band(reduced_model *model) {
     const ehd_grid *grid = &model->grid;
-    size_t before = (size_t)ceil(MINIMUM_MARGIN / grid->step) + 2;
+    const size_t width = grid_width(grid), ahead = reynolds_reach_ahead(grid);
+    size_t before = (size_t)ceil(MINIMUM_MARGIN / grid->step) + reynolds_reach_back(grid);
     size_t first_column = model->band.num_lines > 1 ? 1 : (size_t)(-grid->x_min / grid->step) + 2;
 
     model->band.num_nodes = 0;
@@ -111,15 +114,15 @@ static void set_band(reduced_model *model) {
         size_t first = line->begin, last = line->max_exit;
         line->offset = model->band.num_nodes;
         if (!grid_is_inner_line(grid, l)) continue;
-        for (size_t neighbour = l > 0 ? l - 1 : 0;
-             neighbour <= l + 1 && neighbour < model->band.num_lines; neighbour++) {
+        for (size_t neighbour = l > ahead ? l - ahead : 0;
+             neighbour <= l + ahead && neighbour < model->band.num_lines; neighbour++) {
             if (!grid_is_inner_line(grid, neighbour)) continue;
             const band_line *other = &model->band.lines[neighbour];
             first = other->min_exit < first ? other->min_exit : first;
             last = other->max_exit > last ? other->max_exit : last;
         }
         line->begin = first > first_column + before ? first - before : first_column;
-        line->end = last + 2;
+        line->end = last + 1 + ahead < width ? last + 1 + ahead : width;
         model->band.num_nodes += line->end - line->begin;
     }
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_cut.h"
 
+#include "common/physics/deflection.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -172,8 +174,8 @@ static ehd_status fill_kernel(reduced_model *model, ehd_error *error) {
     if (!model->kernel) return no_memory(error);
     for (size_t l = 0; l < lines; l++)
         for (size_t d = 0; d < width; d++)
-            model->kernel[l * width + d] =
-                model->kind->kernel((double)d * grid->step, (double)l * grid->step, grid->step);
+            model->kernel[l * width + d] = deflection_influence(
+                model->kind, grid, (double)d * grid->step, (double)l * grid->step);
     return EHD_OK;
 }
 

@@ -144,6 +144,10 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
     const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;
 
     if (contact->kind == model->reduced.kind && grid_same(grid, own)) return EHD_OK;
+    if (grid->discretization != own->discretization)
+        return ehd_fail(error, EHD_DATA, "discretization: found %s, expected %s as in %s",
+                        discretization_name(grid->discretization),
+                        discretization_name(own->discretization), model->path);
     return ehd_fail(error, EHD_DATA,
                     "grid: found a %s contact with %zu nodes from %g in steps of %g, expected a %s "
                     "contact with %zu from %g in steps of %g as in %s",

@@ -36,7 +36,9 @@ typedef struct exit_query {
 static size_t window_begin(const reduced_model *model, size_t exit, size_t window) {
     const size_t band_begin = model->band.lines[0].begin;
     size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
-    size_t reach = window + 2; // a row at the window's first node has its stencil before it
+    size_t reach =
+        window + reynolds_reach_back(
+                     &model->grid); // a row at the window's first node has its stencil before it
     size_t begin = exit > band_begin + reach ? exit - reach : band_begin;
 
     return begin < base ? begin : base;
@@ -68,22 +70,23 @@ static void fill_films(const exit_query *query, size_t node, size_t count) {
 /* The state around a band node. */
 typedef struct band_stencil {
     reynolds_stencil stencil;
-    double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[4][NUM_STENCIL];
+    double pressure[NUM_STENCIL], film[NUM_STENCIL], memory[NUM_FLUID_ARRAYS * NUM_STENCIL];
     reynolds_fluid fluid;
 } band_stencil;
 
 static void fill_stencil(band_stencil *around, const exit_query *query, size_t node) {
     const reduced_model *model = query->search->model;
     const reynolds_stencil nodes = reynolds_stencil_at(&model->grid, node);
-    bool compressible = query->contact->lubricant.density != NULL;
     size_t count = 0;
 
     for (size_t a = 0; a < NUM_STENCIL; a++) {
         size_t other = nodes.node[a];
-        around->stencil.node[a] = other == NO_NODE ? NO_NODE : count;
+        around->stencil.node[a] = NO_NODE;
         if (other == NO_NODE) continue;
         const grid_position at = reduced_model_position(model, other);
         bool banded = reduced_model_has_band(model, at.line);
+        if (!banded && (a == NODE_LEFT2 || a == NODE_RIGHT2)) continue;
+        around->stencil.node[a] = count;
         bool pressurised = at.column < query->nodes->exit[at.line];
         const band_line *line = &model->band.lines[at.line];
         size_t index = banded ? line->offset + at.column - line->begin : 0;
@@ -92,9 +95,7 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
         // nor the exit have pressure.
         around->film[count++] = banded ? film_at(query, other, index) : 0;
     }
-    around->fluid = (reynolds_fluid){around->memory[0], around->memory[1],
-                                     compressible ? around->memory[2] : NULL,
-                                     compressible ? around->memory[3] : NULL};
+    around->fluid = reynolds_fluid_in(around->memory, count, query->contact);
     reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
 }
 
@@ -107,7 +108,7 @@ static double multiplier_at(void *state, size_t node) {
     reynolds_row row;
 
     fill_stencil(&around, query, node);
-    reynolds_rows(&row, query->search->model->grid.step, query->contact->entrainment,
+    reynolds_rows(&row, &query->search->model->grid, query->contact->entrainment,
                   squeeze ? &here : NULL, &around.stencil, 1, &around.fluid, around.pressure,
                   around.film);
     return exit_multiplier(&row);
@@ -118,9 +119,8 @@ static double flux_at(void *state, size_t node) {
     band_stencil around;
 
     fill_stencil(&around, query, node);
-    return exit_flux(&around.fluid, around.pressure, around.film, around.stencil.node[NODE_BACK],
-                     around.stencil.node[NODE_HERE], query->contact->entrainment,
-                     query->search->model->grid.step);
+    return reynolds_flux(&query->search->model->grid, query->contact->entrainment, &around.stencil,
+                         &around.fluid, around.pressure, around.film);
 }
 
 static double line_film(void *state, size_t node) {
@@ -137,7 +137,8 @@ static size_t find_by_flux(exit_query *query) {
     const band_line *band = &model->band.lines[0];
     size_t exit = query->nodes->exit[0], begin = window_begin(model, exit, query->window);
     size_t first = exit > begin + query->window ? exit - query->window : begin;
-    first = first > band->begin + 2 ? first : band->begin + 2; // for a row's stencil
+    const size_t stencil_begin = band->begin + reynolds_reach_back(&model->grid);
+    first = first > stencil_begin ? first : stencil_begin;
     const exit_line line = {.pressure = query->nodes->band_pressure + first - band->begin,
                             .first_node = first,
                             .min_exit = band->min_exit,
@@ -182,19 +183,22 @@ static size_t find_by_signs(exit_query *query, size_t line) {
 static void expand_around(exit_query *query) {
     const reduced_model *model = query->search->model;
     const size_t *exits = query->nodes->exit;
+    const size_t back = reynolds_reach_back(&model->grid);
+    const size_t ahead = reynolds_reach_ahead(&model->grid);
 
     nodes_expand_runs(query->nodes, query->z);
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *band = &model->band.lines[l];
-        size_t exit = exits[l], first = exit, last = exit + 1, reach = query->window + 2;
+        size_t exit = exits[l], first = exit, last = exit + ahead, reach = query->window + back;
         if (!reduced_model_has_band(model, l)) continue;
-        for (size_t neighbour = l > 0 ? l - 1 : 0;
-             neighbour <= l + 1 && neighbour < model->band.num_lines; neighbour++) {
+        for (size_t neighbour = l > ahead ? l - ahead : 0;
+             neighbour <= l + ahead && neighbour < model->band.num_lines; neighbour++) {
             if (!reduced_model_has_band(model, neighbour)) continue;
             first = exits[neighbour] < first ? exits[neighbour] : first;
             last = exits[neighbour] > last ? exits[neighbour] : last;
         }
-        size_t from = first < exit - 2 ? first : exit - 2;
+        size_t from = first < exit - back ? first : exit - back;
+        last = last < band->end ? last : band->end - 1;
         fill_films(query, l * grid_width(&model->grid) + from, last + 1 - from);
         first = first > band->begin + reach ? first - reach : band->begin;
         size_t end = exit + query->window < band->end ? exit + query->window : band->end;

@@ -110,7 +110,7 @@ static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind
     for (size_t l = 0; l < layout.num_lines; l++)
         for (size_t c = 0; c < layout.num_columns; c++)
             self->kernel[l * layout.line + c * layout.column] =
-                kind->kernel((double)c * step, (double)l * step, step);
+                deflection_influence(kind, &self->grid, (double)c * step, (double)l * step);
     return fill_curvatures(self->kernel, &layout, error);
 }
 
@@ -127,9 +127,8 @@ static void widen_grid(film_splines *self, const reduced_model *model) {
 
     self->margin = (size_t)ceil(growth * fabs(grid->x_min) / grid->step);
     self->side = grid->half ? 0 : lines;
-    self->grid =
-        grid_of(grid->x_min - (double)self->margin * grid->step, grid->step,
-                grid->inner_x + self->margin, grid->inner_lines + lines + self->side, grid->half);
+    self->grid = grid_like(grid, grid->x_min - (double)self->margin * grid->step, grid->step,
+                           grid->inner_x + self->margin, grid->inner_lines + lines + self->side);
 }
 
 /* Deflections of the pressure modes cut at cut_exits, into a table of zeros. */

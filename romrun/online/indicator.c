@@ -11,7 +11,7 @@
 struct indicator {
     const reduced_model *model;
     double *pressure, *film; // [num_needed] of the control rows
-    double *fluid_memory;    // [4, num_needed]
+    double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
@@ -34,7 +34,7 @@ indicator *indicator_create(const reduced_model *model) {
     self->model = model;
     self->pressure = arena_array(memory, num_needed, sizeof(double));
     self->film = arena_array(memory, num_needed, sizeof(double));
-    self->fluid_memory = arena_array(memory, 4 * num_needed, sizeof(double));
+    self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * num_needed, sizeof(double));
     self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
     self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
     self->rows = arena_array(memory, (control->num_rows + 1), sizeof *self->rows);
@@ -93,16 +93,13 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
     size_t num_needed = control->num_needed;
-    double *memory = self->fluid_memory, sum = 0;
-    bool compressible = contact->lubricant.density != NULL;
-    reynolds_fluid fluid = {memory, memory + num_needed,
-                            compressible ? memory + 2 * num_needed : NULL,
-                            compressible ? memory + 3 * num_needed : NULL};
+    double sum = 0;
+    reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
 
     if (control->num_rows == 0) return 0;
     expand(self, state);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
-    reynolds_rows(self->rows, model->grid.step, contact->entrainment, NULL, control->stencils,
+    reynolds_rows(self->rows, &model->grid, contact->entrainment, NULL, control->stencils,
                   control->num_rows, &fluid, self->pressure, self->film);
     for (size_t r = 0; r < control->num_rows; r++) {
         double residual = control->weight[r] * self->rows[r].residual;

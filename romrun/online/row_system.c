@@ -16,7 +16,8 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
 
     self->model = model;
     self->rows = arena_array(memory, num_rows, sizeof *self->rows);
-    self->fluid_memory = arena_array(memory, 4 * model->rows.num_needed, sizeof(double));
+    self->fluid_memory =
+        arena_array(memory, NUM_FLUID_ARRAYS * model->rows.num_needed, sizeof(double));
     self->active = arena_array(memory, num_rows, sizeof *self->active);
     self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
     self->right = arena_array(memory, max_rows, sizeof(double));
@@ -51,16 +52,12 @@ void system_evaluate(row_system *self, const node_state *nodes, const ehd_contac
                      const reduced_squeeze *squeeze) {
     const row_set *set = &self->model->rows;
     size_t num_needed = set->num_needed;
-    double *memory = self->fluid_memory;
-    bool compressible = contact->lubricant.density != NULL;
-    reynolds_fluid fluid = {memory, memory + num_needed,
-                            compressible ? memory + 2 * num_needed : NULL,
-                            compressible ? memory + 3 * num_needed : NULL};
+    reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
     const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
                                            squeeze ? squeeze->previous : NULL};
 
     reynolds_fluid_evaluate(&fluid, contact, nodes->now.pressure, num_needed);
-    reynolds_rows(self->rows, self->model->grid.step, contact->entrainment,
+    reynolds_rows(self->rows, &self->model->grid, contact->entrainment,
                   squeeze ? &rows_squeeze : NULL, set->stencils, set->num_rows, &fluid,
                   nodes->now.pressure, nodes->now.film);
 }
@@ -132,7 +129,8 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     memset(target, 0, model->num_unknowns * sizeof(double));
     add_rows(target, by_pressure, pressures, model->num_pressure);
     add_rows(target + offset, by_film, films, width);
-    for (int a = NODE_LEFT; a <= NODE_RIGHT && stencil->node[a] != NO_NODE; a++) {
+    for (int a = NODE_LEFT2; a <= NODE_RIGHT2; a++) {
+        if (stencil->node[a] == NO_NODE) continue;
         size_t q = stencil->node[a];
         if (nodes->pressurised[q])
             nodes_add_row(target, weight * row->by_pressure[a],

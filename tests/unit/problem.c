@@ -38,18 +38,16 @@ void check_same_state(const problem *actual, const problem *expected) {
 void problem_rows(reynolds_row *rows, const problem *solved) {
     const ehd_grid *grid = &solved->contact.grid;
     size_t n = grid->num_nodes;
-    double *memory = malloc(4 * n * sizeof *memory);
+    double *memory = malloc(NUM_FLUID_ARRAYS * n * sizeof *memory);
     reynolds_stencil *stencils = malloc(grid->num_inner * sizeof *stencils);
 
     assert_true(memory && stencils);
-    int compressible = solved->contact.lubricant.density != NULL;
-    reynolds_fluid fluid = {memory, memory + n, compressible ? memory + 2 * n : NULL,
-                            compressible ? memory + 3 * n : NULL};
+    reynolds_fluid fluid = reynolds_fluid_in(memory, n, &solved->contact);
     for (size_t r = 0; r < grid->num_inner; r++)
         stencils[r] = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
     reynolds_fluid_evaluate(&fluid, &solved->contact, solved->state.pressure, n);
-    reynolds_rows(rows, grid->step, 1, NULL, stencils, grid->num_inner, &fluid,
-                  solved->state.pressure, solved->state.film);
+    reynolds_rows(rows, grid, 1, NULL, stencils, grid->num_inner, &fluid, solved->state.pressure,
+                  solved->state.film);
     free(stencils);
     free(memory);
 }

@@ -101,10 +101,11 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
     for (size_t k = 0; k < n; k++) {
         for (size_t j = 0; j < n; j++) {
             double x = grid_x(grid, k) - grid_x(grid, j), y = grid_y(grid, j);
-            direct[k] += pressure[j] * contact->kind->kernel(x, grid_y(grid, k) - y, grid->step);
+            direct[k] +=
+                pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) - y);
             if (grid->half && y > 0) // and the mirror image
                 direct[k] +=
-                    pressure[j] * contact->kind->kernel(x, grid_y(grid, k) + y, grid->step);
+                    pressure[j] * deflection_influence(contact->kind, grid, x, grid_y(grid, k) + y);
         }
         largest = fmax(largest, fabs(direct[k]));
     }
@@ -118,10 +119,13 @@ static void check_against_direct_sum(const ehd_contact *contact, double toleranc
 
 static void fft_equals_direct_sum(void **state) {
     (void)state;
-    const ehd_contact lines[] = {line_contact(0.1), line_contact(0.04), line_contact(0.01)};
-    const ehd_contact points[] = {point_contact(16, false), point_contact(16, true),
-                                  point_contact(26, false), point_contact(38, true)};
+    ehd_contact lines[] = {line_contact(0.1), line_contact(0.04), line_contact(0.01)};
+    ehd_contact points[] = {point_contact(16, false), point_contact(16, true),
+                            point_contact(26, false), point_contact(38, true)};
 
+    lines[1].grid.discretization = DISCRETIZATION_ACCURATE;
+    points[1].grid.discretization = DISCRETIZATION_ACCURATE;
+    points[2].grid.discretization = DISCRETIZATION_ACCURATE;
     for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
         check_against_direct_sum(&lines[i], 1e-13);
     for (size_t i = 0; i < sizeof points / sizeof *points; i++)
@@ -195,6 +199,51 @@ static void hertz_pressure_deflects_a_point_as_hertz(void **state) {
 
 // ---- faults
 
+/* Error of the deflection at the centre by a smooth pressure (1 - R^2)^3, whose integral is known.
+ */
+static double error_of_smooth(ehd_contact contact, ehd_discretization discretization,
+                              double expected) {
+    contact.grid.discretization = discretization;
+    const ehd_grid *grid = &contact.grid;
+    ehd_deflection *deflection = deflection_create(contact.kind, grid);
+    double *pressure = calloc(grid->num_nodes, sizeof *pressure), error = NAN;
+
+    assert_true(deflection && pressure);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        double rest = 1 - 2 * grid_gap(grid, k);
+        pressure[k] = rest > 0 ? rest * rest * rest : 0;
+    }
+    deflection_apply(pressure, deflection, pressure);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        if (grid_gap(grid, k) < 1e-12) error = fabs(pressure[k] - expected);
+    free(pressure);
+    deflection_free(deflection);
+    return error;
+}
+
+static void order_of_the_deflection(void **state) {
+    (void)state;
+    // -1/pi int (1 - x^2)^3 ln|x| dx, and 2/pi^2 iint (1 - r^2)^3/r dx dy
+    const double on_line = 2 / M_PI * (1 - 1. / 3 + 3. / 25 - 1. / 49);
+    const double on_point = 4 / M_PI * 16 / 35;
+    const struct {
+        ehd_contact coarse, fine;
+        double expected;
+    } cases[] = {{line_contact(0.1), line_contact(0.05), on_line},
+                 {point_contact(48, true), point_contact(96, true), on_point}};
+
+    for (size_t i = 0; i < 2; i++) {
+        double published =
+            error_of_smooth(cases[i].coarse, DISCRETIZATION_PUBLISHED, cases[i].expected) /
+            error_of_smooth(cases[i].fine, DISCRETIZATION_PUBLISHED, cases[i].expected);
+        double accurate =
+            error_of_smooth(cases[i].coarse, DISCRETIZATION_ACCURATE, cases[i].expected) /
+            error_of_smooth(cases[i].fine, DISCRETIZATION_ACCURATE, cases[i].expected);
+        assert_true(published > 3.5 && published < 4.5); // second order
+        assert_true(accurate > 7);                       // third
+    }
+}
+
 static void deflection_without_memory(void **state) {
     (void)state;
     const struct {
@@ -226,6 +275,7 @@ int main(void) {
         cmocka_unit_test(fft_equals_direct_sum),
         cmocka_unit_test(hertz_pressure_deflects_a_line_as_hertz),
         cmocka_unit_test(hertz_pressure_deflects_a_point_as_hertz),
+        cmocka_unit_test(order_of_the_deflection),
         cmocka_unit_test(deflection_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,19 +2,6 @@
 #include "common/physics/exit.h"
 #include "tests/unit/check.h"
 
-/* rho = 2, eps = mobility H^3: flux = U rho H - eps dP/dx with means over the half node. */
-static void the_flux_is_entrainment_less_pressure_flow(void **state) {
-    double mobility[] = {9, 3, 5}, density[] = {9, 2, 4};
-    const double pressure[] = {9, 0.5, 0.25}, film[] = {9, 1, 2};
-    reynolds_fluid fluid = {.mobility = mobility};
-    (void)state;
-
-    // means: H 1.5, eps (3 + 40)/2; dP/dx = -0.25/0.1
-    check_close(exit_flux(&fluid, pressure, film, 1, 2, 0.5, 0.1), 0.75 + 21.5 * 2.5, 1e-14, 0);
-    fluid.density = density;
-    check_close(exit_flux(&fluid, pressure, film, 1, 2, 0.5, 0.1), 0.5 * 5 + 21.5 * 2.5, 1e-14, 0);
-}
-
 static void violations_are_those_of_the_complementarity(void **state) {
     const reynolds_row row = {.residual = 3};
     (void)state;
@@ -108,7 +95,6 @@ static void a_negative_multiplier_takes_it_on(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_flux_is_entrainment_less_pressure_flow),
         cmocka_unit_test(violations_are_those_of_the_complementarity),
         cmocka_unit_test(an_exit_that_nothing_moves_stays),
         cmocka_unit_test(negative_pressure_brings_it_back_to_where_the_film_carries_the_flux),

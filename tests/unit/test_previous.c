@@ -329,20 +329,20 @@ static manufactured_error manufactured(double grid_step, const double *lengths,
     carried_init(&self, &reference, &now);
     frame_contact(&contact, &now, &self.reference);
     size_t num_inner = contact.grid.num_inner, num_nodes = contact.grid.num_nodes;
-    double *sum = calloc(num_inner, sizeof *sum), *memory = calloc(4 * num_nodes, sizeof *memory);
+    double *sum = calloc(num_inner, sizeof *sum),
+           *memory = calloc(NUM_FLUID_ARRAYS * num_nodes, sizeof *memory);
     reynolds_stencil *stencils = calloc(num_inner, sizeof *stencils);
     reynolds_row *rows = calloc(num_inner, sizeof *rows);
     assert_true(sum && memory && stencils && rows);
 
     add_previous(sum, &self, &formula, &now, time, num_previous);
     set_wanted(&self, now.time);
-    reynolds_fluid fluid = {memory, memory + num_nodes, memory + 2 * num_nodes,
-                            memory + 3 * num_nodes};
+    reynolds_fluid fluid = reynolds_fluid_in(memory, num_nodes, &contact);
     const reynolds_squeeze squeeze = {formula.rate, sum};
     for (size_t r = 0; r < num_inner; r++)
         stencils[r] = reynolds_stencil_at(&contact.grid, r + 1);
     reynolds_fluid_evaluate(&fluid, &contact, self.state.state.pressure, num_nodes);
-    reynolds_rows(rows, grid_step, contact.entrainment, &squeeze, stencils, num_inner, &fluid,
+    reynolds_rows(rows, &contact.grid, contact.entrainment, &squeeze, stencils, num_inner, &fluid,
                   self.state.state.pressure, self.state.state.film);
     for (size_t r = 0; r < num_inner; r++) {
         double x = now.half_width * grid_x(&reference.grid, r + 1);

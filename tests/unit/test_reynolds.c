@@ -17,26 +17,22 @@ enum { NUM_NODES = 14 }; // of a small grid, boundary nodes included
 /* A small grid with all its stencils and fluid. */
 typedef struct small_problem {
     ehd_contact contact;
-    double mobility[NUM_NODES], mobility_slope[NUM_NODES];
-    double density[NUM_NODES], density_slope[NUM_NODES];
+    double memory[NUM_FLUID_ARRAYS * NUM_NODES];
     reynolds_stencil stencils[NUM_NODES - 2];
     double pressure[NUM_NODES], film[NUM_NODES];
 } small_problem;
 
 static void small_init(small_problem *small, const ehd_contact *contact) {
     small->contact = *contact;
-    small->contact.grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
+    small->contact.grid = grid_like(&contact->grid, -1, 0.1, NUM_NODES - 2, 1);
     for (size_t r = 0; r < NUM_NODES - 2; r++)
         small->stencils[r] = reynolds_stencil_at(&small->contact.grid, r + 1);
 }
 
 static void small_rows(reynolds_row *rows, small_problem *small, double entrainment) {
-    int compressible = small->contact.lubricant.density != NULL;
-    reynolds_fluid fluid = {small->mobility, small->mobility_slope,
-                            compressible ? small->density : NULL,
-                            compressible ? small->density_slope : NULL};
+    reynolds_fluid fluid = reynolds_fluid_in(small->memory, NUM_NODES, &small->contact);
     reynolds_fluid_evaluate(&fluid, &small->contact, small->pressure, NUM_NODES);
-    reynolds_rows(rows, small->contact.grid.step, entrainment, NULL, small->stencils, NUM_NODES - 2,
+    reynolds_rows(rows, &small->contact.grid, entrainment, NULL, small->stencils, NUM_NODES - 2,
                   &fluid, small->pressure, small->film);
 }
 
@@ -95,10 +91,78 @@ static void check_row_derivatives(const ehd_contact *contact) {
 static void row_derivatives(void **state) {
     (void)state;
     for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++)
-        for (int d = 0; d < NUM_DENSITIES; d++) {
-            ehd_contact contact = sample_contact(sample_lubricants[l], densities[d], 5, 6, 0.1);
+        for (int d = 0; d < 2 * NUM_DENSITIES; d++) {
+            ehd_contact contact = sample_contact(sample_lubricants[l], densities[d / 2], 5, 6, 0.1);
+            if (d % 2) contact.grid.discretization = DISCRETIZATION_ACCURATE;
             check_row_derivatives(&contact);
         }
+}
+
+/* Near the limits of floating point: nodes whose mobility is zero let nothing through. */
+static void rows_are_finite_at_any_viscosity(void **state) {
+    (void)state;
+    ehd_contact contact = sample_contact("barus", "dowson-higginson", 1000, 20, 0.1);
+    small_problem small;
+    reynolds_row rows[NUM_NODES - 2];
+
+    contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    small_init(&small, &contact);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.pressure[k] = k < 4 ? 0 : k < 8 ? 1.5 * (double)k : 1;
+        small.film[k] = 1e-3;
+    }
+    small_rows(rows, &small, 1);
+    assert_true(small.memory[7] == 0 && small.memory[2] > 0);
+    for (size_t r = 0; r < NUM_NODES - 2; r++) {
+        assert_true(isfinite(rows[r].residual));
+        for (int a = 0; a < NUM_STENCIL; a++)
+            assert_true(isfinite(rows[r].by_pressure[a]) && isfinite(rows[r].by_film[a]));
+    }
+}
+
+/* Largest residual, on 16 refine intervals, of a film H = 1/(1.5 + X/2) whose flux is 0.4
+ * everywhere: with a Barus law the reduced pressure (1 - exp(-a P))/(a lambda) has the derivative
+ * (H - 0.4)/H^3, a polynomial. Inner rows only: near the inlet rows are of lower order. */
+static double residual_of_constant_flux(ehd_discretization discretization, size_t refine) {
+    ehd_contact contact = sample_contact("barus", "incompressible", 2, 6, 0.1);
+    const size_t count = 16 * refine, num_nodes = count + 3;
+    double *memory = calloc((NUM_FLUID_ARRAYS + 2) * num_nodes, sizeof *memory), largest = 0;
+    assert_non_null(memory);
+    double *pressure = memory + NUM_FLUID_ARRAYS * num_nodes, *film = pressure + num_nodes;
+    reynolds_fluid fluid = reynolds_fluid_in(memory, num_nodes, &contact);
+
+    contact.grid = grid_of(-1, 1 / (double)(8 * refine), count + 1, 1, false);
+    contact.grid.discretization = discretization;
+    for (size_t k = 0; k < num_nodes; k++) {
+        double s = 1.5 + grid_x(&contact.grid, k) / 2;
+        double reduced = 2 * (s * s * s / 3 - 0.4 * s * s * s * s / 4);
+        film[k] = 1 / s;
+        pressure[k] = -log(1 - 0.01 * reduced) / contact.alpha_p_H;
+    }
+    contact.lambda = 0.01 / contact.alpha_p_H;
+    reynolds_fluid_evaluate(&fluid, &contact, pressure, num_nodes);
+    for (size_t k = 4; k + 3 < num_nodes; k++) {
+        reynolds_stencil stencil = reynolds_stencil_at(&contact.grid, k);
+        reynolds_row row;
+        reynolds_rows(&row, &contact.grid, 1, NULL, &stencil, 1, &fluid, pressure, film);
+        largest = fmax(largest, fabs(row.residual));
+        check_close(reynolds_flux(&contact.grid, 1, &stencil, &fluid, pressure, film), 0.4, 0.05,
+                    0);
+    }
+    free(memory);
+    return largest;
+}
+
+static void order_of_a_constant_flux(void **state) {
+    (void)state;
+    for (size_t refine = 2; refine <= 4; refine *= 2) {
+        double published = residual_of_constant_flux(DISCRETIZATION_PUBLISHED, refine) /
+                           residual_of_constant_flux(DISCRETIZATION_PUBLISHED, 2 * refine);
+        double accurate = residual_of_constant_flux(DISCRETIZATION_ACCURATE, refine) /
+                          residual_of_constant_flux(DISCRETIZATION_ACCURATE, 2 * refine);
+        assert_true(published > 3.2 && published < 4.5); // second order
+        assert_true(accurate > 12 && accurate < 20);     // fourth
+    }
 }
 
 static void first_row_has_no_second_node_back(void **state) {
@@ -156,17 +220,15 @@ static void manufactured_rows(void **state) {
 static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, const double *pressure,
                           const double *film) {
-    double memory[4][NUM_NODES];
-    bool compressible = contact->lubricant.density != NULL;
-    reynolds_fluid fluid = {memory[0], memory[1], compressible ? memory[2] : NULL,
-                            compressible ? memory[3] : NULL};
+    double memory[NUM_FLUID_ARRAYS * NUM_NODES];
+    reynolds_fluid fluid = reynolds_fluid_in(memory, NUM_NODES, contact);
     reynolds_stencil stencils[NUM_NODES - 2];
     ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
 
     for (size_t r = 0; r < NUM_NODES - 2; r++)
         stencils[r] = reynolds_stencil_at(&grid, r + 1);
     reynolds_fluid_evaluate(&fluid, contact, pressure, NUM_NODES);
-    reynolds_rows(rows, grid.step, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
+    reynolds_rows(rows, &grid, 0.8, squeeze, stencils, NUM_NODES - 2, &fluid, pressure, film);
 }
 
 /* rate rho H + previous, at the row's own node only. */
@@ -222,6 +284,8 @@ static void squeeze_derivatives(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(row_derivatives),
+        cmocka_unit_test(rows_are_finite_at_any_viscosity),
+        cmocka_unit_test(order_of_a_constant_flux),
         cmocka_unit_test(first_row_has_no_second_node_back),
         cmocka_unit_test(manufactured_rows),
         cmocka_unit_test(squeeze_derivatives),

@@ -54,7 +54,7 @@ typedef struct band {
     double *columns;      // [num_unknowns + 1, num_inner] matrix and right side
     double *pressure;     // [num_nodes]
     double *film;         // [num_nodes]
-    double *fluid_memory; // [4, num_nodes]
+    double *fluid_memory; // [NUM_FLUID_ARRAYS, num_nodes]
     ehd_deflection *deflection;
     reynolds_row *reynolds; // [num_inner]
 } band;
@@ -69,7 +69,7 @@ static band band_create(const reduced_model *model, const reduced_basis *basis, 
     self.columns = claim((model->num_unknowns + 1) * num_nodes);
     self.pressure = claim(num_nodes);
     self.film = claim(num_nodes);
-    self.fluid_memory = claim(4 * num_nodes);
+    self.fluid_memory = claim(NUM_FLUID_ARRAYS * num_nodes);
     self.deflection = deflection_create(basis->kind, &basis->grid);
     self.reynolds = malloc(num_nodes * sizeof *self.reynolds);
     need(self.deflection && self.reynolds, "memory: found none");
@@ -109,11 +109,7 @@ static void band_fill(band *self, const reduced_state *state, const ehd_contact 
     const ehd_grid *grid = &self->basis->grid;
     const size_t num_nodes = grid->num_nodes, num_inner = grid->num_inner, reach = self->reach;
     const double *kernel = deflection_kernel(self->deflection);
-    const bool compressible = contact->lubricant.density != NULL;
-    double *memory = self->fluid_memory;
-    reynolds_fluid fluid = {memory, memory + num_nodes,
-                            compressible ? memory + 2 * num_nodes : NULL,
-                            compressible ? memory + 3 * num_nodes : NULL};
+    reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_nodes, contact);
 
     expand(self, state);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_nodes);
@@ -121,8 +117,8 @@ static void band_fill(band *self, const reduced_state *state, const ehd_contact 
     for (size_t r = 0; r < num_inner; r++) {
         const reynolds_stencil stencil = reynolds_stencil_at(grid, r + 1);
         double *row = self->rows + r * (2 * reach + 1) + reach; // row[d]: of node r + 1 + d
-        reynolds_rows(&self->reynolds[r], grid->step, contact->entrainment, NULL, &stencil, 1,
-                      &fluid, self->pressure, self->film);
+        reynolds_rows(&self->reynolds[r], grid, contact->entrainment, NULL, &stencil, 1, &fluid,
+                      self->pressure, self->film);
         for (int a = 0; a < NUM_STENCIL; a++) {
             if (stencil.node[a] == NO_NODE) continue;
             const ptrdiff_t at = (ptrdiff_t)stencil.node[a] - (ptrdiff_t)(r + 1);
