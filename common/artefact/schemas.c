@@ -175,7 +175,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 4, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 5, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
@@ -268,8 +268,8 @@ static const artefact_attribute snapshots_attributes[] = {
     {0}};
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
-                                          1,
                                           2,
+                                          0,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -315,7 +315,7 @@ static const artefact_attribute basis_attributes[] = {
     {0}};
 
 const artefact_schema schema_basis = {"ehdrom-basis",
-                                      1,
+                                      2,
                                       0,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
@@ -368,7 +368,7 @@ static const artefact_attribute residuals_attributes[] = {
 
 const artefact_schema schema_residuals = {
     "ehdrom-residuals",
-    1,
+    2,
     0,
     "Residuals and Newton steps of a reduced elastohydrodynamic contact",
     residuals_axes,
@@ -562,8 +562,8 @@ static const artefact_attribute model_attributes[] = {
     {0}};
 
 const artefact_schema schema_model = {"ehdrom-model",
-                                      1,
-                                      3,
+                                      2,
+                                      0,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

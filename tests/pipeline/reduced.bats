@@ -20,15 +20,6 @@ setup() {
     cp "$BATS_FILE_TMPDIR"/* .
 }
 
-# patch FILE PYTHON: copies the file to bad.h5 and runs the code on it as `f`
-patch() {
-    cp "$1" bad.h5
-    /usr/bin/python3 -c "
-import h5py, numpy
-with h5py.File('bad.h5', 'r+') as f:
-    $2"
-}
-
 # ---- what it is for
 
 @test "from training to answer" {
@@ -341,17 +332,17 @@ YAML
     refuse 65 "s.h5: " deimselect s.h5 --basis b.h5 -o x.h5
     refuse 65 "r.h5: " deimselect r.h5 --basis r.h5 -o x.h5
     refuse 65 "b.h5: " romrun scene.yml --model b.h5 -o x.h5
-    newer="f.attrs['schema_version'] = '2.0'"
+    newer="f.attrs['schema_version'] = '3.0'"
     patch s.h5 "$newer"
-    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" podbuild bad.h5 -o x.h5
+    refuse 65 "bad.h5: schema_version: found 3.0, expected at most 2" podbuild bad.h5 -o x.h5
     patch b.h5 "$newer"
-    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" snapgen plan.yml --basis bad.h5 -o x.h5
+    refuse 65 "bad.h5: schema_version: found 3.0, expected at most 2" snapgen plan.yml --basis bad.h5 -o x.h5
     patch r.h5 "$newer"
-    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" deimselect bad.h5 --basis b.h5 -o x.h5
+    refuse 65 "bad.h5: schema_version: found 3.0, expected at most 2" deimselect bad.h5 --basis b.h5 -o x.h5
     patch m.h5 "$newer"
-    refuse 65 "bad.h5: schema_version: found 2.0, expected at most 1" romrun scene.yml --model bad.h5 -o x.h5
+    refuse 65 "bad.h5: schema_version: found 3.0, expected at most 2" romrun scene.yml --model bad.h5 -o x.h5
     # a newer minor version is read
-    patch m.h5 "f.attrs['schema_version'] = '1.9'"
+    patch m.h5 "f.attrs['schema_version'] = '2.9'"
     romrun scene.yml --model bad.h5
 }
 

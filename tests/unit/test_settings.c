@@ -721,6 +721,7 @@ static void stationary_text_knows_no_time(void **state) {
                                    "lubricant.viscosity.preset: no1\n"
                                    "lubricant.viscosity.temperature: 25\n"
                                    "lubricant.density.law: dowson-higginson\n"
+                                   "discretization: published\n"
                                    "grid.x_min: -4\n"
                                    "grid.x_max: 2\n"
                                    "grid.step: 0.005\n";

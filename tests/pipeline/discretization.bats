@@ -1,0 +1,82 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The two discretisations of a scene: what they give, and that files of one are refused with the other.
+
+load common
+
+setup() { common_setup; }
+
+accurate=(--set discretization=accurate)
+
+# model PLAN OPTION...: trains m.h5 with all the energy
+train() {
+    local plan=$1
+    shift
+    snapgen "$plan" -o s.h5 --force --quiet "$@" >/dev/null
+    podbuild s.h5 -o b.h5 --force --energy 1e-18 --quiet >/dev/null
+    snapgen "$plan" --basis b.h5 -o r.h5 --force --quiet "$@" >/dev/null
+    deimselect r.h5 --basis b.h5 -o m.h5 --force --quiet >/dev/null
+}
+
+# off A B LIMIT: relative difference of two numbers is below the limit
+off() { awk -v a="$1" -v b="$2" -v limit="$3" 'BEGIN { d = a / b - 1; exit !(d * d < limit * limit) }'; }
+
+@test "the accurate rows are near the solution of the equations on a coarse grid" {
+    sed -i 's/^moes: .*/moes: {M: 20, L: 10}/; s/law: dowson-higginson/law: incompressible/' scene.yml
+    fullrun scene.yml -o published.h5 --quiet >/dev/null
+    fullrun scene.yml -o accurate.h5 --quiet "${accurate[@]}" >/dev/null
+    # grid-converged, by extrapolation from steps of 0.005 and 0.0025
+    off "$(number accurate.h5 central_film_thickness)" 0.103316 1e-4
+    off "$(number accurate.h5 minimum_film_thickness)" 0.077878 1e-3
+    run ! off "$(number published.h5 central_film_thickness)" 0.103316 5e-3
+    [ "$(fullrun --print accurate.h5 discretization)" = $'discretization\naccurate' ]
+    [ "$(fullrun --print published.h5 discretization)" = $'discretization\npublished' ]
+
+    point_scene 20 -4
+    fullrun scene.yml -o point.h5 --quiet "${accurate[@]}" >/dev/null
+    fullrun scene.yml -o fine.h5 --quiet "${accurate[@]}" --set grid.step=0.03125 >/dev/null
+    off "$(number point.h5 central_film_thickness)" "$(number fine.h5 central_film_thickness)" 3e-3
+}
+
+@test "a reduced model follows the accurate full model, line and point, coupled and independent" {
+    train plan.yml "${accurate[@]}"
+    [ "$(romrun --print m.h5 discretization)" = $'discretization\naccurate' ]
+    # at a training point it is the full model
+    for deformation in coupled independent; do
+        podbuild s.h5 -o b.h5 --force --deformation $deformation --energy 1e-20 --quiet >/dev/null
+        snapgen plan.yml --basis b.h5 -o r.h5 --force --quiet "${accurate[@]}" >/dev/null
+        deimselect r.h5 --basis b.h5 -o m.h5 --force --quiet >/dev/null
+        fullrun scene.yml -o f.h5 --force --quiet "${accurate[@]}" --set moes.M=12 --set moes.L=5 >/dev/null
+        romrun scene.yml --model m.h5 -o x.h5 --force --quiet "${accurate[@]}" --set moes.M=12 --set moes.L=5 >/dev/null
+        off "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-4
+    done
+
+    point_scene 15 -4
+    sed -i 's/step: 0.125/step: 0.25/' scene.yml
+    printf 'groups:\n  - scene: scene.yml\n    vary: {moes.M: [10, 14, 20], moes.L: [4, 6]}\n' >point-plan.yml
+    train point-plan.yml "${accurate[@]}"
+    fullrun scene.yml -o f.h5 --force --quiet "${accurate[@]}" --set moes.M=14 --set moes.L=4 >/dev/null
+    romrun scene.yml --model m.h5 -o x.h5 --force --quiet "${accurate[@]}" --set moes.M=14 --set moes.L=4 >/dev/null
+    off "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-3
+}
+
+@test "files of one discretisation are refused with the other" {
+    train plan.yml
+    cp s.h5 published.h5
+    refuse 65 "discretization: found accurate, expected published as in m.h5" \
+        romrun scene.yml --model m.h5 -o x.h5 "${accurate[@]}"
+    refuse 65 "discretization: found .*, expected .*, as in" snapgen plan.yml --basis b.h5 -o x.h5 "${accurate[@]}"
+    snapgen plan.yml -o s.h5 --force --quiet "${accurate[@]}" >/dev/null
+    refuse 65 "published.h5: discretization: found published, expected accurate, as in s.h5" podbuild s.h5 published.h5 -o x.h5
+    fullrun scene.yml -o start.h5 --quiet >/dev/null
+    refuse 65 "start.h5: discretization: found published, expected accurate, as in the scene" \
+        fullrun scene.yml --start start.h5 -o x.h5 "${accurate[@]}"
+    refuse 65 "discretization: found exact, expected accurate.published" fullrun scene.yml -o x.h5 --set discretization=exact
+
+    # a file that does not say, as those of 0.1.0, is of the published one
+    patch published.h5 "del f.attrs['discretization']"
+    podbuild bad.h5 -o old.h5 --energy 1e-18 --quiet >/dev/null
+    [ "$(podbuild --print old.h5 discretization)" = $'discretization\npublished' ]
+    patch s.h5 "f.attrs['discretization'] = 'exact'"
+    refuse 65 "bad.h5: discretization: found exact, expected accurate.published" podbuild bad.h5 -o x.h5
+}
