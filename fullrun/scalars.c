@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/full_solver.h"
 
+#include "common/physics/minimum.h"
+
 #include <math.h>
 
 /* Value at X = 0 of a line: a node's where one lies there, else that of the cubic through the four
@@ -17,14 +19,19 @@ static double central_value(const double *values, const ehd_grid *grid) {
            (t + 1) * t * (t - 1) / 6 * values[k + 2];
 }
 
+static double film_at(const void *film, size_t node) {
+    return ((const double *)film)[node];
+}
+
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     size_t line = grid_central_line(grid), exit = state->exit;
-    double smallest = INFINITY, sum = 0;
+    size_t smallest = grid_node_of_row(grid, 0);
+    double sum = 0;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        smallest = fmin(smallest, state->film[k]);
+        if (state->film[k] < state->film[smallest]) smallest = k;
         sum += grid_weight(grid, k) * state->pressure[k];
     }
     if (grid->inner_lines > 1)
@@ -32,7 +39,8 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
              exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
     contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
-                               .minimum_film_thickness = smallest,
+                               .minimum_film_thickness =
+                                   minimum_around(grid, smallest, film_at, state->film),
                                .central_pressure = central_value(state->pressure + line, grid),
                                .rigid_approach = state->rigid_approach,
                                .exit_position = grid_x(grid, exit),

@@ -148,7 +148,7 @@ typedef struct ehd_contact {
 /* The scalars of a solution, in the contact's own frame. */
 typedef struct contact_scalars {
     double central_film_thickness; // H at X = Y = 0, interpolated (cubic) where no node lies there
-    double minimum_film_thickness; // smallest nodal value
+    double minimum_film_thickness; // interpolated; published: the smallest at a node
     double central_pressure;
     double rigid_approach; // H0
     double exit_position;  // X of the first node without pressure, at Y = 0

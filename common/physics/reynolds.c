@@ -94,7 +94,7 @@ typedef struct mass {
     double value, by_pressure, by_film;
 } mass;
 
-static mass mass_at(const row_nodes *at, int a) {
+static inline mass mass_at(const row_nodes *at, int a) {
     const size_t node = at->stencil->node[a];
     const reynolds_fluid *fluid = at->fluid;
     const double h = at->film[node];
@@ -104,7 +104,7 @@ static mass mass_at(const row_nodes *at, int a) {
 }
 
 /* Adds weight * rho H at stencil node `a`. */
-static void add_mass(reynolds_row *row, int a, double weight, const row_nodes *at) {
+static inline void add_mass(reynolds_row *row, int a, double weight, const row_nodes *at) {
     const mass here = mass_at(at, a);
 
     row->residual += weight * here.value;
@@ -119,7 +119,7 @@ typedef struct conductance {
     double value, by_pressure, by_film;
 } conductance;
 
-static conductance conductance_at(const row_nodes *at, int a) {
+static inline conductance conductance_at(const row_nodes *at, int a) {
     size_t node = at->stencil->node[a];
     double h = at->film[node], h2 = h * h, mobility = at->fluid->mobility[node];
     conductance eps = {mobility * h2 * h, at->fluid->mobility_slope[node] * h2 * h,
@@ -128,29 +128,34 @@ static conductance conductance_at(const row_nodes *at, int a) {
 }
 
 /* Adds scale * eps dP between stencil nodes `a` and `b`, with the mean of the nodal eps. */
-static void add_mean_flow(reynolds_row *row, int a, int b, double scale, const row_nodes *at) {
+static inline void add_mean_flow(reynolds_row *row, int a, int b, double scale,
+                                 const conductance eps[NUM_STENCIL], const row_nodes *at) {
     const size_t *node = at->stencil->node;
-    const conductance before = conductance_at(at, a), after = conductance_at(at, b);
     double drop = at->pressure[node[b]] - at->pressure[node[a]];
-    double mean = (before.value + after.value) / 2;
+    double mean = (eps[a].value + eps[b].value) / 2;
 
     row->residual += scale * mean * drop;
-    row->by_pressure[b] += scale * (mean + after.by_pressure / 2 * drop);
-    row->by_pressure[a] += scale * (-mean + before.by_pressure / 2 * drop);
-    row->by_film[b] += scale * after.by_film / 2 * drop;
-    row->by_film[a] += scale * before.by_film / 2 * drop;
+    row->by_pressure[b] += scale * (mean + eps[b].by_pressure / 2 * drop);
+    row->by_pressure[a] += scale * (-mean + eps[a].by_pressure / 2 * drop);
+    row->by_film[b] += scale * eps[b].by_film / 2 * drop;
+    row->by_film[a] += scale * eps[a].by_film / 2 * drop;
 }
 
-static void add_published_row(reynolds_row *row, double step, double entrainment,
-                              const row_nodes *at) {
+static inline void add_published_row(reynolds_row *row, double step, double entrainment,
+                                     const row_nodes *at) {
     const double flow = 1 / (step * step);
     const size_t *node = at->stencil->node;
+    conductance eps[NUM_STENCIL];
 
-    add_mean_flow(row, NODE_HERE, NODE_AHEAD, flow, at);
-    add_mean_flow(row, NODE_BACK, NODE_HERE, -flow, at);
+    for (int a = NODE_BACK; a <= NODE_AHEAD; a++)
+        eps[a] = conductance_at(at, a);
+    add_mean_flow(row, NODE_HERE, NODE_AHEAD, flow, eps, at);
+    add_mean_flow(row, NODE_BACK, NODE_HERE, -flow, eps, at);
     if (node[NODE_LEFT] != NO_NODE) {
-        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow, at);
-        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow, at);
+        eps[NODE_LEFT] = conductance_at(at, NODE_LEFT);
+        eps[NODE_RIGHT] = conductance_at(at, NODE_RIGHT);
+        add_mean_flow(row, NODE_LEFT, NODE_HERE, -flow, eps, at);
+        add_mean_flow(row, NODE_HERE, NODE_RIGHT, flow, eps, at);
     }
     if (node[NODE_BACK2] == NO_NODE) {
         add_mass(row, NODE_HERE, -entrainment / step, at);
@@ -167,7 +172,11 @@ static double published_flux(double step, double entrainment, const row_nodes *a
 
     add_mass(&sum, NODE_BACK, 0.5 * entrainment, at);
     add_mass(&sum, NODE_HERE, 0.5 * entrainment, at);
-    add_mean_flow(&sum, NODE_BACK, NODE_HERE, -1 / step, at);
+    conductance eps[NUM_STENCIL];
+
+    eps[NODE_BACK] = conductance_at(at, NODE_BACK);
+    eps[NODE_HERE] = conductance_at(at, NODE_HERE);
+    add_mean_flow(&sum, NODE_BACK, NODE_HERE, -1 / step, eps, at);
     return sum.residual;
 }
 
@@ -332,13 +341,14 @@ static double accurate_flux(double step, double entrainment, const row_nodes *at
 
 // ---- rows
 
-static const struct {
-    // adds d/dx(eps dP/dx) + d/dy(eps dP/dy) - U d(rho H)/dx
-    void (*add_row)(reynolds_row *row, double step, double entrainment, const row_nodes *at);
-    // U rho H - eps dP/dx at the half node before
-    double (*flux)(double step, double entrainment, const row_nodes *at);
-} schemes[] = {[DISCRETIZATION_PUBLISHED] = {add_published_row, published_flux},
-               [DISCRETIZATION_ACCURATE] = {add_accurate_row, accurate_flux}};
+/* Adds d/dx(eps dP/dx) + d/dy(eps dP/dy) - U d(rho H)/dx. */
+static inline void add_row(reynolds_row *row, const ehd_grid *grid, double entrainment,
+                           const row_nodes *at) {
+    if (grid->discretization == DISCRETIZATION_ACCURATE)
+        add_accurate_row(row, grid->step, entrainment, at);
+    else
+        add_published_row(row, grid->step, entrainment, at);
+}
 
 void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
                    const reynolds_squeeze *squeeze, const reynolds_stencil *stencils,
@@ -349,7 +359,7 @@ void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
         reynolds_row *row = &rows[r];
 
         memset(row, 0, sizeof *row);
-        schemes[grid->discretization].add_row(row, grid->step, entrainment, &at);
+        add_row(row, grid, entrainment, &at);
         if (squeeze) {
             add_mass(row, NODE_HERE, -squeeze->rate, &at);
             row->residual -= squeeze->previous[r];
@@ -361,5 +371,7 @@ double reynolds_flux(const ehd_grid *grid, double entrainment, const reynolds_st
                      const reynolds_fluid *fluid, const double *pressure, const double *film) {
     const row_nodes at = {stencil, fluid, pressure, film};
 
-    return schemes[grid->discretization].flux(grid->step, entrainment, &at);
+    return grid->discretization == DISCRETIZATION_ACCURATE
+               ? accurate_flux(grid->step, entrainment, &at)
+               : published_flux(grid->step, entrainment, &at);
 }

@@ -11,8 +11,14 @@ typedef struct band {
     size_t first, last;
 } band;
 
+/* A node and its value. */
+typedef struct candidate {
+    size_t node;
+    double value;
+} candidate;
+
 /* Smallest value near a node, by ever shorter strides around the best one so far. */
-static double refine_minimum(const band *self, size_t best, size_t stride) {
+static candidate refine_minimum(const band *self, size_t best, size_t stride) {
     double smallest = INFINITY;
 
     while (stride > 1) {
@@ -27,21 +33,25 @@ static double refine_minimum(const band *self, size_t best, size_t stride) {
             best = node;
         }
     }
-    return smallest;
+    return (candidate){best, smallest};
 }
 
-double band_minimum(double (*value)(const void *context, size_t node), const void *context,
+size_t band_minimum(double (*value)(const void *context, size_t node), const void *context,
                     size_t first, size_t last) {
     const band self = {value, context, first, last};
     size_t stride = (last - first) / COARSE + 1, count = (last - first) / stride + 1;
-    double coarse[COARSE + 1], smallest = INFINITY;
+    double coarse[COARSE + 1];
+    candidate smallest = {first, INFINITY};
 
     for (size_t i = 0; i < count; i++) {
         coarse[i] = value(context, first + i * stride);
-        smallest = fmin(smallest, coarse[i]);
+        if (coarse[i] < smallest.value) smallest = (candidate){first + i * stride, coarse[i]};
     }
-    for (size_t i = 0; i < count; i++)
-        if (!(i > 0 && coarse[i - 1] <= coarse[i]) && !(i + 1 < count && coarse[i + 1] < coarse[i]))
-            smallest = fmin(smallest, refine_minimum(&self, first + i * stride, stride));
-    return smallest;
+    for (size_t i = 0; i < count; i++) {
+        if ((i > 0 && coarse[i - 1] <= coarse[i]) || (i + 1 < count && coarse[i + 1] < coarse[i]))
+            continue;
+        const candidate fine = refine_minimum(&self, first + i * stride, stride);
+        if (fine.value < smallest.value) smallest = fine;
+    }
+    return smallest.node;
 }

@@ -5,10 +5,10 @@
 
 #include <stddef.h>
 
-/* Minimum of value(context, node) over first <= node <= last: a coarse search at about 25 nodes,
+/* The node with the minimum of value(context, node) over first <= node <= last: a coarse search at about 25 nodes,
  * then a fine one in each of its local minima, of which a film may have several in time. One
  * narrower than a coarse stride, a 24th of the band, may be missed. */
-double band_minimum(double (*value)(const void *context, size_t node), const void *context,
+size_t band_minimum(double (*value)(const void *context, size_t node), const void *context,
                     size_t first, size_t last);
 
 #endif

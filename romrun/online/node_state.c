@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/node_state.h"
 
+#include "common/physics/minimum.h"
 #include "romrun/online/band_minimum.h"
 
 #include <cblas.h>
@@ -191,17 +192,36 @@ static double film_at(const void *context, size_t node) {
     return nodes_band_film(self->nodes, self->z, node);
 }
 
+/* NaN outside of the band. */
+static double film_in_band(const void *context, size_t node) {
+    const film_of_state *self = context;
+    const reduced_model *model = self->nodes->model;
+    const grid_position at = reduced_model_position(model, node);
+    const band_line *line = &model->band.lines[at.line];
+    const bool banded =
+        reduced_model_has_band(model, at.line) && at.column >= line->begin && at.column < line->end;
+
+    return banded ? film_at(context, node) : NAN;
+}
+
 double nodes_minimum_film(node_state *self, const double *z) {
     const film_of_state film = {self, z};
     const exit_band *band = &self->model->band;
     double smallest = INFINITY;
+    size_t node_of_smallest = 0;
 
     nodes_expand_runs(self, z);
     for (size_t l = band->first_minimum; l <= band->last_minimum; l++) {
         size_t first = l * grid_width(&self->model->grid);
-        smallest = fmin(smallest, band_minimum(film_at, &film, first + band->lines[l].begin,
-                                               first + self->exit[l] + 1));
+        size_t node =
+            band_minimum(film_at, &film, first + band->lines[l].begin, first + self->exit[l] + 1);
+        double here = film_at(&film, node);
+        if (!(here < smallest)) continue;
+        smallest = here;
+        node_of_smallest = node;
     }
+    if (isfinite(smallest))
+        smallest = minimum_around(&self->model->grid, node_of_smallest, film_in_band, &film);
     // in time a minimum also passes through the front of the contact, outside of the band
     for (size_t q = 0; q < self->model->rows.num_needed; q++)
         if (self->pressurised[q]) smallest = fmin(smallest, self->now.film[q]);

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The minimum of a film between the nodes. */
+#ifndef EHD_MINIMUM_H
+#define EHD_MINIMUM_H
+
+#include "common/physics/contact.h"
+
+/* Minimum of the film interpolated around `node`, where it is smallest at the nodes: along by the
+ * quartic through five nodes, across by the parabola through the minima of three lines. Without
+ * interpolation in the published discretisation, and where a node is missing, whose `value` is NaN.
+ */
+double minimum_around(const ehd_grid *grid, size_t node,
+                      double (*value)(const void *context, size_t node), const void *context);
+
+#endif
