@@ -2,7 +2,7 @@
 # ehdrom: two commands on a fresh Debian 12 are enough, `make demo` and `make check`.
 # `make help` lists targets and settings.
 
-VERSION := 0.2.0
+VERSION := 0.3.0
 
 # ---- Settings (make NAME=value)
 
