@@ -589,9 +589,9 @@ static void refuses_what_does_not_fit(void **state) {
     check_refused(try_open(), EHD_DATA, "unfinished");
 
     file = open_for_change();
-    replace_text(file, "schema_version", "2.0");
+    replace_text(file, "schema_version", "3.0");
     H5Fclose(file);
-    check_refused(try_open(), EHD_DATA, "found 2.0");
+    check_refused(try_open(), EHD_DATA, "found 3.0");
 
     file = open_for_change();
     replace_text(file, "schema_version", "1.0x");

@@ -90,15 +90,15 @@ static void isoviscous_contact(void **state) {
     (void)state;
     for (int l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
         ehd_contact contact = sample_contact(sample_lubricants[l], "dowson-higginson", 10, 0, 0.1);
-        double mobility[3], slope[3], density[3], density_slope[3];
-        reynolds_fluid fluid = {mobility, slope, density, density_slope};
+        double memory[NUM_FLUID_ARRAYS * 3];
+        reynolds_fluid fluid = reynolds_fluid_in(memory, 3, &contact);
         check_close(contact.hertz_pressure, 0, 0, 0);
         check_close(contact.alpha_p_H, 0, 0, 0);
         reynolds_fluid_evaluate(&fluid, &contact, (double[]){0, 0.5, 1}, 3);
         for (int i = 0; i < 3; i++) {
-            check_close(mobility[i], 1 / contact.lambda, 1e-13, 0);
-            check_close(slope[i], 0, 0, 0);
-            check_close(density[i], 1, 0, 0);
+            check_close(fluid.mobility[i], 1 / contact.lambda, 1e-13, 0);
+            check_close(fluid.mobility_slope[i], 0, 0, 0);
+            check_close(fluid.density[i], 1, 0, 0);
         }
     }
 }
