@@ -105,11 +105,18 @@ static inline mass mass_at(const row_nodes *at, int a) {
 
 /* Adds weight * rho H at stencil node `a`. */
 static inline void add_mass(reynolds_row *row, int a, double weight, const row_nodes *at) {
-    const mass here = mass_at(at, a);
+    const size_t node = at->stencil->node[a];
+    const reynolds_fluid *fluid = at->fluid;
+    const double h = at->film[node];
 
-    row->residual += weight * here.value;
-    row->by_pressure[a] += weight * here.by_pressure;
-    row->by_film[a] += weight * here.by_film;
+    if (fluid->density) {
+        row->residual += weight * fluid->density[node] * h;
+        row->by_pressure[a] += weight * fluid->density_slope[node] * h;
+        row->by_film[a] += weight * fluid->density[node];
+    } else {
+        row->residual += weight * h;
+        row->by_film[a] += weight;
+    }
 }
 
 // ---- the published discretisation
