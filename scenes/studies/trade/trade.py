@@ -97,7 +97,8 @@ def stationary_films(way, scenes, files, model, repeat, work):
         if solved:
             words = [line.split() for line in done.stdout.splitlines() if line.startswith("formula ")]
             record["formulas"] = [(word[1], word[2], float(word[3]), 1e-9 * float(word[6])) for word in words]
-            record["effects"] = {name: results.value(result, f"{name}_effect") for name in ("step", "inlet")}
+            if start == "cold":  # these can be the reference
+                record["effects"] = {name: results.value(result, f"{name}_effect") for name in ("step", "inlet")}
         before = result if solved and start == "neighbour" else None
         records.append(record)
     return records
@@ -360,15 +361,15 @@ def panel(axes, lines, regime):
         axes.plot(seconds, high, mark.strip("()"), color=colour, label=label, markersize=4 if mark == "x" else 6,
                   markerfacecolor="none" if "(" in mark else colour, markeredgewidth=1.3)
 
-    def note(text, height, right, above):
-        axes.annotate(text, (right, height), xycoords=("axes fraction", "data"), ha="right" if right else "left",
-                      va="bottom" if above else "top", color=GREY)
+    def note(text, place, height, above):
+        axes.annotate(text, (place, height), xycoords=("axes fraction", "data"), va="bottom" if above else "top",
+                      color=GREY)
     for line in lines:
         if line["alternative"] == "reference" and line["position"] == "step":
             for key, style in (("worst", "--"), ("median", ":")):
                 axes.axhline(line[key], linestyle=style, color=GREY)
-                note(f"the grid itself, {key} ", line[key], 1, key == "worst")
-    note(" none (or less): the reference", lowest, 0, True)
+                note(f"the grid itself, {key}", 0.22 if stationary else 0.8, line[key], key == "worst")
+    note("none (or less): the reference", 0.012, lowest, True)
     formulas = sorted((line for line in lines if line["alternative"] == "formula"), key=lambda line: -line["worst"])
     names = [f"{re.sub('-central|-minimum', '', line['position'])} {100 * line['worst']:.0f} %"
              + ", minimum" * (line["quantity"] == "minimum") for line in formulas]
