@@ -38,25 +38,22 @@ static ehd_status read_weights(void *member, const char *argument, ehd_error *er
 }
 
 // clang-format off
-#define TEXT(member)            AS_TEXT, offsetof(select_options, member), 0, 0, NULL
-#define COUNT(member, min, max) AS_COUNT, offsetof(select_options, member), min, max, NULL
-#define REAL(member, min, max)  AS_REAL, offsetof(select_options, member), min, max, NULL
-#define READ(member, function)  AS_READ, offsetof(select_options, member), 0, 0, function
+#define OWN_OPTIONS select_options
 
 // columns: name, letter, argument, help, how it is read
 static const program_option own_options[] = {
-    {"basis", 0, "BASIS.h5", "The basis of the residuals", TEXT(basis)},
+    {"basis", 0, "BASIS.h5", "The basis of the residuals", OPTION_TEXT(basis)},
     {"rows", 0, "N", "Number of rows; default 2 a mode, or what the snapshots tell apart",
-     COUNT(rows.num_rows, 1, 10000000)},
+     OPTION_COUNT(rows.num_rows, 1, 10000000)},
     {"rows-from", 0, "FILE", "Rows that somebody else selected, in place of a method: column `row` of a CSV "
      "file, or dataset `rows` of an HDF5 file, counted as selected_row in schemas/model.md; with "
-     "`weight` or `weights` also their factors", TEXT(rows_from)},
+     "`weight` or `weights` also their factors", OPTION_TEXT(rows_from)},
     {"stability", 0, "S", "As few rows as leave 1/sigma_min at most S at every exit of training, where all "
-     "rows have 1; in place of --rows", REAL(rows.stability, 1, 1e12)},
-    {"method", 0, "NAME", "joint (default), qr, sopt, exits; see below", READ(rows.method, read_method)},
-    {"weights", 0, "NAME", "quadrature (default), plain; see below", READ(rows.weights, read_weights)},
+     "rows have 1; in place of --rows", OPTION_REAL(rows.stability, 1, 1e12)},
+    {"method", 0, "NAME", "joint (default), qr, sopt, exits; see below", OPTION_READ(rows.method, read_method)},
+    {"weights", 0, "NAME", "quadrature (default), plain; see below", OPTION_READ(rows.weights, read_weights)},
     {"control", 0, "N", "Number of control rows, which take no part in the solution and indicate its "
-     "deviation; default a tenth of the rows, at least 8; 0: none", COUNT(rows.num_control, 0, 10000000)},
+     "deviation; default a tenth of the rows, at least 8; 0: none", OPTION_COUNT(rows.num_control, 0, 10000000)},
     {0}};
 // clang-format on
 

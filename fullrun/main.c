@@ -29,23 +29,20 @@ typedef struct fullrun_options {
 } fullrun_options;
 
 // clang-format off
-#define FLAG(member)            AS_FLAG, offsetof(fullrun_options, member), 0, 0, NULL
-#define TEXT(member)            AS_TEXT, offsetof(fullrun_options, member), 0, 0, NULL
-#define COUNT(member, min, max) AS_COUNT, offsetof(fullrun_options, member), min, max, NULL
-#define REAL(member, min, max)  AS_REAL, offsetof(fullrun_options, member), min, max, NULL
+#define OWN_OPTIONS fullrun_options
 
 // columns: name, letter, argument, help, how it is read
 static const program_option own_options[] = {
     {"start", 0, "RESULT.h5", "Start from the fields of another result on the same grid, not cold (stationary)",
-     TEXT(start)},
+     OPTION_TEXT(start)},
     {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
-     REAL(tolerance, 1e-13, 1)},
+     OPTION_REAL(tolerance, 1e-13, 1)},
     {"formulas", 0, NULL, "Print beside the solution what published film formulas say; in time, of the contact "
-     "at each time as if it were stationary", FLAG(formulas)},
+     "at each time as if it were stationary", OPTION_FLAG(formulas)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
-     COUNT(repeats, 1, 1000000)},
+     OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
-     FLAG(resume)},
+     OPTION_FLAG(resume)},
     {0}};
 // clang-format on
 

@@ -41,24 +41,21 @@ static ehd_status read_deformation(void *member, const char *argument, ehd_error
 }
 
 // clang-format off
-#define TEXT(member)            AS_TEXT, offsetof(build_options, member), 0, 0, NULL
-#define COUNT(member, min, max) AS_COUNT, offsetof(build_options, member), min, max, NULL
-#define REAL(member, min, max)  AS_REAL, offsetof(build_options, member), min, max, NULL
-#define READ(member, function)  AS_READ, offsetof(build_options, member), 0, 0, function
+#define OWN_OPTIONS build_options
 
 // columns: name, letter, argument, help, how it is read
 static const program_option own_options[] = {
     {"pressure-modes", 0, "N", "Number of pressure modes; by default as --energy asks",
-     COUNT(bases.pressure.num_modes, 1, 100000)},
+     OPTION_COUNT(bases.pressure.num_modes, 1, 100000)},
     {"deformation-modes", 0, "N", "Number of deformation modes (independent only); by default as --energy asks",
-     COUNT(bases.deformation.num_modes, 1, 100000)},
+     OPTION_COUNT(bases.deformation.num_modes, 1, 100000)},
     {"energy", 0, "TOL", "Part of the squared singular values that may be left out; default 1e-13",
-     REAL(bases.pressure.discarded_energy, 0, 0.999)},
+     OPTION_REAL(bases.pressure.discarded_energy, 0, 0.999)},
     {"deformation", 0, "KIND", "coupled: deflections of the pressure modes (default); independent: modes of "
-     "their own, as published", READ(bases.kind, read_deformation)},
+     "their own, as published", OPTION_READ(bases.kind, read_deformation)},
     {"weight", 0, "NAME", "Weight of the Reynolds rows: mode (default), identity, row-norm; see below",
-     READ(weight, read_weight)},
-    {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", TEXT(plan)},
+     OPTION_READ(weight, read_weight)},
+    {"plan", 0, "PLAN.yml", "The plan of the training, for weights that evaluate its contacts", OPTION_TEXT(plan)},
     {0}};
 // clang-format on
 

@@ -35,35 +35,32 @@ typedef struct romrun_options {
 } romrun_options;
 
 // clang-format off
-#define FLAG(member)            AS_FLAG, offsetof(romrun_options, member), 0, 0, NULL
-#define TEXT(member)            AS_TEXT, offsetof(romrun_options, member), 0, 0, NULL
-#define COUNT(member, min, max) AS_COUNT, offsetof(romrun_options, member), min, max, NULL
-#define REAL(member, min, max)  AS_REAL, offsetof(romrun_options, member), min, max, NULL
+#define OWN_OPTIONS romrun_options
 
 // columns: name, letter, argument, help, how it is read
 static const program_option own_options[] = {
-    {"model", 'm', "MODEL.h5", "The reduced model", TEXT(model)},
-    {"pressure-modes", 0, "N", "Use only the first N pressure modes", COUNT(sizes.pressure_modes, 1, 100000)},
+    {"model", 'm', "MODEL.h5", "The reduced model", OPTION_TEXT(model)},
+    {"pressure-modes", 0, "N", "Use only the first N pressure modes", OPTION_COUNT(sizes.pressure_modes, 1, 100000)},
     {"deformation-modes", 0, "N", "Use only the first N deformation modes",
-     COUNT(sizes.deformation_modes, 1, 100000)},
-    {"rows", 0, "N", "Use only the first N rows", COUNT(sizes.rows, 1, 10000000)},
+     OPTION_COUNT(sizes.deformation_modes, 1, 100000)},
+    {"rows", 0, "N", "Use only the first N rows", OPTION_COUNT(sizes.rows, 1, 10000000)},
     {"accuracy", 0, "X", "Use as much of a calibrated model as its central film needs to deviate by at most X, "
      "such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 where it is "
-     "indicated to deviate by more", REAL(accuracy, 1e-15, 1)},
-    {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", TEXT(against)},
+     "indicated to deviate by more", OPTION_REAL(accuracy, 1e-15, 1)},
+    {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
-     "would change of the central film (stationary)", FLAG(verify)},
+     "would change of the central film (stationary)", OPTION_FLAG(verify)},
     {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
-     "indicated to deviate by more than --accuracy", FLAG(allow_untrusted)},
+     "indicated to deviate by more than --accuracy", OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
-     COUNT(repeats, 1, 1000000)},
+     OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
-     FLAG(resume)},
+     OPTION_FLAG(resume)},
     {"calibrate", 0, "PLAN.yml", "Measure deviations and time of many sizes of the model on the scenes of a "
-     "plan, none of them trained on, and write the model with the table to -o", TEXT(calibrate)},
+     "plan, none of them trained on, and write the model with the table to -o", OPTION_TEXT(calibrate)},
     {"jobs", 'j', "N", "Full solutions at a time with --calibrate; as many as there are processors by default",
-     COUNT(num_jobs, 1, 4096)},
-    {"trade", 0, NULL, "Print the table of a calibrated model", FLAG(trade)},
+     OPTION_COUNT(num_jobs, 1, 4096)},
+    {"trade", 0, NULL, "Print the table of a calibrated model", OPTION_FLAG(trade)},
     {0}};
 // clang-format on
 

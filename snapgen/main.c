@@ -46,41 +46,37 @@ static ehd_status read_shard(void *member, const char *text, ehd_error *error) {
 }
 
 // clang-format off
-#define FLAG(member)            AS_FLAG, offsetof(snapgen_options, member), 0, 0, NULL
-#define TEXT(member)            AS_TEXT, offsetof(snapgen_options, member), 0, 0, NULL
-#define COUNT(member, min, max) AS_COUNT, offsetof(snapgen_options, member), min, max, NULL
-#define REAL(member, min, max)  AS_REAL, offsetof(snapgen_options, member), min, max, NULL
-#define READ(member, function)  AS_READ, offsetof(snapgen_options, member), 0, 0, function
+#define OWN_OPTIONS snapgen_options
 
 // columns: name, letter, argument, help, how it is read
 static const program_option own_options[] = {
     {"jobs", 'j', "N", "Points at a time; as many as there are processors by default. Changes no result",
-     COUNT(num_jobs, 1, 4096)},
+     OPTION_COUNT(num_jobs, 1, 4096)},
     {"shard", 0, "k/N", "Only the k-th of N pieces of the plan, each with an output of its own",
-     READ(piece, read_shard)},
+     OPTION_READ(piece, read_shard)},
     {"resume", 0, NULL, "Continue an interrupted run of the same plan, where there is one; trajectories start "
-     "anew", FLAG(resume)},
+     "anew", OPTION_FLAG(resume)},
     {"allow-failures", 0, "N", "Points that may fail before the exit code is 3, but never all; default 0, and "
-     "with --basis any number", COUNT(allowed_failures, 0, 1e15)},
+     "with --basis any number", OPTION_COUNT(allowed_failures, 0, 1e15)},
     {"cold", 0, NULL, "Start every stationary point cold, not from its neighbour: slower, and what `fullrun` "
-     "does with each", FLAG(cold)},
+     "does with each", OPTION_FLAG(cold)},
     {"basis", 0, "BASIS.h5", "Repeat the plan with the projected system and write the snapshots of its "
      "residuals, for deimselect; points that do not converge count as long as they have iterations",
-     TEXT(basis)},
+     OPTION_TEXT(basis)},
     {"adaptive", 0, NULL, "Train on as many points of the plan as are needed, where they are needed, until a "
      "reduced model is accurate at all others; with --basis: only on the points that the basis was made of",
-     FLAG(adaptive)},
+     OPTION_FLAG(adaptive)},
     {"accuracy", 0, "X", "Adaptive: wanted relative deviation of the central film; default 1e-3",
-     REAL(how.accuracy, 1e-12, 1)},
+     OPTION_REAL(how.accuracy, 1e-12, 1)},
     {"start", 0, "N", "Adaptive: points of the first round, corners of the region and more between them; "
-     "default 20", COUNT(how.start, 3, 1000000)},
+     "default 20", OPTION_COUNT(how.start, 3, 1000000)},
     {"batch", 0, "N", "Adaptive: points of each further round; default a fifth of those before",
-     COUNT(how.batch, 1, 1000000)},
+     OPTION_COUNT(how.batch, 1, 1000000)},
     {"max-points", 0, "N", "Adaptive: points in all; default those of the plan",
-     COUNT(how.max_points, 3, 1000000)},
+     OPTION_COUNT(how.max_points, 3, 1000000)},
     {"most", .type = AS_ALIAS}, // the name of max-points before
     {"energy", 0, "TOL", "Adaptive: as podbuild --energy, of the models on the way; default 1e-18",
-     REAL(how.discarded_energy, 0, 0.999)},
+     OPTION_REAL(how.discarded_energy, 0, 0.999)},
     {0}};
 // clang-format on
 

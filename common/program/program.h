@@ -34,6 +34,13 @@ typedef struct program_option {
 
 enum { MAX_OPTIONS = 24 };
 
+// the last columns of such a row, of the struct that a program names OWN_OPTIONS
+#define OPTION_FLAG(member)            AS_FLAG, offsetof(OWN_OPTIONS, member), 0, 0, NULL
+#define OPTION_TEXT(member)            AS_TEXT, offsetof(OWN_OPTIONS, member), 0, 0, NULL
+#define OPTION_COUNT(member, min, max) AS_COUNT, offsetof(OWN_OPTIONS, member), min, max, NULL
+#define OPTION_REAL(member, min, max)  AS_REAL, offsetof(OWN_OPTIONS, member), min, max, NULL
+#define OPTION_READ(member, function)  AS_READ, offsetof(OWN_OPTIONS, member), 0, 0, function
+
 /* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o
  * FILE. */
 typedef struct program {
