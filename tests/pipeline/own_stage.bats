@@ -171,6 +171,12 @@ foreign_model() {
     podbuild s.h5 -o b.h5 --force
     snapgen plan.yml --basis b.h5 -o r.h5 --quiet --force
     foreign_model b.h5 r.h5
+    # with the other discretisation
+    accurate="--set discretization=accurate"
+    snapgen plan.yml -o s.h5 $accurate --quiet --force
+    podbuild s.h5 -o b.h5 --force
+    snapgen plan.yml --basis b.h5 -o r.h5 $accurate --quiet --force
+    foreign_model b.h5 r.h5
 }
 
 @test "the same of a point contact, half and whole" {
@@ -180,8 +186,8 @@ groups:
   - scene: scene.yml
     vary: {moes.M: [8, 11, 15, 20], moes.L: [3, 4.5, 6]}
 YAML
-    for half in true false; do
-        grid="--set grid.half=$half --set grid.step=0.25"
+    for grid in true false 'true --set discretization=accurate' 'false --set discretization=accurate'; do
+        grid="--set grid.step=0.25 --set grid.half=$grid"
         snapgen plan.yml -o s.h5 $grid --quiet --force
         podbuild s.h5 -o b.h5 --pressure-modes 8 --force
         snapgen plan.yml --basis b.h5 -o r.h5 $grid --quiet --force

@@ -22,6 +22,9 @@ first_line = 1 if point and not half else 0
 num_lines = first_line + num_y + (1 if point else 0)
 x = x_min + step * (numpy.arange(width) - 1)
 y = step * (numpy.arange(num_lines) - (0 if half or not point else (num_y + 1) / 2))
+# the reach of a row upstream, and downstream and across
+accurate = basis.attrs.get("discretization", "published") in ("accurate", b"accurate")
+back, ahead = (3, 2) if accurate else (2, 1)
 gap = (x[None, :] ** 2 + y[:, None] ** 2) / 2
 
 V = numpy.zeros((num_lines, width, num_modes))
@@ -46,7 +49,16 @@ def kernel(dx, dy):
                               - point_part(right, low) + point_part(left, low))
 
 
-distances = numpy.array([[kernel(i * step, l * step) for i in range(width)] for l in range(2 * num_lines)])
+def influence(dx, dy):
+    here = kernel(dx, dy)
+    if not accurate:
+        return here
+    along = kernel(dx - step, dy) - 2 * here + kernel(dx + step, dy)
+    across = kernel(dx, dy - step) - 2 * here + kernel(dx, dy + step) if point else 0
+    return here - (along + across) / 24
+
+
+distances = numpy.array([[influence(i * step, l * step) for i in range(width)] for l in range(2 * num_lines)])
 columns, lines = numpy.arange(width), numpy.arange(num_lines)
 apart = abs(columns[:, None] - columns[None, :])
 K = distances[abs(lines[:, None] - lines[None, :])][:, :, apart]  # [line, source line, column, source column]
@@ -77,14 +89,14 @@ for a, exit in zip(basis["state_pressure"][...], exits):
 margin = int(numpy.ceil((0.3 if point else 0.1) / step))
 foremost = 2 if point else centre + 1
 earliest, latest = exits.min(axis=0), exits.max(axis=0)
-earliest = numpy.where(earliest > foremost + margin + 2, earliest - margin, foremost + 2)
+earliest = numpy.where(earliest > foremost + margin + back, earliest - margin, foremost + back)
 latest = numpy.minimum(latest + margin, width - 2)
 end = numpy.zeros(num_lines, int)
 for l in list(inner):
-    beside = [k for k in (l - 1, l, l + 1) if k in inner]
+    beside = [k for k in range(l - ahead, l + ahead + 1) if k in inner]
     first = min([begin[l]] + [earliest[k] for k in beside])
-    begin[l] = max(first - near - 2, 1 if point else foremost)
-    end[l] = max(latest[k] for k in beside) + 2
+    begin[l] = max(first - near - back, 1 if point else foremost)
+    end[l] = min(max(latest[k] for k in beside) + 1 + ahead, width)
 begin[[l for l in lines if l not in inner]] = end[[l for l in lines if l not in inner]] = 1
 band = numpy.concatenate([l * width + numpy.arange(begin[l], end[l]) for l in lines])
 
@@ -94,9 +106,10 @@ band = numpy.concatenate([l * width + numpy.arange(begin[l], end[l]) for l in li
 def nodes_of(row):
     node = (row // num_x + first_line) * width + row % num_x + 1
     column, line = node % width, node // width
-    found = [node - 1, node, node + 1] + ([node - 2] if column > 1 else [])
+    found = [line * width + c for c in range(max(column - back, 0), min(column + ahead, width - 1) + 1)]
     if point:
-        found += [node + width, node - width if line > 0 else node + width]
+        beside = [abs(k) if half else k for k in range(line - ahead, line + ahead + 1)]
+        found += [k * width + column for k in beside if 0 <= k < num_lines]
     return found
 
 
@@ -133,10 +146,10 @@ model["pressure_basis"] = pressure_modes
 for name in basis:
     if name.startswith("state_"):
         model[name] = basis[name][...]
-for name in "contact", "x_min", "step", "half", "deformation":
+for name in "contact", "x_min", "step", "discretization", "half", "deformation":
     if name in basis.attrs:
         model.attrs[name] = basis.attrs[name]
-model.attrs["schema_name"], model.attrs["schema_version"] = "ehdrom-model", "1.0"
+model.attrs["schema_name"], model.attrs["schema_version"] = "ehdrom-model", "2.0"
 model.attrs["band_begin"], model.attrs["least_exit"], model.attrs["most_exit"] = begin[0], earliest[0], latest[0]
 if point:
     inner = slice(first_line, first_line + num_y)

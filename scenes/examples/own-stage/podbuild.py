@@ -17,10 +17,10 @@ with h5py.File(sys.argv[1]) as snapshots, h5py.File(sys.argv[2], "w") as basis:
     left_out = numpy.cumsum(values[::-1] ** 2)[::-1] / numpy.sum(values**2)
     modes = modes[left_out > DISCARDED_ENERGY]
 
-    for name in "contact", "x_min", "step":
+    for name in "contact", "x_min", "step", "discretization":
         basis.attrs[name] = snapshots.attrs[name]
     basis.attrs["schema_name"] = "ehdrom-basis"
-    basis.attrs["schema_version"] = "1.0"
+    basis.attrs["schema_version"] = "2.0"
     basis.attrs["deformation"] = "coupled"  # deflections of the pressure modes: no modes of their own
     basis["pressure_basis"] = modes
     basis["state_pressure"] = pressure @ modes.T
