@@ -306,6 +306,24 @@ small_oscillator() {
     [[ $(PYTHONPATH=../../lib /usr/bin/python3 -B study.py compare out/estimates.csv) == *"inlet  "*"missed 1;"* ]]
 }
 
+@test "discretisations: the accurate rows are nearer to the equations, stationary and in time" {
+    copy_scene studies/discretization
+    mkdir ../transient-load
+    cp "$BATS_TEST_DIRNAME/../../scenes/studies/transient-load/scene.yml" ../transient-load
+    small=(LINE_STEPS='0.02 0.01 0.005' POINT_STEPS='0.1875 0.125 0.0625' TIME_STEPS='0.04 0.02 0.01' END=0.3)
+    run_make figures "${small[@]}"
+    echo "$output"
+    [ "$status" -eq 0 ]
+    # of each pair on the same grid
+    awk 'function abs(x) { return x < 0 ? -x : x }
+        $1 == "line" || $1 == "point" { key = $1 $2 $3 $7; off[key, $6] = abs($8); seen[key] }
+        END { for (key in seen) { n++; if (!(off[key, "accurate"] < off[key, "published"] / 3)) exit 1 } exit n != 9 }' out/stationary.txt
+    awk '$1 == "published" && $2 == 0.02 { published = $5 } $1 == "accurate" && $2 == 0.02 { accurate = $5 }
+        END { exit !(accurate > 0 && accurate < published / 3) }' out/in-time.txt
+    run_make -n figures "${small[@]}"
+    [[ $status == 0 && ! $output =~ study.py ]]
+}
+
 @test "silent failures: every scene drawn is in the table, the same for a seed" {
     copy_scenes studies/stationary-line studies/silent-failures
     cd studies || return
