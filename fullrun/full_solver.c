@@ -243,7 +243,6 @@ static double film_at(void *context, size_t node) {
 
 static double flux_at(void *context, size_t node) {
     const exit_query *query = context;
-
     const full_solver *solver = query->solver;
     const reynolds_stencil *stencil = &solver->stencils[grid_row_of_node(&solver->grid, node)];
 

@@ -268,6 +268,5 @@ ehd_status result_check_grid(const stored_result *stored, const char *path, cons
                            stored->num_lines, false);
 
     own.discretization = stored->discretization;
-
     return grid_check(&own, path, &whole, "the scene", error);
 }

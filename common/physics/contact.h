@@ -45,9 +45,9 @@ const char *discretization_name(ehd_discretization discretization);
 /* Finds one by its name; false: there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
 
-/* Uniform grid of square cells, and the discretisation on it. The unknowns are at `num_inner` inner nodes; boundary nodes,
- * where the pressure is zero, lie one step outside. All nodes are numbered together, along x
- * first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
+/* Uniform grid of square cells, and the discretisation on it. The unknowns are at `num_inner` inner
+ * nodes; boundary nodes, where the pressure is zero, lie one step outside. All nodes are numbered
+ * together, along x first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
  * are 1 … num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y =
  * -y_max to y_max or, on a half grid, which uses the symmetry, from y = 0; beyond the first and
  * last line is a line of boundary nodes, but none at the mirror line y = 0. */

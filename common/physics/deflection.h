@@ -14,18 +14,17 @@ typedef struct ehd_deflection ehd_deflection;
 ehd_deflection *deflection_create(const contact_kind *kind, const ehd_grid *grid);
 ehd_deflection *deflection_free(ehd_deflection *deflection); // accepts and returns NULL
 
-/* Deflection at a distance (along, across) from a node of unit pressure: that of its cell (eq. 10 of
- * Maier et al. 2015). In the accurate discretisation the pressure is not constant in the cell but
- * has the nodes' curvature, whose integral over the cell, step^2/24 of the second differences, is
- * carried by the neighbouring nodes (README.md, deflection). */
+/* Deflection at a distance (along, across) from a node of unit pressure: that of its cell (eq. 10
+ * of Maier et al. 2015). In the accurate discretisation the pressure is not constant in the cell
+ * but has the nodes' curvature, whose integral over the cell, step^2/24 of the second differences,
+ * is carried by the neighbouring nodes (README.md, deflection). */
 double deflection_influence(const contact_kind *kind, const ehd_grid *grid, double x, double y);
 
 /* Influence coefficients: deflection at a node by unit pressure in a cell that is l lines and d
  * nodes away; [grid lines, grid width]. */
 const double *deflection_kernel(const ehd_deflection *deflection);
 
-/* Delta = K P, O(n log n).
- * `delta` and `pressure` may be the same array. */
+/* Delta = K P, O(n log n). `delta` and `pressure` may be the same array. */
 void deflection_apply(
     // output:
     double *delta, // [num_nodes], boundary nodes included

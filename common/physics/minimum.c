@@ -44,7 +44,8 @@ double minimum_around(const ehd_grid *grid, size_t node,
     if (grid->discretization == DISCRETIZATION_PUBLISHED) return nodal;
     if (column < 2 || column + 2 >= width) return nodal;
     const double here = minimum_along(node, value, context);
-    if (grid->inner_lines == 1 || isnan(here)) return isnan(here) ? nodal : here;
+    if (isnan(here)) return nodal;
+    if (grid->inner_lines == 1) return here;
     if (line + 1 >= grid_lines(grid) || (line == 0 && !grid->half)) return here;
     const double right = minimum_along(node + width, value, context);
     const double left = minimum_along(line == 0 ? node + width : node - width, value, context);

@@ -53,10 +53,11 @@ reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
 
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact) {
     const bool compressible = contact->lubricant.density != NULL;
+    const bool accurate = contact->grid.discretization == DISCRETIZATION_ACCURATE;
 
     return (reynolds_fluid){.mobility = memory,
                             .mobility_slope = memory + num_nodes,
-                            .log_mobility = memory + 2 * num_nodes,
+                            .log_mobility = accurate ? memory + 2 * num_nodes : NULL,
                             .density = compressible ? memory + 3 * num_nodes : NULL,
                             .density_slope = compressible ? memory + 4 * num_nodes : NULL};
 }
@@ -68,9 +69,10 @@ void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
     for (size_t i = 0; i < num_nodes; i++) {
         double inverse = exp(-fluid->mobility[i]) / contact->lambda; // 1/(eta lambda)
         double inverse_slope = -fluid->mobility_slope[i] * inverse;
-        fluid->log_mobility[i] = -fluid->mobility[i];
+        if (fluid->log_mobility)
+            fluid->log_mobility[i] =
+                (fluid->density ? log(fluid->density[i]) : 0) - fluid->mobility[i];
         if (fluid->density) {
-            fluid->log_mobility[i] += log(fluid->density[i]);
             fluid->mobility[i] = fluid->density[i] * inverse;
             fluid->mobility_slope[i] =
                 fluid->density[i] * inverse_slope + fluid->density_slope[i] * inverse;
@@ -176,11 +178,10 @@ static inline void add_published_row(reynolds_row *row, double step, double entr
 
 static double published_flux(double step, double entrainment, const row_nodes *at) {
     reynolds_row sum = {0};
+    conductance eps[NUM_STENCIL];
 
     add_mass(&sum, NODE_BACK, 0.5 * entrainment, at);
     add_mass(&sum, NODE_HERE, 0.5 * entrainment, at);
-    conductance eps[NUM_STENCIL];
-
     eps[NODE_BACK] = conductance_at(at, NODE_BACK);
     eps[NODE_HERE] = conductance_at(at, NODE_HERE);
     add_mean_flow(&sum, NODE_BACK, NODE_HERE, -1 / step, eps, at);
@@ -225,7 +226,8 @@ static link link_between(const row_nodes *at, int before, int after) {
                   mean + by_log_b / b * fluid->mobility_slope[j] * drop};
 }
 
-/* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. */
+/* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where
+ * nothing is entrained, the first has no use. */
 enum { HALF_BACK2, HALF_BACK, HALF_BEFORE, HALF_AFTER, HALF_AHEAD, NUM_HALF };
 
 /* Weights of the film at a half node: of the cubic, and the mean beside the boundary. */
@@ -328,8 +330,10 @@ static void add_accurate_row(reynolds_row *row, double step, double entrainment,
                              const row_nodes *at) {
     static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD,
                                              NODE_AHEAD2};
-    static const int half_left[NUM_HALF] = {0, NODE_LEFT2, NODE_LEFT, NODE_HERE, NODE_RIGHT};
-    static const int half_right[NUM_HALF] = {0, NODE_LEFT, NODE_HERE, NODE_RIGHT, NODE_RIGHT2};
+    static const int half_left[NUM_HALF] = {NODE_LEFT2, NODE_LEFT2, NODE_LEFT, NODE_HERE,
+                                            NODE_RIGHT};
+    static const int half_right[NUM_HALF] = {NODE_LEFT, NODE_LEFT, NODE_HERE, NODE_RIGHT,
+                                             NODE_RIGHT2};
     const double scale = 1 / (step * step);
 
     add_flux_along(row, half_ahead, -scale, step, entrainment, at);

@@ -44,7 +44,7 @@ typedef struct reynolds_row {
 typedef struct reynolds_fluid {
     double *mobility;       // rho/(eta lambda), so that eps = mobility H^3
     double *mobility_slope; // with respect to the dimensionless pressure
-    double *log_mobility;   // ln mobility, but for a constant
+    double *log_mobility;   // ln mobility, but for a constant; NULL when not needed, as published
     double *density;        // NULL when incompressible
     double *density_slope;
 } reynolds_fluid;

@@ -493,8 +493,7 @@ void setting_print(FILE *stream, const setting *row, const scene *of) {
 enum { ALLOWED_TEXT = 160 };
 
 /* " N/m" of a line contact, " N" of a point contact, and before it is known " N/m (of a point
- * contact N)"; "" for the
- * unit 1. `of` may be NULL. */
+ * contact N)"; "" for the unit 1. `of` may be NULL. */
 static void show_unit(char shown[SHOWN_TEXT], const setting *row, const scene *of) {
     const char *unit = row->unit, *other = strchr(unit, '|');
     *shown = '\0';

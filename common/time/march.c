@@ -268,8 +268,8 @@ static ehd_status advance(march *self, ehd_error *error) {
     return self->store(self->sink, &outcome, (size_t)self->state.num_steps, error);
 }
 
-/* Ends a march whose step size collapses: where a model's own noise is above the tolerance, steps get shorter
- * until the noise of a step is, and the end is out of reach. */
+/* Ends a march whose step size collapses: where a model's own noise is above the tolerance, steps
+ * get shorter until the noise of a step is, and the end is out of reach. */
 static void watch_progress(march *self, double *mark, double usual) {
     const double min_progress = 0.01; // of the usual one, in so many attempts
 

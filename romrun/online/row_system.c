@@ -100,7 +100,8 @@ static inline void add_some_rows(double *restrict target, const double *factors,
     }
 }
 
-/* Of a line's stencil; numbers known to the compiler make it twice as fast. */
+/* Of a line's stencil. With one loop over six nodes, and not one over as many as there are, a
+ * solution with the published rows takes 4.5 % more instructions. */
 static inline void add_rows(double *restrict target, const double factors[NUM_LINE_STENCIL],
                             const double *const sources[NUM_LINE_STENCIL], bool wide,
                             size_t count) {
