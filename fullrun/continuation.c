@@ -9,8 +9,8 @@
 
 /* Of the start, over that of a film formula: Newton corrects a film that is too thick in a few
  * steps, while one that is too thin at the contact's edges is driven to zero there. Of 24 cold
- * starts at the corners of M and L (extremes_converge) 7 fail at half of the formula's film and 8
- * at the film itself; at 2, 4, 10 and 20 times all converge, in 432, 471, 536 and 594 steps. */
+ * starts at the corners of M and L (extremes_converge) 15 fail at half of the formula's film and 8
+ * at the film itself; at 1.5, 2, 4 and 10 times all converge, in 760, 731, 765 and 820 steps. */
 static const double START_FILM = 2;
 
 /* Continuation strides, as parts of the way, below which it is given up. Of 89 cold starts that go

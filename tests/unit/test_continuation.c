@@ -53,7 +53,7 @@ static void far_start_is_given_up_early(void **state) {
     far.contact = goal;
     assert_int_equal(full_solve_from(&far.info, &far.state, far.solver, &goal, NULL), EHD_OK);
     assert_int_equal(far.info.status, EHD_OK);
-    assert_true(far.info.newton_iterations < 100); // measured: 85
+    assert_true(far.info.newton_iterations < 80); // measured: 66
     problem_free(&far);
 }
 
@@ -72,12 +72,12 @@ static void continuation_takes_strides_that_help(void **state) {
         full_solve_cold(&hopeless.info, &hopeless.state, hopeless.solver, &too_coarse, NULL),
         EHD_OK);
     assert_int_equal(hopeless.info.status, EHD_NOT_CONVERGED);
-    assert_true(hopeless.info.newton_iterations < 240); // measured: 214
+    assert_true(hopeless.info.newton_iterations < 240); // measured: 213
     problem_free(&hopeless);
 }
 
 /* Corners of what a user may ask for, from the dry contact: all of them, and in no more iterations
- * than damping and the film of the start take as they are. */
+ * than the film of the start takes as it is. */
 static void extremes_converge(void **state) {
     (void)state;
     static const double corners[][2] = {{1, 0},  {2, 0.5}, {10, 0},   {20, 0},  {50, 0}, {200, 0},
@@ -94,7 +94,7 @@ static void extremes_converge(void **state) {
             num_iterations += solved.info.newton_iterations;
             problem_free(&solved);
         }
-    assert_true(num_iterations < 470); // measured: 432
+    assert_true(num_iterations < 760); // measured: 731, most at M = 1, L = 25
 }
 
 int main(void) {

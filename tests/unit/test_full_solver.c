@@ -165,6 +165,19 @@ static void flux_finds_the_exit_at_once(void **state) {
     }
 }
 
+/* At a high alpha p_H a full Newton step may lead anywhere: without a search along it this contact
+ * takes 354 iterations, most of them in a continuation, and with it 8. */
+static void steps_are_searched(void **state) {
+    (void)state;
+    const full_settings settings = full_default_settings();
+    ehd_contact contact = sample_contact("barus", "incompressible", 500, 15, 0.002);
+    contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    problem solved;
+    problem_solve_cold(&solved, &contact, &settings);
+    assert_true(solved.info.newton_iterations <= 12);
+    problem_free(&solved);
+}
+
 // ---- outcomes and errors
 
 static void not_converged_is_an_outcome(void **state) {
@@ -345,6 +358,7 @@ int main(void) {
         cmocka_unit_test(second_order_convergence),
         cmocka_unit_test(newton_count_does_not_grow),
         cmocka_unit_test(flux_finds_the_exit_at_once),
+        cmocka_unit_test(steps_are_searched),
         cmocka_unit_test(not_converged_is_an_outcome),
         cmocka_unit_test(too_coarse_a_grid_is_an_outcome),
         cmocka_unit_test(linear_solver_failures),
