@@ -107,6 +107,7 @@ static void the_library_says_what_it_solved(void **state) {
     assert_int_equal(properties.unknowns, 9);
     assert_int_equal(properties.states, TRAINED_STATES);
     assert_string_equal(properties.deformation, "coupled");
+    assert_string_equal(properties.discretization, "accurate");
 
     ehd_contact contact = training.contacts[4];
     contact_set_moes(&contact, 12, 3);
