@@ -305,8 +305,8 @@ static bool exit_cycles(exit_watch *watch, size_t next) {
 // ---- Newton
 
 /* Limits of a step. Measured on 24 cold starts at the corners of M and L (extremes_converge, with
- * the published rows): 2026, 741, 432, 486 and 756 iterations with pressure changes of 0.03, 0.1, 0.3, 1
- * and 3; 432 with any part of the film from 0.01 to 0.2, 570 with 0.9. */
+ * the published rows): 2026, 741, 432, 486 and 756 iterations with pressure changes of 0.03, 0.1,
+ * 0.3, 1 and 3; 432 with any part of the film from 0.01 to 0.2, 570 with 0.9. */
 static const double MAX_PRESSURE_CHANGE = 0.3; // of the Hertz pressure
 static const double MIN_FILM_LEFT = 0.2;       // of the smallest film
 static const double MIN_FACTOR = 1e-6;         // below it the film is driven to zero
