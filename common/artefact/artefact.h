@@ -138,10 +138,10 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
 /* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which
  * can also be read. EHD_NOINPUT when there is none; EHD_DATA when it is damaged or was interrupted
- * before it began to stream, or its schema or `settings_text` differ; EHD_CANTCREATE when PATH
- * exists and program->force is not set, or another process is writing. A file with a growing axis
- * is not streaming yet, and what is on the axis may differ in length by the entries that a killed
- * run was writing: artefact_cut_axis has to come next. */
+ * before it began to stream, or its schema or settings (scene_text_matches) differ; EHD_CANTCREATE
+ * when PATH exists and program->force is not set, or another process is writing. A file with a
+ * growing axis is not streaming yet, and what is on the axis may differ in length by the entries
+ * that a killed run was writing: artefact_cut_axis has to come next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,

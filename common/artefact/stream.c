@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Streaming, resuming, finishing. */
 #include "common/artefact/internal.h"
+#include "common/settings/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +69,7 @@ static ehd_status check_same_settings(const artefact *file, const char *settings
                                       ehd_error *error) {
     char *found = hdf5_get_text(file->id, "settings");
     char *expected = utf8_copy(settings_text ? settings_text : "");
-    bool same = found && expected && strcmp(found, expected) == 0;
+    bool same = found && expected && scene_text_matches(found, expected);
     free(expected);
     free(found);
     return same ? EHD_OK : not_resumable(file, "other settings", error);

@@ -137,8 +137,7 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status) status = grid_read_discretization(&discretization, file, error);
     if (status) return status;
     *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines,
-                    num_lines > 1 && half != 0);
-    grid->discretization = discretization;
+                    num_lines > 1 && half != 0, discretization);
     double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,

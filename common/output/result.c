@@ -127,6 +127,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
 
     printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "contact",
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
+    printf("%-24s%s\n", "discretization", discretization_name(contact->grid.discretization));
     print_value("central film thickness", result->central_film_thickness, film, "µm");
     print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
     print_value("central pressure", result->central_pressure, pressure, "GPa");
@@ -264,9 +265,8 @@ void result_free(stored_result *stored) {
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error) {
     const ehd_grid whole = grid_whole(grid);
-    ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
-                           stored->num_lines, false);
+    const ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
+                                 stored->num_lines, false, stored->discretization);
 
-    own.discretization = stored->discretization;
     return grid_check(&own, path, &whole, "the scene", error);
 }

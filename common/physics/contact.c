@@ -166,13 +166,15 @@ double contact_gap(double x, double y) {
     return (x * x + y * y) / 2;
 }
 
-ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half) {
+ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
+                 ehd_discretization discretization) {
     ehd_grid grid = {.x_min = x_min,
                      .step = step,
                      .inner_x = inner_x,
                      .inner_lines = inner_lines,
                      .half = half,
-                     .num_inner = inner_x * inner_lines};
+                     .num_inner = inner_x * inner_lines,
+                     .discretization = discretization};
 
     grid.num_nodes = grid_width(&grid) * grid_lines(&grid);
     return grid;
@@ -180,10 +182,7 @@ ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, 
 
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines) {
-    ehd_grid other = grid_of(x_min, step, inner_x, inner_lines, grid->half);
-
-    other.discretization = grid->discretization;
-    return other;
+    return grid_of(x_min, step, inner_x, inner_lines, grid->half, grid->discretization);
 }
 
 size_t grid_width(const ehd_grid *grid) {
@@ -237,10 +236,7 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node) {
 ehd_grid grid_whole(const ehd_grid *grid) {
     size_t lines = grid->half ? 2 * grid->inner_lines - 1 : grid->inner_lines;
 
-    ehd_grid whole = grid_of(grid->x_min, grid->step, grid->inner_x, lines, false);
-
-    whole.discretization = grid->discretization;
-    return whole;
+    return grid_of(grid->x_min, grid->step, grid->inner_x, lines, false, grid->discretization);
 }
 
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {

@@ -62,8 +62,9 @@ typedef struct ehd_grid {
     ehd_discretization discretization;
 } ehd_grid;
 
-/* Fills the counts; the published discretisation. */
-ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half);
+/* Fills the counts. */
+ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
+                 ehd_discretization discretization);
 /* Another grid with the discretisation of this one, and also half where it is. */
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines);

@@ -185,3 +185,20 @@ char *scene_text(const scene *of) {
     }
     return text;
 }
+
+bool scene_text_matches(const char *kept, const char *now) {
+    static const char key[] = "discretization:", published[] = "discretization: published\n";
+    size_t length = 0;
+
+    for (const char *line = kept; *line; line += length + (line[length] == '\n')) {
+        length = strcspn(line, "\n");
+        if (strncmp(line, key, strlen(key)) == 0) return strcmp(kept, now) == 0;
+    }
+    for (; *now; now += length, kept += length) {
+        if (strncmp(now, published, strlen(published)) == 0) now += strlen(published);
+        length = strcspn(now, "\n");
+        length += now[length] == '\n';
+        if (strncmp(kept, now, length) != 0) return false;
+    }
+    return !*kept;
+}

@@ -163,6 +163,11 @@ ehd_status scene_validate(const scene *scene, const char *where, ehd_error *erro
  * Equal scenes give equal texts, so the text also identifies a scene. Free with free(). */
 char *scene_text(const scene *scene);
 
+/* Whether a text that a file keeps is of the same settings as one of now, of scenes or plans alike.
+ * A text without a discretization is of a version before 0.3.0, which had the published one alone:
+ * it matches the same text with that. */
+bool scene_text_matches(const char *kept, const char *now);
+
 /* The table as text for --help, and as a Markdown table for schemas/scene.md. */
 void scene_print_help(FILE *stream);
 void scene_print_markdown(FILE *stream);

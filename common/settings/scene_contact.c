@@ -10,11 +10,11 @@ static ehd_grid scene_grid(const scene *given) {
     const size_t beside = isnan(given->grid.y_max) ? 0 : (size_t)lround(given->grid.y_max / step);
     const bool half = beside > 0 && given->grid.half != 0;
 
-    ehd_grid grid =
-        grid_of(given->grid.x_min, step, inner_x, half ? beside + 1 : 2 * beside + 1, half);
+    ehd_discretization discretization = DISCRETIZATION_ACCURATE;
 
-    discretization_find(&grid.discretization, given->discretization);
-    return grid;
+    discretization_find(&discretization, given->discretization); // of the table's choices
+    return grid_of(given->grid.x_min, step, inner_x, half ? beside + 1 : 2 * beside + 1, half,
+                   discretization);
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {

@@ -61,8 +61,8 @@ static const setting contact_rows[] = {
     LAST_ROW};
 
 static const setting run_rows[] = {
-    {"discretization", CHOICE(discretization), "published", "accurate|published", 0, 0, "1",
-     "How the equations are discretised on the grid: as published, or by rows of higher order",
+    {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
+     "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
     {"grid.x_min", REAL(grid.x_min), "-4", NULL, -1e3, -1, "1",
      "First inner node, in contact half widths; below -1", ALWAYS, false},

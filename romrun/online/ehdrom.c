@@ -93,6 +93,8 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
                                     .num_lines = grid_whole(&model->grid).inner_lines,
                                     .x_min = model->grid.x_min,
                                     .step = model->grid.step,
+                                    .discretization =
+                                        discretization_name(model->grid.discretization),
                                     .deformation = deformation_names[model->deformation],
                                     .pressure_modes = model->num_pressure,
                                     .deformation_modes = model->num_deformation,

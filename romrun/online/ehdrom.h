@@ -37,6 +37,7 @@ typedef struct ehdrom_properties {
     size_t num_nodes;                         // with the boundary nodes
     size_t num_lines;                         // across, both sides of a mirror; 1 of a line contact
     double x_min, step;                       // of the grid, in half widths
+    const char *discretization;               // "accurate" or "published"
     const char *deformation;                  // "independent" or "coupled"
     size_t pressure_modes, deformation_modes; // in use
     size_t unknowns;                          // of the reduced system
@@ -77,7 +78,9 @@ ehdrom_solver *ehdrom_solver_free(ehdrom_solver *solver); // accepts and returns
 void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
 
 /* Solves one contact from the trained solutions. Not converged and not trusted are outcomes in
- * result->status. Returns EHD_OK, or EHD_DATA when the contact's grid is not the model's. */
+ * result->status. Returns EHD_OK, or EHD_DATA when the contact's grid or discretisation is not the
+ * model's: a scene that names none has the accurate one, a model of a version before 0.3.0 the
+ * published one. */
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
 
@@ -134,7 +137,7 @@ typedef struct ehdrom_state {
 /* Reads what only transient scenes need. Once a model, one thread at a time. */
 ehd_status ehdrom_prepare_transient(ehdrom_model *model, ehd_error *error);
 
-/* The model must outlive it. EHD_DATA: other grid; EHD_INTERNAL: not prepared; EHD_MEMORY. */
+/* The model must outlive it. EHD_DATA: other grid or discretisation; EHD_INTERNAL: not prepared; EHD_MEMORY. */
 ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
                                    const ehd_contact *reference, ehd_error *error);
 ehdrom_transient *ehdrom_transient_free(ehdrom_transient *transient); // accepts and returns NULL

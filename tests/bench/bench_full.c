@@ -27,7 +27,8 @@ static double time_newton(full_info *info, full_state *work, const full_state *s
 }
 
 static int bench_dense(size_t repeats) {
-    ehd_contact contact = sample_contact("no1", "dowson-higginson", 100, 10, 0.002);
+    ehd_contact contact =
+        sample_published(sample_contact("no1", "dowson-higginson", 100, 10, 0.002));
     ehd_contact neighbour = contact;
     full_settings settings = full_default_settings(), dense_settings = settings;
     full_solver *solver, *dense_solver;
@@ -82,7 +83,7 @@ static int bench_growth(size_t repeats) {
     task.repeats = repeats;
     for (size_t i = 0; i < NUM_SIZES; i++) {
         double step = 0.005 / (double)(1 << i);
-        task.contact = sample_contact("no1", "dowson-higginson", 12, 12, step);
+        task.contact = sample_published(sample_contact("no1", "dowson-higginson", 12, 12, step));
         nodes[i] = (double)task.contact.grid.num_inner;
         run_apart(&record, sizeof record, &megabytes[i], cold_solve, &task);
         seconds[i] = record.seconds.median;

@@ -91,6 +91,7 @@ for step in 0.005 0.00125; do
     cat >"$work/$name.yml" <<YML
 contact: line
 regime: stationary
+discretization: published
 moes: {M: 18.5, L: 8.2}
 lubricant: {viscosity: {law: wlf, preset: no1}, density: {law: dowson-higginson}}
 grid: {step: $step}
@@ -122,6 +123,7 @@ for step in 0.005 0.00125; do
     cat >"$work/$name.yml" <<YML
 contact: line
 regime: transient
+discretization: published
 moes: {M: 120, L: 10}
 lubricant: {viscosity: {law: barus, alpha: 22e-9}}
 grid: {step: $step}

@@ -4,10 +4,11 @@
 
 load common
 
-# A region of 121 nodes with 153 candidates; of the training all further tests are about.
+# A region of 301 nodes with 153 candidates; of the training all further tests are about.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     common_setup_small
+    sed -i 's/step: 0.05/step: 0.02/' scene.yml base.yml
     cat >region.yml <<'YAML'
 groups:
   - scene: base.yml
@@ -152,7 +153,7 @@ contact: point
 regime: stationary
 moes: {M: 13, L: 5}
 lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
-grid: {x_min: -2.5, x_max: 1.5, step: 0.125, y_max: 2}
+grid: {x_min: -2.5, x_max: 1.5, step: 0.0625, y_max: 2}
 YAML
     cat >candidates.yml <<'YAML'
 groups:
@@ -220,7 +221,7 @@ groups:
       regime: transient
       moes: {M: 12, L: 4}
       lubricant: {viscosity: {law: barus, alpha: 2.0e-8}, density: {law: dowson-higginson}}
-      grid: {step: 0.05}
+      grid: {step: 0.02}
       transient: {load: {law: sine, amplitude: 0.1, period: 0.5}, end_time: 0.1}
 YAML
     refuse 65 "moving.yml: found 1 transient scenes with --adaptive" snapgen moving.yml --adaptive -o x.h5

@@ -136,6 +136,7 @@ copy_scene() {
     cd "${1%/*}" || return
     cd own || return
     [ ! -e scene.yml ] || sed -i 's/step: [0-9.]*/step: 0.02/' scene.yml
+    [ ! -e scene.yml ] || grep -q '^grid:' scene.yml || echo 'grid: {step: 0.02}' >>scene.yml
     sed -i -e 's/^model.*PRESSURE_MODES *=.*/&\nmodel.PRESSURE_MODES = 12\nmodel-fast.PRESSURE_MODES = 10\nmodel-paper.PRESSURE_MODES = 12/' \
         -e 's/^model.*DEFORMATION_MODES *=.*/&\nmodel-paper.DEFORMATION_MODES = 8/' \
         -e 's/^model.*ROWS *=.*/&\nmodel.ROWS = 40\nmodel-fast.ROWS = 40\nmodel-paper.ROWS = 40/' \

@@ -6,7 +6,7 @@ load common
 
 setup() { common_setup; }
 
-accurate=(--set discretization=accurate)
+published=(--set discretization=published)
 
 # model PLAN OPTION...: trains m.h5 with all the energy
 train() {
@@ -23,54 +23,69 @@ off() { awk -v a="$1" -v b="$2" -v limit="$3" 'BEGIN { d = a / b - 1; exit !(d *
 
 @test "the accurate rows are near the solution of the equations on a coarse grid" {
     sed -i 's/^moes: .*/moes: {M: 20, L: 10}/; s/law: dowson-higginson/law: incompressible/' scene.yml
-    fullrun scene.yml -o published.h5 --quiet >/dev/null
-    fullrun scene.yml -o accurate.h5 --quiet "${accurate[@]}" >/dev/null
+    fullrun scene.yml -o published.h5 --quiet "${published[@]}" >published.txt
+    fullrun scene.yml -o accurate.h5 --quiet >accurate.txt
     # grid-converged, by extrapolation from steps of 0.005 and 0.0025
     off "$(number accurate.h5 central_film_thickness)" 0.103316 1e-4
     off "$(number accurate.h5 minimum_film_thickness)" 0.077878 1e-3
     run ! off "$(number published.h5 central_film_thickness)" 0.103316 5e-3
+    # who does not ask gets them, and is told
+    grep -qx "discretization          accurate" accurate.txt
+    grep -qx "discretization          published" published.txt
     [ "$(fullrun --print accurate.h5 discretization)" = $'discretization\naccurate' ]
     [ "$(fullrun --print published.h5 discretization)" = $'discretization\npublished' ]
 
     point_scene 20 -4
-    fullrun scene.yml -o point.h5 --quiet "${accurate[@]}" >/dev/null
-    fullrun scene.yml -o fine.h5 --quiet "${accurate[@]}" --set grid.step=0.03125 >/dev/null
+    fullrun scene.yml -o point.h5 --quiet >point.txt
+    grep -qx "discretization          accurate" point.txt
+    fullrun scene.yml -o fine.h5 --quiet --set grid.step=0.03125 >/dev/null
     off "$(number point.h5 central_film_thickness)" "$(number fine.h5 central_film_thickness)" 3e-3
 }
 
 @test "a reduced model follows the accurate full model, line and point, coupled and independent" {
-    train plan.yml "${accurate[@]}"
+    train plan.yml
     [ "$(romrun --print m.h5 discretization)" = $'discretization\naccurate' ]
     # at a training point it is the full model
     for deformation in coupled independent; do
         podbuild s.h5 -o b.h5 --force --deformation $deformation --energy 1e-20 --quiet >/dev/null
-        snapgen plan.yml --basis b.h5 -o r.h5 --force --quiet "${accurate[@]}" >/dev/null
+        snapgen plan.yml --basis b.h5 -o r.h5 --force --quiet >/dev/null
         deimselect r.h5 --basis b.h5 -o m.h5 --force --quiet >/dev/null
-        fullrun scene.yml -o f.h5 --force --quiet "${accurate[@]}" --set moes.M=12 --set moes.L=5 >/dev/null
-        romrun scene.yml --model m.h5 -o x.h5 --force --quiet "${accurate[@]}" --set moes.M=12 --set moes.L=5 >/dev/null
+        fullrun scene.yml -o f.h5 --force --quiet --set moes.M=12 --set moes.L=5 >/dev/null
+        romrun scene.yml --model m.h5 -o x.h5 --force --quiet --set moes.M=12 --set moes.L=5 >/dev/null
         off "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-4
     done
 
     point_scene 15 -4
     sed -i 's/step: 0.125/step: 0.25/' scene.yml
     printf 'groups:\n  - scene: scene.yml\n    vary: {moes.M: [10, 14, 20], moes.L: [4, 6]}\n' >point-plan.yml
-    train point-plan.yml "${accurate[@]}"
-    fullrun scene.yml -o f.h5 --force --quiet "${accurate[@]}" --set moes.M=14 --set moes.L=4 >/dev/null
-    romrun scene.yml --model m.h5 -o x.h5 --force --quiet "${accurate[@]}" --set moes.M=14 --set moes.L=4 >/dev/null
+    train point-plan.yml
+    fullrun scene.yml -o f.h5 --force --quiet --set moes.M=14 --set moes.L=4 >/dev/null
+    romrun scene.yml --model m.h5 -o x.h5 --force --quiet --set moes.M=14 --set moes.L=4 >/dev/null
     off "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-3
 }
 
+@test "in time too, and the reduced model says which it has" {
+    sed -i -e 's/stationary/transient/' -e '$a transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.1, fixed_step: 0.02}' scene.yml
+    fullrun scene.yml -o t.h5 --quiet >t.txt
+    grep -qx "discretization          accurate" t.txt
+    [ "$(fullrun --print t.h5 discretization)" = $'discretization\naccurate' ]
+    train scene.yml "${published[@]}"
+    romrun scene.yml --model m.h5 -o x.h5 --quiet "${published[@]}" >x.txt
+    grep -qx "discretization          published" x.txt
+    [ "$(romrun --print x.h5 discretization)" = $'discretization\npublished' ]
+}
+
 @test "files of one discretisation are refused with the other" {
-    train plan.yml
+    train plan.yml "${published[@]}"
     cp s.h5 published.h5
     refuse 65 "discretization: found accurate, expected published as in m.h5" \
-        romrun scene.yml --model m.h5 -o x.h5 "${accurate[@]}"
-    refuse 65 "discretization: found .*, expected .*, as in" snapgen plan.yml --basis b.h5 -o x.h5 "${accurate[@]}"
-    snapgen plan.yml -o s.h5 --force --quiet "${accurate[@]}" >/dev/null
+        romrun scene.yml --model m.h5 -o x.h5
+    refuse 65 "discretization: found .*, expected .*, as in" snapgen plan.yml --basis b.h5 -o x.h5
+    snapgen plan.yml -o s.h5 --force --quiet >/dev/null
     refuse 65 "published.h5: discretization: found published, expected accurate, as in s.h5" podbuild s.h5 published.h5 -o x.h5
-    fullrun scene.yml -o start.h5 --quiet >/dev/null
+    fullrun scene.yml -o start.h5 --quiet "${published[@]}" >/dev/null
     refuse 65 "start.h5: discretization: found published, expected accurate, as in the scene" \
-        fullrun scene.yml --start start.h5 -o x.h5 "${accurate[@]}"
+        fullrun scene.yml --start start.h5 -o x.h5
     refuse 65 "discretization: found exact, expected accurate.published" fullrun scene.yml -o x.h5 --set discretization=exact
 
     # a file that does not say, as those of 0.1.0, is of the published one
@@ -79,4 +94,29 @@ off() { awk -v a="$1" -v b="$2" -v limit="$3" 'BEGIN { d = a / b - 1; exit !(d *
     [ "$(podbuild --print old.h5 discretization)" = $'discretization\npublished' ]
     patch s.h5 "f.attrs['discretization'] = 'exact'"
     refuse 65 "bad.h5: discretization: found exact, expected accurate.published" podbuild bad.h5 -o x.h5
+}
+
+# forget FILE: what a version before 0.3.0 would have left of a published run
+forget() {
+    /usr/bin/python3 - "$1" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1], "r+") as f:
+    text = f.attrs["settings"]
+    text = text.decode() if isinstance(text, bytes) else text
+    assert "discretization: published\n" in text
+    f.attrs["settings"] = text.replace("discretization: published\n", "")
+    del f.attrs["discretization"]
+PYTHON
+}
+
+@test "interrupted runs of versions without the key go on with the published rows alone" {
+    slow=(snapgen plan.yml --quiet --set grid.step=0.0025 --jobs 1)
+    "${slow[@]}" "${published[@]}" -o whole.h5
+    stop_when INT 'states >= 2' s.h5 "${slow[@]}" "${published[@]}" -o s.h5 2>/dev/null
+    [ "$code" -eq 130 ]
+    forget s.h5.partial
+    refused 65 "s.h5.partial: found other settings" "${slow[@]}" -o s.h5 --resume
+    "${slow[@]}" "${published[@]}" -o s.h5 --resume
+    same_data whole.h5 s.h5
+    snapgen --check s.h5
 }

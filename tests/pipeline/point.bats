@@ -158,7 +158,7 @@ PYTHON
 }
 
 @test "says what the grid does to the film" {
-    run --separate-stderr fullrun scene.yml -o result.h5
+    run --separate-stderr fullrun scene.yml -o result.h5 --set discretization=published
     [ "$status" -eq 0 ]
     [[ $stderr == *"grid.step: found 0.125, expected a finer one"* ]]
     /usr/bin/python3 - <<'PYTHON'

@@ -153,7 +153,8 @@ with h5py.File("red.h5") as red, h5py.File("full.h5") as full:
     assert red["pressure"].shape == (1, 121)
     numpy.testing.assert_allclose(red["x"], full["x"], atol=1e-12)
     numpy.testing.assert_allclose(red["film_thickness"][0, 80], red["central_film_thickness"][0], rtol=1e-11)
-    numpy.testing.assert_allclose(red["film_thickness"][0].min(), red["minimum_film_thickness"][0], rtol=1e-11)
+    least = red["film_thickness"][0].min() # at the nodes; the result's lies between them
+    assert 0.98 * least < red["minimum_film_thickness"][0] <= least
     numpy.testing.assert_allclose(red["pressure"][0], full["pressure"][0], atol=5e-3)
     numpy.testing.assert_allclose(red["film_thickness"][0], full["film_thickness"][0], atol=2e-3)
     assert (red["pressure"][0, red["x"][...] >= red["exit_position"][0]] == 0).all()
@@ -420,6 +421,9 @@ with h5py.File("foreign.h5", "w") as f:
     for name, values in states.items():
         f["state_" + name] = values
 PYTHON
+    refuse 65 "foreign.h5: discretization: found published, expected accurate, as in plan.yml" \
+        snapgen plan.yml --basis foreign.h5 -o x.h5
+    /usr/bin/python3 -c 'import h5py; h5py.File("foreign.h5", "r+").attrs["discretization"] = "accurate"'
     run --separate-stderr snapgen plan.yml --basis foreign.h5 -o fr.h5 --quiet
     echo "$stderr"
     [ "$status" -eq 0 ]

@@ -239,9 +239,11 @@ print("exact")'
     [[ $status == 0 && ! $output =~ bin/$programs ]]
 }
 
-# A coarse grid has few modes to offer.
+# A coarse grid has few modes to offer. With the accurate rows it takes 60 for the force, and the film is 1.1 % off; on the
+# example's own grid they follow to 0.001 %.
 small_oscillator() {
     copy_scene examples/oscillator
+    echo 'discretization: published' >>scene.yml
     sed -i 's/^ENERGY.*/model.PRESSURE_MODES = 40\nmodel.ROWS = 64/' Makefile
 }
 
@@ -507,6 +509,6 @@ far" ]
     echo "$output"
     [ "$status" -eq 0 ]
     awk -v off="$(sed -n 's/^worst deviation: \([0-9.]*\) .*/\1/p' <<<"$output")" 'BEGIN { exit !(off > 0 && off < 2) }'
-    [[ $output =~ middle\ .*\ step\ \+[0-9]+\ % ]] # of which a point contact alone is told, not of the inlet
+    [[ $output =~ slow\ .*\ step\ \+[0-9]+\ % ]] # of which a point contact alone is told, not of the inlet
     for picture in profiles maps; do [ "$(head -c 4 out/$picture.png | tail -c 3)" = PNG ]; done
 }

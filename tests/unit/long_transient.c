@@ -5,11 +5,13 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static marched first, second;
 
 static void run_paper(marched *self, double step, const char *transient) {
     scene of = marched_scene(120, 10, "incompressible", step, transient);
+    strcpy(of.discretization, "published");
     marched_all(self, &of);
 }
 

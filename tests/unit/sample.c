@@ -66,6 +66,11 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
     return contact_of(&given);
 }
 
+ehd_contact sample_published(ehd_contact contact) {
+    contact.grid.discretization = DISCRETIZATION_PUBLISHED;
+    return contact;
+}
+
 static const struct {
     const char *lubricant, *density;
     double moes_M, moes_L, step;

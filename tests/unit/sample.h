@@ -22,6 +22,9 @@ ehd_contact sample_contact(const char *lubricant, const char *density, double mo
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
+/* The same contact with the published rows. */
+ehd_contact sample_published(ehd_contact contact);
+
 /* Line contacts of all laws, light and heavy, on grids as coarse as each bears. */
 enum { NUM_SAMPLE_CASES = 10 };
 ehd_contact sample_case(int i);

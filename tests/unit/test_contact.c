@@ -118,7 +118,7 @@ static void grid_nodes(void **state) {
  * is mirrored. */
 static void exits_of_a_pressure(void **state) {
     (void)state;
-    const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true);
+    const ehd_grid grid = grid_of(-1, 0.5, 4, 3, true, DISCRETIZATION_PUBLISHED);
     const double pressure[4][6] = {{0, 1, 2, 3, 0, 0}, {0, 1, 0, 1, -1e-9, 0}};
     const size_t expected[] = {4, 4, 1, 1};
     const double positions[] = {NAN, 0.5, 0.5, 0.5, NAN};

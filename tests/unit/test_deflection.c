@@ -10,11 +10,11 @@
 #include <stdlib.h>
 
 static ehd_contact line_contact(double step) {
-    return sample_contact("barus", "incompressible", 10, 5, step);
+    return sample_published(sample_contact("barus", "incompressible", 10, 5, step));
 }
 
 static ehd_contact point_contact(size_t cells, bool half) {
-    return sample_point("barus", "incompressible", 20, 5, cells, half);
+    return sample_published(sample_point("barus", "incompressible", 20, 5, cells, half));
 }
 
 // ---- kernels
@@ -249,8 +249,8 @@ static void deflection_without_memory(void **state) {
     const struct {
         const contact_kind *kind;
         ehd_grid grid;
-    } cases[] = {{&contact_line, grid_of(-1, 0.1, 21, 1, false)},
-                 {&contact_point, grid_of(-1, 0.1, 21, 11, true)}};
+    } cases[] = {{&contact_line, grid_of(-1, 0.1, 21, 1, false, DISCRETIZATION_PUBLISHED)},
+                 {&contact_point, grid_of(-1, 0.1, 21, 11, true, DISCRETIZATION_PUBLISHED)}};
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_deflection *deflection;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Earlier reduced films against those of the full model, which GSL's splines and plain sums carry
  * over. */
+#include "common/physics/deflection.h"
 #include "fullrun/previous.h"
 #include "romrun/online/fields.h"
 #include "romrun/online/film_splines.h"
@@ -43,7 +44,7 @@ static void fill_full(previous_state *full, previous_carrier *carrier, const pre
         *film = full->state.rigid_approach + contact_gap(nodes[k], 0);
         for (size_t i = 0; i < grid->num_nodes && !basis->deformation_modes; i++)
             *film += full->state.pressure[i] *
-                     basis->kind->kernel(fabs(nodes[k] - nodes[i]), 0, grid->step);
+                     deflection_influence(basis->kind, grid, fabs(nodes[k] - nodes[i]), 0);
         for (size_t j = 0; j < basis->num_deformation; j++)
             // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): num_deformation is 0 without
             *film += basis->deformation_modes[k * basis->num_deformation + j] * z[num_pressure + j];
@@ -293,8 +294,9 @@ static void fill_deflection(plane *self, const plane *pressure, const point_film
 
     assert_non_null(kernel);
     for (size_t k = 0; k < size; k++)
-        kernel[k] = contact_point.kernel((double)(k % self->width) * step,
-                                         (double)(k / self->width) * step, step);
+        kernel[k] =
+            deflection_influence(&contact_point, &of->basis->grid, (double)(k % self->width) * step,
+                                 (double)(k / self->width) * step);
     for (size_t k = 0; k < size; k++)
         self->values[k] = of->film.state.coordinates[of->model.num_unknowns - 1];
     for (size_t i = 0; i < size; i++)

@@ -27,7 +27,7 @@ typedef struct patch {
 
 static void patch_init(patch *self, const ehd_contact *contact, size_t inner_lines, bool half) {
     self->contact = *contact;
-    self->contact.grid = grid_of(-1, 0.1, 6, inner_lines, half);
+    self->contact.grid = grid_of(-1, 0.1, 6, inner_lines, half, DISCRETIZATION_PUBLISHED);
     self->contact.grid.discretization = contact->grid.discretization;
     const ehd_grid *grid = &self->contact.grid;
     self->pressure = allocate((2 + NUM_FLUID_ARRAYS) * grid->num_nodes, sizeof(double));
@@ -270,7 +270,8 @@ static void solution_satisfies_the_problem(void **state) {
  * (bench_point.c). */
 static void digits_of_the_multigrid_program(void **state) {
     (void)state;
-    const ehd_contact contact = sample_point("barus", "incompressible", 20, 10, 64, true);
+    const ehd_contact contact =
+        sample_published(sample_point("barus", "incompressible", 20, 10, 64, true));
     const full_settings settings = full_default_settings();
     const double unit = pow(30, 2. / 3);
     problem solved;
@@ -283,7 +284,7 @@ static void digits_of_the_multigrid_program(void **state) {
 }
 
 /* From coarser grids Newton begins near the solution, and its first systems need not be solved
- * well: on 128 cells 5 iterations with 8 to 9 of GMRES each, where a start from the dry contact
+ * well: on 128 cells 5 or 6 iterations with 8 to 9 of GMRES each, where a start from the dry contact
  * takes 13, strict systems 12 each, and systems that are solved too badly a Newton iteration
  * more. */
 static void fine_grids_take_few_iterations(void **state) {
@@ -301,7 +302,7 @@ static void fine_grids_take_few_iterations(void **state) {
         gmres += solved.info.gmres_iterations;
         problem_free(&solved);
     }
-    assert_true(newton <= 10);
+    assert_true(newton <= 11);
     assert_true(gmres <= 95);
 }
 

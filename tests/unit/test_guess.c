@@ -31,7 +31,7 @@ static void places_init(places *self, size_t columns, size_t rows, bool quadrati
 
     memset(self, 0, sizeof *self);
     self->line = (band_line){.min_exit = 40, .max_exit = 60};
-    self->model.grid = grid_of(-4, 0.05, 98, 1, false);
+    self->model.grid = grid_of(-4, 0.05, 98, 1, false, DISCRETIZATION_PUBLISHED);
     self->model.band.num_lines = 1;
     self->model.band.lines = &self->line;
     self->model.num_unknowns = UNKNOWNS;

@@ -15,7 +15,12 @@ typedef struct valley {
 static const size_t COLUMN = 30, LINE = 7;
 
 static valley valley_at(double along, double across, bool point) {
-    valley self = {grid_of(-4, 0.1, 61, point ? 21 : 1, false), along, across, 0.05, 0.01, 0};
+    valley self = {grid_of(-4, 0.1, 61, point ? 21 : 1, false, DISCRETIZATION_PUBLISHED),
+                   along,
+                   across,
+                   0.05,
+                   0.01,
+                   0};
 
     self.grid.discretization = DISCRETIZATION_ACCURATE;
     return self;

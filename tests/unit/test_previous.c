@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Previous states in the present frame, and the equation in time that is made of them. */
+#include "common/physics/deflection.h"
 #include "common/physics/reynolds.h"
 #include "common/time/bdf.h"
 #include "fullrun/previous.h"
@@ -163,8 +164,8 @@ static double deflection_by_hand(const ehd_contact *reference, const double *pre
     for (size_t k = 0; k < grid->num_nodes; k++)
         for (int side = grid->half && grid_y(grid, k) > 0 ? -1 : 1; side <= 1; side += 2)
             sum +=
-                pressure[k] * reference->kind->kernel(fabs(x - grid_x(grid, k)),
-                                                      fabs(y - side * grid_y(grid, k)), grid->step);
+                pressure[k] * deflection_influence(reference->kind, grid, fabs(x - grid_x(grid, k)),
+                                                   fabs(y - side * grid_y(grid, k)));
     return sum;
 }
 

@@ -2,6 +2,7 @@
 /* What follows from a pressure that is cut at the exit: tables at checkpoints against plain sums.
  * How they are moved from exit to exit is in test_reduced_solver.c and, of a point contact,
  * test_reduced_point.c. */
+#include "common/physics/deflection.h"
 #include "romrun/model/reduced_cut.h"
 #include "tests/unit/check.h"
 #include "tests/unit/trained.h"
@@ -12,7 +13,7 @@ static double dense_deflection(const reduced_basis *basis, size_t exit, size_t n
 
     for (size_t i = 1; i < exit; i++) {
         double distance = (node > i ? (double)(node - i) : (double)(i - node)) * basis->grid.step;
-        sum += basis->kind->kernel(distance, 0, basis->grid.step) *
+        sum += deflection_influence(basis->kind, &basis->grid, distance, 0) *
                basis->pressure[i * basis->num_pressure + mode];
     }
     return sum;

@@ -50,15 +50,13 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     const snapshot_set *set = &training->set;
     size_t num_nodes = basis->grid.num_nodes, num_lines = grid_lines(&basis->grid);
     double *pressure = calloc(2 * num_nodes, sizeof *pressure), *film = pressure + num_nodes;
-    double least = INFINITY;
+    const double least = trained_least_film(training->film + s * num_nodes, &basis->grid);
 
     assert_non_null(pressure);
     assert_int_equal(
         reduced_fields(pressure, film, &self->state, &self->model, basis->pressure, NULL), EHD_OK);
     for (size_t l = 0; l < num_lines; l++)
         assert_int_equal(self->state.exits[l], set->exit[s * num_lines + l]);
-    for (size_t k = 0; k < num_nodes; k++)
-        least = fmin(least, training->film[s * num_nodes + k]);
     check_close(self->info.scalars.central_film_thickness, set->central_film_thickness[s],
                 tolerance, 0);
     check_close(self->info.scalars.minimum_film_thickness, least, tolerance, 0);
@@ -149,10 +147,11 @@ static double dense_deflection(const reduced_basis *basis, const size_t *exit, s
         double x = grid_x(grid, node) - grid_x(grid, i), y = grid_y(grid, node) - grid_y(grid, i);
         double pressure = basis->pressure[i * basis->num_pressure + mode];
         if (i % grid_width(grid) >= exit[line]) continue;
-        sum += basis->kind->kernel(x, y, grid->step) * pressure;
+        sum += deflection_influence(basis->kind, grid, x, y) * pressure;
         if (grid->half && line > 0)
             sum +=
-                basis->kind->kernel(x, grid_y(grid, node) + grid_y(grid, i), grid->step) * pressure;
+                deflection_influence(basis->kind, grid, x, grid_y(grid, node) + grid_y(grid, i)) *
+                pressure;
     }
     return sum;
 }

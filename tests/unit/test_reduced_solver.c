@@ -264,30 +264,36 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-/* From each trained solution to each of the others: damping and the exit's longest stride bring all
- * there. Measured: 850 iterations, none lost; with a pressure change of 1 a step 893 and 2 lost, of
+/* From each trained solution to each of the others, with the published rows: damping and the exit's
+ * longest stride bring all there. (With the accurate ones 8 of 144, all to the lightest load with the
+ * most viscous lubricant, end in another minimum of the residual.) Measured: 850 iterations, none lost; with a pressure change of 1 a step 893 and 2 lost, of
  * 0.1 863 and 4 lost; with exits that move by 0.02 half widths an iteration 842 and 1 lost, by 0.2
  * 843 and none. */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
     reduced_problem reduced;
+    reduced_basis basis;
+    trained published;
     size_t num_iterations = 0;
 
-    reduced_problem_init(&reduced, &independent, NULL, 0, &settings);
+    trained_init_published(&published, 0.02);
+    trained_basis(&basis, &published, DEFORMATION_INDEPENDENT, 0, 0);
+    reduced_problem_init(&reduced, &basis, NULL, 0, &settings);
     const size_t n = reduced.model.num_unknowns;
     for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
         const size_t from = i / TRAINED_STATES, to = i % TRAINED_STATES;
-        memcpy(reduced.state.coordinates, independent.states.coordinates + from * n,
-               n * sizeof(double));
-        reduced.state.exit = training.set.exit[from];
-        reduced_problem_solve(&reduced, &training.contacts[to]);
+        memcpy(reduced.state.coordinates, basis.states.coordinates + from * n, n * sizeof(double));
+        reduced.state.exit = published.set.exit[from];
+        reduced_problem_solve(&reduced, &published.contacts[to]);
         check_close(reduced.info.scalars.central_film_thickness,
-                    training.set.central_film_thickness[to], 1e-4, 0);
+                    published.set.central_film_thickness[to], 1e-4, 0);
         num_iterations += reduced.info.iterations;
     }
     assert_true(num_iterations < 880);
     reduced_problem_free(&reduced);
+    reduced_basis_free(&basis);
+    trained_free(&published);
 }
 
 // ---- the exit's moves
@@ -362,7 +368,7 @@ static void the_exit_stays_inside_the_tables(void **state) {
 
 // ---- what is reported
 
-static void minimum_film_is_the_smallest_nodal_film(void **state) {
+static void minimum_film_is_that_of_the_fields(void **state) {
     (void)state;
     size_t num_nodes = training.set.grid.num_nodes;
     double *pressure = fields(), *film = pressure + num_nodes;
@@ -372,12 +378,10 @@ static void minimum_film_is_the_smallest_nodal_film(void **state) {
         reduced_problem reduced;
         reduced_problem_init(&reduced, basis, NULL, 0, &strict_settings);
         for (size_t s = 0; s < TRAINED_STATES; s++) {
-            double least = INFINITY;
             solve_from_neighbour(&reduced, s);
             full_fields(pressure, film, &reduced, basis);
-            for (size_t k = 1; k + 1 < num_nodes; k++)
-                least = fmin(least, film[k]);
-            check_close(reduced.info.scalars.minimum_film_thickness, least, 1e-11, 0);
+            check_close(reduced.info.scalars.minimum_film_thickness,
+                        trained_least_film(film, &basis->grid), 1e-11, 0);
             check_close(reduced.info.scalars.exit_position,
                         grid_x(&basis->grid, reduced.state.exit), 0, 1e-12);
         }
@@ -530,7 +534,7 @@ int main(void) {
         cmocka_unit_test(any_trained_solution_leads_to_any_other),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
-        cmocka_unit_test(minimum_film_is_the_smallest_nodal_film),
+        cmocka_unit_test(minimum_film_is_that_of_the_fields),
         cmocka_unit_test(jacobian_equals_finite_differences),
         cmocka_unit_test(bad_rows_are_refused),
         cmocka_unit_test(survives_failing_allocations),

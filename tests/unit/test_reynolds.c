@@ -130,8 +130,7 @@ static double residual_of_constant_flux(ehd_discretization discretization, size_
     assert_non_null(memory);
     double *pressure = memory + NUM_FLUID_ARRAYS * num_nodes, *film = pressure + num_nodes;
 
-    contact.grid = grid_of(-1, 1 / (double)(8 * refine), count + 1, 1, false);
-    contact.grid.discretization = discretization;
+    contact.grid = grid_of(-1, 1 / (double)(8 * refine), count + 1, 1, false, discretization);
     reynolds_fluid fluid = reynolds_fluid_in(memory, num_nodes, &contact);
     for (size_t k = 0; k < num_nodes; k++) {
         double s = 1.5 + grid_x(&contact.grid, k) / 2;
@@ -167,7 +166,7 @@ static void order_of_a_constant_flux(void **state) {
 
 static void first_row_has_no_second_node_back(void **state) {
     (void)state;
-    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
+    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false, DISCRETIZATION_PUBLISHED);
     reynolds_stencil first = reynolds_stencil_at(&grid, 1), second = reynolds_stencil_at(&grid, 2);
     assert_true(first.node[NODE_BACK2] == NO_NODE);
     assert_int_equal(first.node[NODE_BACK], 0);
@@ -179,7 +178,7 @@ static void first_row_has_no_second_node_back(void **state) {
 /* Isoviscous, so that both terms can be written down exactly, discretisation included. */
 static void manufactured_rows(void **state) {
     (void)state;
-    ehd_contact contact = sample_contact("barus", "dowson-higginson", 10, 0, 0.1);
+    ehd_contact contact = sample_published(sample_contact("barus", "dowson-higginson", 10, 0, 0.1));
     small_problem small;
     reynolds_row rows[NUM_NODES - 2];
     const double film_slope = 0.2, pressure_slope = 0.3, curvature = 0.7, h = 0.1;
@@ -223,7 +222,7 @@ static void squeezed_rows(reynolds_row *rows, const ehd_contact *contact,
     double memory[NUM_FLUID_ARRAYS * NUM_NODES];
     reynolds_fluid fluid = reynolds_fluid_in(memory, NUM_NODES, contact);
     reynolds_stencil stencils[NUM_NODES - 2];
-    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false);
+    ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false, DISCRETIZATION_PUBLISHED);
 
     for (size_t r = 0; r < NUM_NODES - 2; r++)
         stencils[r] = reynolds_stencil_at(&grid, r + 1);

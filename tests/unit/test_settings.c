@@ -721,7 +721,7 @@ static void stationary_text_knows_no_time(void **state) {
                                    "lubricant.viscosity.preset: no1\n"
                                    "lubricant.viscosity.temperature: 25\n"
                                    "lubricant.density.law: dowson-higginson\n"
-                                   "discretization: published\n"
+                                   "discretization: accurate\n"
                                    "grid.x_min: -4\n"
                                    "grid.x_max: 2\n"
                                    "grid.step: 0.005\n";
@@ -731,6 +731,52 @@ static void stationary_text_knows_no_time(void **state) {
     char *text = scene_text(&of);
     assert_string_equal(text, expected);
     free(text);
+}
+
+/* Lines and points, stationary and in time, from a file or by hand. */
+static void the_default_discretization_is_accurate(void **state) {
+    char text[1024];
+    scene of;
+    (void)state;
+    accepts(&of, good);
+    assert_string_equal(of.discretization, "accurate");
+    accepts_moving(&of, "transient: {end_time: 1}\n");
+    assert_string_equal(of.discretization, "accurate");
+    accepts(&of, "contact: point\nregime: stationary\nmoes: {M: 12, L: 5}\n"
+                 "lubricant: {viscosity: {law: barus, alpha: 2e-8}}\n");
+    assert_string_equal(of.discretization, "accurate");
+    scene_defaults(&of);
+    assert_string_equal(of.discretization, "accurate");
+    snprintf(text, sizeof text, "%sdiscretization: published\n", good);
+    accepts(&of, text);
+    assert_string_equal(of.discretization, "published");
+}
+
+/* Texts of a scene or a plan as versions before 0.3.0 kept them. */
+static void kept_text_without_a_discretization_is_of_the_published_one(void **state) {
+    static const struct {
+        const char *kept, *now;
+        bool same;
+    } cases[] = {
+        {"a: 1\nb: 2\n", "a: 1\ndiscretization: published\nb: 2\n", true},
+        {"a: 1\nb: 2\n", "a: 1\ndiscretization: accurate\nb: 2\n", false},
+        {"a: 1\nb: 2\n", "a: 1\nb: 2\ndiscretization: published\n", true},
+        {"a: 1\nb: 2\n", "discretization: published\na: 1\nb: 2\n", true},
+        {"a: 1\nb: 2\n", "a: 1\nb: 2\n", true},
+        {"a: 1\nb: 2\n", "a: 1\ndiscretization: published\n", false},
+        {"a: 1\n", "a: 1\ndiscretization: published\nb: 2\n", false},
+        {"a: 1\nb: 2\n", "a: 1\ndiscretization: published\nb: 23\n", false},
+        {"a: 1\ndiscretization: accurate\n", "a: 1\ndiscretization: accurate\n", true},
+        {"a: 1\ndiscretization: accurate\n", "a: 1\ndiscretization: published\n", false},
+        {"a: 1\ndiscretization: published\n", "a: 1\ndiscretization: published\n", true},
+        {"a: 1\ndiscretization: published\n", "a: 1\ndiscretization: accurate\n", false},
+        {"", "discretization: published\n", true},
+        {"", "a", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        if (scene_text_matches(cases[i].kept, cases[i].now) != cases[i].same)
+            fail_msg("case %zu", i);
 }
 
 static void files_are_relative_to_the_file_that_names_them(void **state) {
@@ -1208,6 +1254,8 @@ int main(void) {
         cmocka_unit_test(refuses_bad_histories),
         cmocka_unit_test(transient_text_round_trips),
         cmocka_unit_test(stationary_text_knows_no_time),
+        cmocka_unit_test(the_default_discretization_is_accurate),
+        cmocka_unit_test(kept_text_without_a_discretization_is_of_the_published_one),
         cmocka_unit_test(files_are_relative_to_the_file_that_names_them),
         cmocka_unit_test(plan_varies_histories),
         cmocka_unit_test(conditions_of_the_table_are_valid),

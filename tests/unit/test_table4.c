@@ -5,6 +5,8 @@
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
 
+#include <string.h>
+
 static const struct {
     const char *lubricant;
     double moes_M, moes_L;
@@ -38,6 +40,7 @@ static void every_printed_digit(void **state) {
         full_info info;
 
         given.hertz_pressure = 1e9 * table[i].hertz_pressure;
+        strcpy(given.discretization, "published");
         given.grid.step = step_of(table[i].moes_M);
         assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
         assert_int_equal(full_solver_create(&solver, contact.kind, &contact.grid, &settings, NULL),

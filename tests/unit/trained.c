@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/trained.h"
 
+#include "common/physics/minimum.h"
 #include "fullrun/full_solver.h"
 #include "tests/unit/sample.h"
 
@@ -51,6 +52,14 @@ void trained_init(trained *self, double step) {
     train(self);
 }
 
+void trained_init_published(trained *self, double step) {
+    memset(self, 0, sizeof *self);
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        self->contacts[s] = sample_published(
+            sample_contact("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3], step));
+    train(self);
+}
+
 void trained_init_point(trained *self, bool half) {
     memset(self, 0, sizeof *self);
     for (size_t s = 0; s < TRAINED_STATES; s++) {
@@ -64,6 +73,18 @@ void trained_init_point(trained *self, bool half) {
         assert_int_equal(scene_contact(&self->contacts[s], &given, NULL), EHD_OK);
     }
     train(self);
+}
+
+static double film_at(const void *film, size_t node) {
+    return ((const double *)film)[node];
+}
+
+double trained_least_film(const double *film, const ehd_grid *grid) {
+    size_t least = grid_node_of_row(grid, 0);
+
+    for (size_t r = 1; r < grid->num_inner; r++)
+        if (film[grid_node_of_row(grid, r)] < film[least]) least = grid_node_of_row(grid, r);
+    return minimum_around(grid, least, film_at, film);
 }
 
 void trained_free(trained *self) {

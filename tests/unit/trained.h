@@ -19,12 +19,16 @@ typedef struct trained {
 
 /* Solves the points on -4 … 2 with the given step to a residual of 1e-13; the test fails when one
  * does not converge. */
-void trained_init(trained *self, double step); // free with trained_free
+void trained_init(trained *self, double step);           // free with trained_free
+void trained_init_published(trained *self, double step); // the same with the published rows
 
 /* The same points of a point contact on -2.5 … 1.5 and -2 … 2 in steps of 0.125, or on the half y
  * >= 0. */
 void trained_init_point(trained *self, bool half);
 void trained_free(trained *self);
+
+/* The smallest film between the nodes of a grid, as results give it; [num_nodes]. */
+double trained_least_film(const double *film, const ehd_grid *grid);
 
 /* POD bases; sizes 0 stand for as many modes as the states span. */
 void trained_basis(

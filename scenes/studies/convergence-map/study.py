@@ -60,6 +60,7 @@ def plan(file, piece):
   - scene:
       contact: line
       regime: stationary
+      discretization: published
       lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
       grid: {{x_min: -4, x_max: 2, step: {step}}}
     vary:

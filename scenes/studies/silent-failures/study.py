@@ -35,10 +35,11 @@ RUN = ["promise", "where", "whose", "code", "reduced", "full"]
 
 
 def read_scene(file):
-    """Kind of contact, line of the grid, and viscosity of a scene."""
+    """Kind of contact, lines of discretisation and grid, and viscosity of a scene."""
     with open(file) as source:
         lines = {line.split(":")[0].strip(): line.rstrip() for line in source}
-    return (re.sub(" *#.*", "", lines["contact"].split(":")[1]).strip(), lines["grid"],
+    return (re.sub(" *#.*", "", lines["contact"].split(":")[1]).strip(),
+            "\n".join(lines[key] for key in ("discretization", "grid") if key in lines),
             re.sub("^[^{]*{|}.*", "", lines["viscosity"]))
 
 

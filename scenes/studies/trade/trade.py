@@ -38,7 +38,7 @@ def calibrated_scenes(model, regime):
     """Scenes of a regime that a model was calibrated on, as mappings of settings, without those that ways choose. The
     text names the settings of the first scene, then what changes from one to the next (schemas/plan.md)."""
     text = results.printed(model, "settings")["settings"][0].partition("# calibrated on")[2]
-    scenes, scene = [], {}
+    scenes, scene = [], {"discretization": "published"}  # of models that name none
     for point in text.split("# point")[1:]:
         for line in point.splitlines()[1:]:
             if line and not line.startswith("#"):
