@@ -135,7 +135,7 @@ static void print_part(const char **separator, const char *name, double part) {
     if (isnan(part)) return;
     printf("%s%s ", *separator, name);
     if (isinf(part))
-        printf("unknown");
+        printf("too coarse to tell");
     else
         printf("%.2g %%", 100 * fabs(part));
     *separator = ", ";

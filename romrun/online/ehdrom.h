@@ -85,7 +85,7 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
 /* What the grid of the model's training does to the films of a contact, which no solution of the
  * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,
  * interpolated between the estimates of the training points (film_effects.h). NaN: the model holds
- * none; infinite: its grid is too coarse to tell. Some microseconds; any number of threads. */
+ * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
 film_effects ehdrom_effects(const ehdrom_model *model, const ehd_contact *contact);
 
 /* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
