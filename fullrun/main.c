@@ -205,58 +205,61 @@ static ehd_status put_resolution(artefact *file, const full_resolution *resoluti
                                  ehd_error *error) {
     const struct {
         const char *name;
-        double value;
-    } reals[] = {{"inlet_effect", resolution->inlet_effect},
-                 {"step_effect", resolution->step_effect},
-                 {"observed_order", resolution->order}};
-    const struct {
-        const char *name;
         size_t value;
     } counts[] = {{"inlet_nodes", resolution->inlet_nodes},
                   {"spike_nodes", resolution->spike_nodes},
                   {"outlet_nodes", resolution->outlet_nodes}};
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
-        if (!isnan(reals[i].value))
-            status = artefact_put_real(file, reals[i].name, reals[i].value, error);
+    if (!isnan(resolution->order))
+        status = artefact_put_real(file, "observed_order", resolution->order, error);
     for (size_t i = 0; i < sizeof counts / sizeof *counts && !status; i++)
         status = artefact_put_integer(file, counts[i].name, (int64_t)counts[i].value, error);
     return status;
 }
 
-static const double NOTED_EFFECT = 0.01; // on H_c, from which a note is printed
+// effects from which a note is printed; the minimum film converges less regularly
+static const double NOTED_EFFECT = 0.01, NOTED_EFFECT_MINIMUM = 0.03;
 
 static void note_resolution(const program *self, const full_resolution *resolution,
                             const ehd_grid *grid) {
     const char *path = self->arguments[0];
+    const double *effects = resolution->effects.of;
 
-    if (fabs(resolution->inlet_effect) > NOTED_EFFECT)
+    if (fabs(effects[EFFECT_INLET]) > NOTED_EFFECT)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: without end it would move "
                      "the central film by about %+.2g %%",
-                     path, grid->x_min, 100 * resolution->inlet_effect);
-    if (isnan(resolution->step_effect))
+                     path, grid->x_min, 100 * effects[EFFECT_INLET]);
+    if (isinf(effects[EFFECT_STEP]))
         program_note(self,
                      "%s: grid.step: found %g, expected a finer one: with twice the step there is "
                      "no solution",
                      path, grid->step);
-    else if (fabs(resolution->step_effect) > NOTED_EFFECT)
+    else if (fabs(effects[EFFECT_STEP]) > NOTED_EFFECT)
         program_note(self,
                      "%s: grid.step: found %g, expected a finer one: ever smaller it would move "
                      "the central film by about %+.2g %%",
-                     path, grid->step, 100 * resolution->step_effect);
+                     path, grid->step, 100 * effects[EFFECT_STEP]);
+    else if (fabs(effects[EFFECT_STEP_MINIMUM]) > NOTED_EFFECT_MINIMUM)
+        program_note(self,
+                     "%s: grid.step: found %g, expected a finer one: ever smaller it would move "
+                     "the minimum film by about %.2g %%",
+                     path, grid->step, 100 * fabs(effects[EFFECT_STEP_MINIMUM]));
 }
 
-/* Effects of the grid on a solution: into the file, unless NULL, and a note if they are large. */
-static ehd_status report_resolution(artefact *file, const program *self, const full_state *state,
-                                    const ehd_contact *contact, ehd_error *error) {
+/* Effects of the grid on a solution, with what else is known of it: into the file, unless NULL, and
+ * a note if they are large. */
+static ehd_status report_resolution(film_effects *effects, artefact *file, const program *self,
+                                    const full_state *state, const ehd_contact *contact,
+                                    ehd_error *error) {
     const double before = program_seconds();
     full_resolution resolution;
     ehd_status status = full_resolution_estimate(&resolution, state, contact, error);
 
     if (!status && file) status = put_resolution(file, &resolution, error);
     if (status) return status;
+    *effects = resolution.effects;
     note_resolution(self, &resolution, &contact->grid);
     program_detail(self, "resolution in %.3g ms: nodes of inlet %zu, spike %zu, outlet %zu",
                    1e3 * (program_seconds() - before), resolution.inlet_nodes,
@@ -320,11 +323,13 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
     const ehd_contact *contact = self->contact;
     run_result result =
         make_result(&self->info, &self->state, contact, self->given->output.fields != 0);
+    film_effects effects = film_effects_unknown();
     ehd_status status = EHD_OK;
 
     result.exits = self->exits;
+    result.effects = &effects;
     if (!result.status && self->given->output.resolution != 0)
-        status = report_resolution(*file, self->caller, &self->state, contact, error);
+        status = report_resolution(&effects, *file, self->caller, &self->state, contact, error);
     if (!status && *file) status = result_write(file, &result, contact, error);
     if (!status && result.status)
         status = ehd_fail(error, result.status, "%s: not converged: %s", path, result.reason);

@@ -27,6 +27,16 @@ static central_line central_line_of(const full_state *state, const ehd_grid *gri
     return line;
 }
 
+typedef struct film_pair {
+    double central, minimum;
+} film_pair;
+
+static film_pair films_of(const full_state *state, const ehd_contact *contact) {
+    const contact_scalars scalars = full_evaluate_scalars(state, contact);
+
+    return (film_pair){scalars.central_film_thickness, scalars.minimum_film_thickness};
+}
+
 // ---- the inlet
 
 /* Viscous pressure, the integral of dP / viscosity ratio from the inlet on. Between two nodes, over
@@ -87,7 +97,8 @@ static ehd_status estimate_inlet(full_resolution *self, const central_line *line
     lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
                        &contact->lubricant, contact->hertz_pressure, line->pressure, num_nodes);
     viscous_pressure(viscous, log_viscosity, line->pressure, num_nodes);
-    self->inlet_effect = inlet_effect(line, contact, viscous);
+    self->effects.of[EFFECT_INLET] = inlet_effect(line, contact, viscous);
+    self->effects.of[EFFECT_INLET_MINIMUM] = self->effects.of[EFFECT_INLET];
     self->inlet_nodes = count_inlet(viscous, line->centre);
     free(memory);
     return EHD_OK;
@@ -143,15 +154,16 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
     coarse->rigid_approach = solution->rigid_approach;
 }
 
-/* H_c of the contact on a grid with `stride` times the solution's step; NaN: not converged. */
-static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const full_state *solution,
-                               const ehd_grid *fine, size_t stride, ehd_error *error) {
+/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. */
+static ehd_status solve_coarse(film_pair *films, const ehd_contact *coarse,
+                               const full_state *solution, const ehd_grid *fine, size_t stride,
+                               ehd_error *error) {
     full_settings settings = full_default_settings();
     full_solver *solver = NULL;
     full_state state = {0};
     full_info info;
 
-    *film = NAN;
+    *films = (film_pair){NAN, NAN};
     settings.tolerance = 1e-8;
     settings.max_iterations = 20; // more are needed only where the grid is too coarse
     ehd_status status = full_solver_create(&solver, coarse->kind, &coarse->grid, &settings, error);
@@ -160,26 +172,47 @@ static ehd_status solve_coarse(double *film, const ehd_contact *coarse, const fu
         restrict_state(&state, &coarse->grid, solution, fine, stride);
         status = full_solve(&info, &state, solver, coarse, NULL, error);
     }
-    if (!status && info.status == EHD_OK)
-        *film = full_evaluate_scalars(&state, coarse).central_film_thickness;
+    if (!status && info.status == EHD_OK) *films = films_of(&state, coarse);
     full_state_free(&state);
     full_solver_free(solver);
     return status;
 }
 
-/* Richardson's estimate from H_c at the steps h, 2h and 4h. The observed order, 2 if there is none,
- * is kept between 1, by exit and ends of the domain at light loads, and 2, the scheme's. */
-static void extrapolate(full_resolution *self, const double film[3]) {
-    double order = log2((film[2] - film[1]) / (film[1] - film[0]));
-    double used = isfinite(order) ? fmin(fmax(order, 1), 2) : 2;
+double full_observed_order(const double films[3]) {
+    double order = log2((films[2] - films[1]) / (films[1] - films[0]));
 
-    self->order = isfinite(order) ? order : NAN;
-    self->step_effect = (film[0] - film[1]) / film[0] / (exp2(used) - 1);
+    return isfinite(order) ? order : NAN;
+}
+
+double full_step_effect(const double films[3], double max_order) {
+    const double order = full_observed_order(films);
+    const double used = isnan(order) ? 2 : fmin(fmax(order, 1), max_order);
+
+    if (isnan(films[1])) return INFINITY;
+    return (films[0] - films[1]) / films[0] / (exp2(used) - 1);
+}
+
+double full_step_effect_minimum(const double films[3]) {
+    const double max_order = 2, effect = full_step_effect(films, max_order);
+    const double left = (films[1] - films[2]) / films[0] / exp2(max_order) / (exp2(max_order) - 1);
+
+    return isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left));
+}
+
+static void extrapolate(full_resolution *self, const film_pair films[3],
+                        ehd_discretization discretization) {
+    const double max_order = discretization == DISCRETIZATION_PUBLISHED ? 2 : 3;
+    const double central[3] = {films[0].central, films[1].central, films[2].central};
+    const double minimum[3] = {films[0].minimum, films[1].minimum, films[2].minimum};
+
+    self->order = full_observed_order(central);
+    self->effects.of[EFFECT_STEP] = full_step_effect(central, max_order);
+    self->effects.of[EFFECT_STEP_MINIMUM] = full_step_effect_minimum(minimum);
 }
 
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, ehd_error *error) {
-    double film[3] = {full_evaluate_scalars(state, contact).central_film_thickness, NAN, NAN};
+    film_pair films[3] = {films_of(state, contact), {NAN, NAN}, {NAN, NAN}};
     ehd_contact coarse = *contact;
 
     const central_line line = central_line_of(state, &contact->grid);
@@ -189,9 +222,9 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     ehd_status status = estimate_inlet(self, &line, contact, error);
     for (size_t g = 1; g < 3 && !status; g++) {
         coarse.grid = full_coarser_grid(&coarse.grid);
-        status = solve_coarse(&film[g], &coarse, state, &contact->grid, (size_t)1 << g, error);
-        if (isnan(film[g])) break;
+        status = solve_coarse(&films[g], &coarse, state, &contact->grid, (size_t)1 << g, error);
+        if (isnan(films[g].central)) break;
     }
-    if (!status) extrapolate(self, film);
+    if (!status) extrapolate(self, films, contact->grid.discretization);
     return status;
 }

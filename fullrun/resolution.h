@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Resolution of a stationary solution, and effects of domain and step on its central film. */
+/* Resolution of a stationary solution, and effects of domain and step on its films. */
 #ifndef EHD_RESOLUTION_H
 #define EHD_RESOLUTION_H
 
+#include "common/output/film_effects.h"
 #include "fullrun/full_solver.h"
 #include <stddef.h>
 
 typedef struct full_resolution {
-    // estimated relative change of H_c:
-    double inlet_effect; // by an inlet from minus infinity; NaN for a point contact
-    double step_effect;  // in the limit of small steps; NaN: twice the step does not converge
-    double order;        // of convergence of H_c over steps h, 2h, 4h; NaN: none observed
+    film_effects effects; // of the inlet NaN for a point contact; of the step infinite where twice
+                          // the step does not converge
+    double order;         // of convergence of H_c over steps h, 2h, 4h; NaN: none observed
     // at Y = 0:
     size_t inlet_nodes;  // between 10 and 90 % of the centre's viscous pressure
     size_t spike_nodes;  // above half the height of the pressure spike; 0: no spike
@@ -25,5 +25,20 @@ ehd_status full_resolution_estimate(
     // input:
     const full_state *state, // converged, stationary
     const ehd_contact *contact, ehd_error *error);
+
+// ---- of which this is made, of films on grids of steps h, 2h and 4h; NaN: no solution there
+
+/* Order of convergence that they show, NaN where none. */
+double full_observed_order(const double films[3]);
+
+/* Richardson's estimate of the relative change from the first film to the limit of small steps,
+ * with the observed order, 2 where there is none, within 1 and max_order. Infinite without a second
+ * film. */
+double full_step_effect(const double films[3], double max_order);
+
+/* The same of a minimum film, which does not converge as regularly: with an order of at most 2, and
+ * at least as large as what order 2 leaves of the change from 4h to 2h, so that two films that
+ * agree by chance are not taken for convergence. */
+double full_step_effect_minimum(const double films[3]);
 
 #endif

@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/training/pool.h"
 #include "fullrun/full_march.h"
+#include "fullrun/resolution.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -127,7 +128,12 @@ static ehd_status solve_point(void *shared, void *given, size_t point, size_t pa
     solution->newton_iterations = info.newton_iterations;
     solution->residual = info.residual;
     solution->complementarity = info.complementarity;
-    return EHD_OK;
+    solution->effects = film_effects_unknown();
+    if (solution->status || !owner->with_effects || !owner->set->estimated[point]) return EHD_OK;
+    full_resolution resolution;
+    status = full_resolution_estimate(&resolution, state, contact, error);
+    if (!status) solution->effects = resolution.effects;
+    return status;
 }
 
 static ehd_status finish_point(void *shared, void *given, size_t point, size_t parent,

@@ -3,6 +3,7 @@
 #ifndef EHD_TRAINING_H
 #define EHD_TRAINING_H
 
+#include "common/output/film_effects.h"
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "fullrun/full_solver.h"
@@ -19,6 +20,7 @@ typedef struct snapshot {
     size_t newton_iterations;
     double residual;
     double complementarity; // as in full_info
+    film_effects effects;   // of the grid, where wanted and with EHD_OK
 } snapshot;
 
 /* What is kept of a point for the points that start from it. */
@@ -35,6 +37,7 @@ typedef struct training {
     const training_set *set;
     trained_point *points; // [num_points of the set]
     const bool *wanted;    // [num_points] to solve; NULL: all
+    bool with_effects;     // of the grid too, at the points of which the set wants them
     size_t num_failed;     // done, but not EHD_OK
     size_t num_done;
     /* Stores a finished point. Called by one thread at a time. */

@@ -76,6 +76,7 @@ static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
            num_states * sizeof(double));
     memcpy(states->stationary, set->stationary, num_states * sizeof *states->stationary);
     memcpy(states->rate, set->rate, num_states * sizeof(double));
+    memcpy(states->effects, set->effects, num_states * sizeof *states->effects);
     return EHD_OK;
 }
 

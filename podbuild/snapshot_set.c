@@ -18,6 +18,7 @@ void snapshot_set_free(snapshot_set *set) {
     free(set->central_film_thickness);
     free(set->stationary);
     free(set->rate);
+    free(set->effects);
     free(set->snapshots);
     memset(set, 0, sizeof *set);
 }
@@ -42,6 +43,7 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
     if (!status)
         status =
             grow((void **)&set->exit, count * grid_lines(&set->grid) * sizeof *set->exit, error);
+    if (!status) status = grow((void **)&set->effects, count * sizeof *set->effects, error);
     if (!status) status = grow((void **)&set->stationary, count * sizeof *set->stationary, error);
     return status;
 }
@@ -64,16 +66,31 @@ typedef struct file_states {
     double *rigid_approach, *moes_M, *alpha_p_H, *central_film_thickness; // [count]
     int64_t *outcome;                                                     // [count]
     // of trajectories: index, -1 for a stationary point; time and rate
-    int64_t *trajectory; // [count]
-    double *time, *rate; // [count]
+    int64_t *trajectory;          // [count]
+    double *time, *rate;          // [count]
+    double *effects[NUM_EFFECTS]; // [count]
     double *memory;
 } file_states;
+
+static ehd_status read_effects(file_states *states, artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int e = 0; e < NUM_EFFECTS && !status; e++) {
+        states->effects[e] = states->memory + (6 + (size_t)e) * states->count;
+        for (size_t i = 0; i < states->count; i++)
+            states->effects[e][i] = NAN;
+        if (artefact_has(file, film_effect_names[e]))
+            status =
+                read_column(states->effects[e], file, film_effect_names[e], states->count, error);
+    }
+    return status;
+}
 
 static ehd_status read_columns(file_states *states, artefact *file, ehd_error *error) {
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = calloc(6 * count + 1, sizeof(double));
+    states->memory = calloc((6 + NUM_EFFECTS) * count + 1, sizeof(double));
     states->outcome = calloc(2 * count + 1, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
@@ -89,6 +106,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
         states->trajectory[i] = -1;
     }
     ehd_status status = artefact_get(file, "rigid_approach", states->rigid_approach, error);
+    if (!status) status = read_effects(states, file, error);
     if (!status) status = read_column(states->moes_M, file, "moes_M", count, error);
     if (!status) status = read_column(states->alpha_p_H, file, "alpha_p_H", count, error);
     if (!status && artefact_has(file, "central_film_thickness"))
@@ -113,6 +131,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
     grid_exit_columns(set->exit + s * grid_lines(&set->grid), pressure, &set->grid);
     set->stationary[s] = true;
     set->rate[s] = 0;
+    set->effects[s] = film_effects_unknown();
 }
 
 /* One entry of a field of pressures, boundary nodes included. */
@@ -148,6 +167,8 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     add_solved(set, &state, pressure);
     set->stationary[s] = !in_time || states->time[i] == 0;
     set->rate[s] = rate;
+    for (int e = 0; e < NUM_EFFECTS; e++)
+        set->effects[s].of[e] = states->effects[e][i];
     return EHD_OK;
 }
 

@@ -3,6 +3,7 @@
 #ifndef EHD_SNAPSHOT_SET_H
 #define EHD_SNAPSHOT_SET_H
 
+#include "common/output/film_effects.h"
 #include "common/physics/contact.h"
 #include "common/program/status.h"
 #include <stdbool.h>
@@ -20,6 +21,7 @@ typedef struct snapshot_set {
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false on a trajectory, unless at its start
     double *rate;                   // [num_states] of change of the contact, 0 when stationary
+    film_effects *effects;          // [num_states] of the grid
     // what the basis is made of: the stationary states, and the compressed steps of trajectories
     size_t num_snapshots;
     double *snapshots; // [num_snapshots, num_nodes]

@@ -219,6 +219,7 @@ typedef struct stationary_run {
     attempt attempt;
     double *pressure, *film; // [nodes of the grid], NULL unless fields are wanted
     double *exits;           // [inner lines of the whole grid]
+    film_effects effects;    // of that grid
     run_result result;       // views of these
     char *text;              // settings
 } stationary_run;
@@ -243,8 +244,9 @@ static ehd_status read_against(stationary_run *self, bool with_fields, ehd_error
                                   path, self->contact, error);
 }
 
-/* The solution as a result, with its exits and, where wanted, fields. */
-static ehd_status fill_result(stationary_run *self, bool with_fields, ehd_error *error) {
+/* The solution as a result, with its exits and, where wanted, fields and what the grid does. */
+static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_effects,
+                              ehd_error *error) {
     const ehd_grid *grid = &self->contact->grid;
     attempt *done = &self->attempt;
     ehd_status status = EHD_OK;
@@ -262,6 +264,10 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, ehd_error 
     }
     self->result = make_result(&done->solution, self->pressure, self->film);
     self->result.exits = self->exits;
+    if (with_effects) {
+        self->effects = ehdrom_effects(done->model, self->contact);
+        self->result.effects = &self->effects;
+    }
     if (self->options->accuracy > 0) accuracy_judge(&self->result, self->options->accuracy);
     return status;
 }
@@ -281,8 +287,9 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
     return status;
 }
 
-static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, bool with_fields,
+static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, const scene *given,
                                  ehd_error *error) {
+    const bool with_fields = given->output.fields == 1;
     const program *caller = self->caller;
     romrun_options *options = self->options;
     const char *const inputs[] = {caller->arguments[0], options->model, options->against, NULL};
@@ -296,7 +303,7 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         status = result_create(&file, caller, self->contact, self->text, inputs, error);
     if (!status && options->repeats > 1)
         status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
-    if (!status) status = fill_result(self, with_fields, error);
+    if (!status) status = fill_result(self, with_fields, given->output.resolution != 0, error);
     if (!status && file) status = result_write(&file, &self->result, self->contact, error);
     if (!status) status = show(self, error);
     if (!status) status = judge(&self->result, options, caller->arguments[0], error);
@@ -308,7 +315,7 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
                                  const ehd_contact *contact, const scene *given,
                                  const char *scene_lines, ehd_error *error) {
     stationary_run self = {.caller = caller, .options = options, .contact = contact};
-    ehd_status status = solve_and_show(&self, scene_lines, given->output.fields == 1, error);
+    ehd_status status = solve_and_show(&self, scene_lines, given, error);
 
     stationary_run_free(&self);
     return status;

@@ -290,6 +290,7 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
 
     self->points.store = store;
     self->points.sink = self;
+    self->points.with_effects = true;
     self->points.wanted = self->trained;
     return status ? status : training_run(&self->points, self->num_workers, error);
 }

@@ -15,7 +15,7 @@ ehd_status adaptive_file_create(artefact **file, const program *caller, const tr
                                : ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
 
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
-    if (!status) status = snapshots_declare(*file, false, true, error);
+    if (!status) status = snapshots_declare(*file, set, true, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
     free(inputs);

@@ -160,6 +160,7 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     if (!status) {
         points.store = snapshots_store;
         points.sink = file;
+        points.with_effects = true;
         status = training_run(&points, options->num_jobs, error);
         if (!status && set.num_trajectories > 0)
             status = trajectories_train(&trained, self, &set, options->num_jobs, error);

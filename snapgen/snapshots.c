@@ -40,12 +40,28 @@ static bool begins_with(const char *name, const char *beginning) {
     return strncmp(name, beginning, strlen(beginning)) == 0;
 }
 
-ehd_status snapshots_declare(artefact *file, bool in_time, bool adaptive, ehd_error *error) {
+static bool is_effect(const char *name) {
+    for (int e = 0; e < NUM_EFFECTS; e++)
+        if (strcmp(name, film_effect_names[e]) == 0) return true;
+    return false;
+}
+
+/* Whether what the grid does to a point is wanted. */
+static bool any_estimated(const training_set *set) {
+    for (size_t i = 0; i < set->num_points; i++)
+        if (set->estimated[i]) return true;
+    return false;
+}
+
+ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
+                             ehd_error *error) {
+    const bool in_time = set->num_trajectories > 0, estimated = any_estimated(set);
     ehd_status status = EHD_OK;
 
     for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++) {
         bool applies = (in_time || !begins_with(field->name, "trajectory")) &&
-                       (adaptive || !begins_with(field->name, "training"));
+                       (adaptive || !begins_with(field->name, "training")) &&
+                       (estimated || !is_effect(field->name));
         if (strcmp(field->axes[0], "state") == 0 && applies)
             status = artefact_declare(file, field->name, error);
     }
@@ -61,7 +77,7 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
-    if (!status) status = snapshots_declare(*file, set->num_trajectories > 0, false, error);
+    if (!status) status = snapshots_declare(*file, set, false, error);
     if (!status) status = put_contacts(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);
     if (status) artefact_close(file);
@@ -124,6 +140,10 @@ static ehd_status put_solution(artefact *file, const training_set *set, size_t p
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
         status = artefact_put_part(file, reals[i].name, point, 1, reals[i].values, error);
+    for (int e = 0; e < NUM_EFFECTS && !status; e++)
+        if (artefact_has(file, film_effect_names[e]))
+            status = artefact_put_part(file, film_effect_names[e], point, 1,
+                                       &solution->effects.of[e], error);
     return status;
 }
 

@@ -28,8 +28,10 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t state,
 
 // ---- of which these are made
 
-/* Fields along the states; those of trajectories and of adaptive training where there are any. */
-ehd_status snapshots_declare(artefact *file, bool in_time, bool adaptive, ehd_error *error);
+/* Fields along the states; those of trajectories, of adaptive training and of what the grid does
+ * where there are any. */
+ehd_status snapshots_declare(artefact *file, const training_set *set, bool adaptive,
+                             ehd_error *error);
 
 /* What is known of a point before it is solved. */
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,

@@ -55,6 +55,20 @@
 #define BASIS_ATTRIBUTE                                                                            \
     ATTRIBUTE("basis_sha256", ARTEFACT_TEXT, "1", NEED_OWN, "identity of the basis file")
 
+// what the grid does to the films of a state
+#define EFFECT_FIELDS(prefix)                                                                      \
+    REAL(prefix "step_effect", "1", NEED_OPTIONAL,                                                 \
+         "estimated relative change of the central film with ever smaller steps; infinite where "  \
+         "a grid of twice the step has no solution; this and the next three NaN where not known",  \
+         "state"),                                                                                 \
+        REAL(prefix "inlet_effect", "1", NEED_OPTIONAL,                                            \
+             "estimated relative change of the central film with an inlet of any length",          \
+             "state"),                                                                             \
+        REAL(prefix "step_effect_minimum", "1", NEED_OPTIONAL, "the first of the minimum film",    \
+             "state"),                                                                             \
+        REAL(prefix "inlet_effect_minimum", "1", NEED_OPTIONAL, "the second of the minimum film",  \
+             "state")
+
 // training solutions in the coordinates of a basis
 #define STATE_FIELDS                                                                               \
     REAL("state_pressure", "1", NEED_ALWAYS,                                                       \
@@ -80,7 +94,8 @@
             "1 for a stationary training solution, 0 for one on a trajectory; 1 where missing",    \
             "state"),                                                                              \
         REAL("state_rate", "1", NEED_OPTIONAL,                                                     \
-             "rate of change of the contact at the training solutions; 0 where missing", "state")
+             "rate of change of the contact at the training solutions; 0 where missing", "state"), \
+        EFFECT_FIELDS("state_")
 
 // ---- result
 
@@ -152,14 +167,19 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
     ATTRIBUTE("inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "estimated relative change of the central film with an inlet of any length, not from "
-              "x_min on, of a line contact; of the full model, when stationary, like the five that "
-              "follow"),
+              "x_min on, of a line contact, when stationary; this and the next three of a reduced "
+              "solution are interpolated between those of its training"),
     ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "estimated relative change of the central film with ever smaller steps of x; not "
               "where a grid of twice the step has no solution"),
+    ATTRIBUTE("inlet_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "the first of the minimum film"),
+    ATTRIBUTE("step_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+              "the second of the minimum film"),
     ATTRIBUTE("observed_order", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "order of convergence of the central film over this grid and those of twice and four "
-              "times the step; not where there is none"),
+              "times the step; not where there is none; of the full model, when stationary, like "
+              "the three that follow"),
     ATTRIBUTE(
         "inlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
         "nodes where the viscous pressure builds up, from 10 to 90 % of it; like the two that "
@@ -177,7 +197,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 5, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 6, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
@@ -217,6 +237,7 @@ static const artefact_field snapshots_fields[] = {
          "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
          "at any node of a stationary point",
          "state"),
+    EFFECT_FIELDS(""),
     INTEGER("trajectory", NEED_OPTIONAL,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
             "state"),
@@ -273,7 +294,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          0,
+                                          1,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -320,7 +341,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      0,
+                                      1,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -567,7 +588,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      0,
+                                      1,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

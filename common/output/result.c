@@ -99,11 +99,22 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     return status;
 }
 
+/* Those that are known. */
+static ehd_status put_effects(artefact *file, const film_effects *effects, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int e = 0; e < NUM_EFFECTS && effects && !status; e++)
+        if (isfinite(effects->of[e]))
+            status = artefact_put_real(file, film_effect_names[e], effects->of[e], error);
+    return status;
+}
+
 ehd_status result_write(artefact **file, const run_result *result, const ehd_contact *contact,
                         ehd_error *error) {
     ehd_status status = put_fields(*file, result, &contact->grid, error);
 
     if (!status) status = put_scalars(*file, result, error);
+    if (!status) status = put_effects(*file, result->effects, error);
     if (!status) status = result_put_seconds(*file, result, error);
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
@@ -119,17 +130,44 @@ static void print_value(const char *name, double value, double scale, const char
         printf("%-24s%.8g\n", name, value);
 }
 
+/* Adds one source of what a film may be off by to the line; NaN: nothing. */
+static void print_part(const char **separator, const char *name, double part) {
+    if (isnan(part)) return;
+    printf("%s%s ", *separator, name);
+    if (isinf(part))
+        printf("too coarse to tell");
+    else
+        printf("%.2g %%", 100 * fabs(part));
+    *separator = ", ";
+}
+
+/* What of a film comes from the reduction, the grid's step and its inlet, where something is known
+ * of the grid. */
+static void print_parts(double model, double step, double inlet) {
+    const char *separator = "";
+
+    if (isnan(step) && isnan(inlet)) return;
+    printf("%-24s", "  of this, about");
+    print_part(&separator, "the model", model);
+    print_part(&separator, "the grid", step);
+    print_part(&separator, "the inlet", inlet);
+    putchar('\n');
+}
+
 void result_print(const run_result *result, const ehd_contact *contact) {
     const double micro = 1e6;
     const double film = contact_film_scale(contact) * micro;
     const double width = contact->half_width * micro;
     const double pressure = isnan(contact->load) ? NAN : contact->hertz_pressure * 1e-9;
+    const film_effects effects = result->effects ? *result->effects : film_effects_unknown();
 
     printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "contact",
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
     printf("%-24s%s\n", "discretization", discretization_name(contact->grid.discretization));
     print_value("central film thickness", result->central_film_thickness, film, "µm");
+    print_parts(result->indicated_deviation, effects.of[EFFECT_STEP], effects.of[EFFECT_INLET]);
     print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
+    print_parts(NAN, effects.of[EFFECT_STEP_MINIMUM], effects.of[EFFECT_INLET_MINIMUM]);
     print_value("central pressure", result->central_pressure, pressure, "GPa");
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");

@@ -78,6 +78,7 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
         } else {
             set->groups[set->num_points] = of->points[i].group;
+            set->estimated[set->num_points] = given->output.resolution != 0;
             set->contacts[set->num_points++] = contact;
         }
     }
@@ -141,6 +142,7 @@ ehd_status training_set_keep(training_set *set, const bool *keep, const char *pl
     for (size_t i = 0; i < set->num_points; i++) {
         if (!keep[i]) continue;
         set->contacts[count] = set->contacts[i];
+        set->estimated[count] = set->estimated[i];
         set->groups[count++] = set->groups[i];
     }
     set->num_points = count;
@@ -193,14 +195,15 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     *set = (training_set){0};
     set->contacts = calloc(of->num_points, sizeof *set->contacts);
     set->groups = calloc(of->num_points, sizeof *set->groups);
+    set->estimated = calloc(of->num_points, sizeof *set->estimated);
     set->parent = calloc(of->num_points, sizeof *set->parent);
     set->order = calloc(of->num_points, sizeof *set->order);
     set->trajectories = calloc(of->num_points, sizeof *set->trajectories);
     if (asprintf(&set->text, "%s# shard %zu/%zu\n", of->text, piece.number, piece.total) < 0)
         set->text = NULL;
     ehd_status status = EHD_OK;
-    if (!set->contacts || !set->groups || !set->parent || !set->order || !set->trajectories ||
-        !set->text)
+    if (!set->contacts || !set->groups || !set->estimated || !set->parent || !set->order ||
+        !set->trajectories || !set->text)
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
@@ -262,6 +265,7 @@ void training_set_free(training_set *set) {
     free(set->text);
     free(set->contacts);
     free(set->groups);
+    free(set->estimated);
     free(set->parent);
     free(set->order);
     free(set->trajectories);

@@ -28,6 +28,7 @@ typedef struct training_set {
     size_t num_points;     // stationary ones
     ehd_contact *contacts; // [num_points], in the order of the plan
     size_t *groups;        // [num_points], the plan's group of each
+    bool *estimated;       // [num_points], whether what the grid does to it is wanted too
     size_t *parent;        // [num_points], where each starts from; NO_PARENT: cold
     size_t *order;         // [num_points], parents first (tree_order)
     size_t num_trajectories;

@@ -130,6 +130,35 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return status;
 }
 
+/* What the grid does to the films, where it is known of any state. */
+static ehd_status put_effects(artefact *file, const reduced_states *states, double *work,
+                              ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int e = 0; e < NUM_EFFECTS && !status; e++) {
+        bool any = false;
+        for (size_t s = 0; s < states->num_states; s++) {
+            work[s] = states->effects[s].of[e];
+            any = any || !isnan(work[s]);
+        }
+        if (any) status = artefact_put(file, film_effect_state_names[e], work, error);
+    }
+    return status;
+}
+
+static ehd_status get_effects(reduced_states *states, artefact *file, double *work,
+                              ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int e = 0; e < NUM_EFFECTS && !status; e++) {
+        if (!artefact_has(file, film_effect_state_names[e])) continue;
+        status = artefact_get(file, film_effect_state_names[e], work, error);
+        for (size_t s = 0; s < states->num_states && !status; s++)
+            states->effects[s].of[e] = work[s];
+    }
+    return status;
+}
+
 /* Index in states->exit, which has boundary lines too, of the file's i-th exit, which has not. */
 static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
@@ -163,6 +192,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
     if (!status) status = put_trajectory_marks(file, states, exits, error);
+    if (!status) status = put_effects(file, states, part, error);
     free(exits);
     free(part);
     return status;
@@ -214,6 +244,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // a foreign file need not have it
     if (!status) status = get_trajectory_marks(states, file, exits, error);
+    if (!status) status = get_effects(states, file, part, error);
     free(exits);
     free(part);
     return status;

@@ -5,6 +5,7 @@
 #ifndef EHD_REDUCED_MODEL_H
 #define EHD_REDUCED_MODEL_H
 
+#include "common/output/film_effects.h"
 #include "common/physics/contact.h"
 #include "common/physics/reynolds.h"
 #include "common/program/arena.h"
@@ -33,9 +34,10 @@ typedef struct reduced_states {
     double *central_film_thickness; // [num_states]
     bool *stationary;               // [num_states] false along a trajectory
     double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
+    film_effects *effects;          // [num_states] of the full model's grid
 } reduced_states;
 
-/* Memory for states that are all stationary and zero. EHD_MEMORY. */
+/* Memory for states that are all stationary and zero, with unknown effects. EHD_MEMORY. */
 ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t num_lines,
                                size_t num_unknowns, ehd_error *error);
 void reduced_states_free(reduced_states *states);

@@ -37,14 +37,18 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->central_film_thickness = calloc(num_states, sizeof(double));
     states->stationary = malloc((num_states + 1) * sizeof *states->stationary);
     states->rate = calloc(num_states, sizeof(double));
+    states->effects = malloc((num_states + 1) * sizeof *states->effects);
     if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
-        !states->central_film_thickness || !states->stationary || !states->rate) {
+        !states->central_film_thickness || !states->stationary || !states->rate ||
+        !states->effects) {
         reduced_states_free(states);
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
                         num_states);
     }
-    for (size_t s = 0; s < num_states; s++)
+    for (size_t s = 0; s < num_states; s++) {
         states->stationary[s] = true;
+        states->effects[s] = film_effects_unknown();
+    }
     return EHD_OK;
 }
 
@@ -68,6 +72,7 @@ void reduced_states_free(reduced_states *states) {
     free(states->central_film_thickness);
     free(states->stationary);
     free(states->rate);
+    free(states->effects);
     *states = (reduced_states){0};
 }
 
@@ -93,5 +98,6 @@ ehd_status reduced_states_copy(reduced_states *target, const reduced_states *sou
     memcpy(target->central_film_thickness, source->central_film_thickness, count * sizeof(double));
     memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
     memcpy(target->rate, source->rate, count * sizeof(double));
+    memcpy(target->effects, source->effects, count * sizeof *target->effects);
     return EHD_OK;
 }

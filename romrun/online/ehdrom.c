@@ -203,6 +203,10 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
     return EHD_OK;
 }
 
+film_effects ehdrom_effects(const ehdrom_model *model, const ehd_contact *contact) {
+    return reduced_effects(&model->reduced, contact->moes_M, contact->alpha_p_H);
+}
+
 ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error) {
     const reduced_model *model = &solver->model->reduced;
 

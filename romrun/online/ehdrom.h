@@ -20,6 +20,7 @@
 #ifndef EHDROM_H
 #define EHDROM_H
 
+#include "common/output/film_effects.h"
 #include "common/physics/contact.h"
 #include "common/program/status.h"
 #include "common/settings/scene_contact.h"
@@ -83,6 +84,12 @@ void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
  * published one. */
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
+
+/* What the grid of the model's training does to the films of a contact, which no solution of the
+ * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,
+ * interpolated between the estimates of the training points (film_effects.h). NaN: the model holds
+ * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
+film_effects ehdrom_effects(const ehdrom_model *model, const ehd_contact *contact);
 
 /* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
  * half grid the half: the only call whose cost grows with the grid. Reads the model file at the

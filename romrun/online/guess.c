@@ -22,15 +22,19 @@ typedef struct neighbour {
     double distance, away[2];
 } neighbour;
 
-/* Lists the nearest stationary states farther away than `beyond`; returns their number. */
+enum { ANY_EFFECT = -1 }; // also of states of which no effect of the grid is known
+
+/* Lists the nearest stationary states farther away than `beyond`, of those of which an effect of
+ * the grid is known; returns their number. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states, const double here[2],
-                             double beyond) {
+                             double beyond, int effect) {
     size_t count = 0;
 
     for (size_t s = 0; s < states->num_states; s++) {
         double there[2];
         coordinates_of(there, states->moes_M[s], states->alpha_p_H[s]);
         if (!states->stationary[s]) continue;
+        if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         neighbour fresh = {s,
                            hypot(there[0] - here[0], there[1] - here[1]),
                            {there[0] - here[0], there[1] - here[1]}};
@@ -111,20 +115,26 @@ static void combine_states(reduced_state *state, const reduced_model *model,
     }
 }
 
+/* Weights of the best fit through `count` neighbours, at least one; returns how many it takes, the
+ * nearest one alone where no fit serves. */
+static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
+    for (size_t f = 0; f < sizeof FITS / sizeof *FITS; f++) {
+        size_t used = count < FITS[f].max_neighbours ? count : FITS[f].max_neighbours;
+        if (fit_weights(weights, nearest, used, &FITS[f])) return used;
+    }
+    weights[0] = 1;
+    return 1;
+}
+
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
                    double alpha_p_H) {
     neighbour nearest[NUM_NEIGHBOURS];
-    double here[2], weights[NUM_NEIGHBOURS], one = 1;
+    double here[2], weights[NUM_NEIGHBOURS];
 
     coordinates_of(here, moes_M, alpha_p_H);
-    size_t count = nearest_states(nearest, &model->states, here, -1);
-    for (size_t f = 0; f < sizeof FITS / sizeof *FITS; f++) {
-        size_t used = count < FITS[f].max_neighbours ? count : FITS[f].max_neighbours;
-        if (!fit_weights(weights, nearest, used, &FITS[f])) continue;
-        combine_states(state, model, nearest, weights, used);
-        return;
-    }
-    combine_states(state, model, nearest, &one, 1);
+    size_t count = nearest_states(nearest, &model->states, here, -1, ANY_EFFECT);
+    count = best_weights(weights, nearest, count);
+    combine_states(state, model, nearest, weights, count);
 }
 
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
@@ -134,10 +144,43 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, double 
     double here[2], one = 1;
 
     coordinates_of(here, moes_M, alpha_p_H);
-    if (nearest_states(nearest, &model->states, here, same) > 0)
+    if (nearest_states(nearest, &model->states, here, same, ANY_EFFECT) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
         reduced_guess(state, model, moes_M, alpha_p_H);
+}
+
+// ---- what the grid does
+
+/* One effect at a contact, by a fit through the states of which it is known: of its size's
+ * logarithm, since effects go with powers of M and of the viscosity's rise, with the sign of the
+ * nearest one. Where it is infinite there, nothing can be said of the contact either. */
+static double effect_at(const reduced_states *states, const double here[2], int effect) {
+    const double rounding = 1e-12; // of a film
+    neighbour nearest[NUM_NEIGHBOURS];
+    double weights[NUM_NEIGHBOURS], log_size = 0;
+    size_t count = nearest_states(nearest, states, here, -1, effect), finite = 0;
+
+    if (count == 0) return NAN;
+    const double closest = states->effects[nearest[0].state].of[effect];
+    if (isinf(closest)) return INFINITY;
+    for (size_t i = 0; i < count; i++)
+        if (isfinite(states->effects[nearest[i].state].of[effect])) nearest[finite++] = nearest[i];
+    count = best_weights(weights, nearest, finite);
+    for (size_t i = 0; i < count; i++)
+        log_size +=
+            weights[i] * log(fmax(fabs(states->effects[nearest[i].state].of[effect]), rounding));
+    return copysign(exp(log_size), closest);
+}
+
+film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H) {
+    film_effects effects;
+    double here[2];
+
+    coordinates_of(here, moes_M, alpha_p_H);
+    for (int e = 0; e < NUM_EFFECTS; e++)
+        effects.of[e] = effect_at(&model->states, here, e);
+    return effects;
 }
 
 // ---- trained range

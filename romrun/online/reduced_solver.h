@@ -157,6 +157,10 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
                        double alpha_p_H);
 
+/* What the full model's grid does to the films, interpolated in the same way between the trained
+ * solutions of which it is known; NaN: of none, infinite: the grid is too coarse to tell. */
+film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H);
+
 /* The trained range: convex hull of training points in (M, alpha p_H), and fastest change. */
 typedef struct trained_range trained_range;
 trained_range *trained_range_create(const reduced_model *model); // NULL: no memory

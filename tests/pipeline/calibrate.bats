@@ -158,6 +158,7 @@ PYTHON
     done
     run romrun scene.yml --model c.h5
     [[ $output == *"indicated deviation     "*" of the central film thickness"* ]]
+    [[ $output =~ $'\n'"  of this, about        the model "[0-9.e-]+" %, the grid "[0-9.e-]+" %, the inlet "[0-9.e-]+" %"$'\n' ]]
     # a size that was not measured, and a model that is not calibrated, indicate nothing
     romrun scene.yml --model c.h5 --rows 23 -o other.h5
     romrun scene.yml --model m.h5 -o plain.h5

@@ -98,6 +98,8 @@ static void the_library_says_what_it_solved(void **state) {
     ehdrom_solver *solver;
     ehdrom_result result;
 
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        bases[1].states.effects[s].of[EFFECT_STEP] = -0.02;
     rows_model_write(&bases[1], rows, NUM_ROWS, path);
     check_ok(ehdrom_open(&model, path, &sizes, &error));
     ehdrom_properties properties = ehdrom_describe(model);
@@ -123,6 +125,9 @@ static void the_library_says_what_it_solved(void **state) {
     check_close(pressure[81], result.scalars.central_pressure, 1e-11, 0);
     check_close(least, result.scalars.minimum_film_thickness, 1e-11, 0);
     check_close(load, result.scalars.load, 1e-11, 0);
+    const film_effects effects = ehdrom_effects(model, &contact);
+    check_close(effects.of[EFFECT_STEP], -0.02, 1e-12, 0);
+    assert_true(isnan(effects.of[EFFECT_STEP_MINIMUM]) && isnan(effects.of[EFFECT_INLET]));
 
     // outside of what was trained: solved, and said
     contact_set_moes(&contact, 25, 3);

@@ -57,6 +57,7 @@ static ehd_status keep_step(void *sink, const march_step *step, size_t index, eh
     set->alpha_p_H[index] = contact.alpha_p_H;
     set->central_film_thickness[index] = step->scalars.central_film_thickness;
     set->stationary[index] = index == 0;
+    set->effects[index] = film_effects_unknown();
     set->rate[index] = index ? frame_rate(&step->frame, &self->last) : 0;
     self->last = step->frame;
     return EHD_OK;
@@ -79,6 +80,7 @@ static void training_init(training *self) {
         *numbers[i] = calloc(NUM_STATES, sizeof(double));
     set->exit = calloc(NUM_STATES, sizeof *set->exit);
     set->stationary = calloc(NUM_STATES, sizeof *set->stationary);
+    set->effects = calloc(NUM_STATES, sizeof *set->effects);
     check_ok(full_march_create(&self->march, &reference, &settings, NAN, &error));
 }
 

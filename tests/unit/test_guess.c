@@ -106,6 +106,61 @@ static void nearest_on_a_line_and_far_away(void **state) {
     places_free(&self);
 }
 
+// ---- what the grid does
+
+/* Effects are products of powers of M and of 1 + alpha p_H where these are powers. */
+static void effects_are_powers(void **state) {
+    (void)state;
+    places self;
+
+    places_init(&self, MOST, MOST, false);
+    const reduced_states *states = &self.model.states;
+    for (size_t s = 0; s < states->num_states; s++)
+        for (int e = 0; e < NUM_EFFECTS; e++)
+            states->effects[s].of[e] = (e == EFFECT_STEP ? -1e-3 : 1e-3) *
+                                       pow(states->moes_M[s], e + 0.5) *
+                                       pow(1 + states->alpha_p_H[s], 0.3 * e);
+    for (double x = 2; x <= 4; x += 0.25) {
+        const double M = exp(SPACING[0] * x), pressure = expm1(2 * SPACING[1] * (6 - x));
+        const film_effects found = reduced_effects(&self.model, M, pressure);
+        for (int e = 0; e < NUM_EFFECTS; e++)
+            check_close(found.of[e],
+                        (e == EFFECT_STEP ? -1e-3 : 1e-3) * pow(M, e + 0.5) *
+                            pow(1 + pressure, 0.3 * e),
+                        1e-8, 0);
+    }
+    places_free(&self);
+}
+
+static void effects_that_are_not_known(void **state) {
+    (void)state;
+    places self;
+
+    places_init(&self, MOST, MOST, false);
+    const reduced_states *states = &self.model.states;
+    const double M = exp(SPACING[0] * 3.1), pressure = expm1(2 * SPACING[1] * 3.1);
+    const size_t nearest = 3 * MOST + 3;
+    film_effects found = reduced_effects(&self.model, M, pressure);
+    for (int e = 0; e < NUM_EFFECTS; e++)
+        assert_true(isnan(found.of[e]));
+    // an effect that some states do not know, or that is infinite there, comes from the others
+    for (size_t s = 0; s < states->num_states; s++)
+        for (int e = 0; e < NUM_EFFECTS; e++)
+            states->effects[s].of[e] = 0.02;
+    states->effects[nearest].of[EFFECT_STEP] = NAN;
+    states->effects[nearest + 1].of[EFFECT_STEP] = INFINITY;
+    states->stationary[nearest + MOST] = false;
+    states->effects[nearest + MOST].of[EFFECT_STEP] = 5;
+    found = reduced_effects(&self.model, M, pressure);
+    check_close(found.of[EFFECT_STEP], 0.02, 1e-9, 0);
+    // but where it is infinite at the nearest, nothing can be said
+    states->effects[nearest].of[EFFECT_STEP] = INFINITY;
+    found = reduced_effects(&self.model, M, pressure);
+    assert_true(isinf(found.of[EFFECT_STEP]));
+    check_close(found.of[EFFECT_INLET], 0.02, 1e-9, 0);
+    places_free(&self);
+}
+
 // ---- starts and the trained range
 
 static void guess_at_a_training_point_is_that_state(void **state) {
@@ -200,6 +255,8 @@ static void trained_range_is_the_hull(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(quadratic_amid_training),
+        cmocka_unit_test(effects_are_powers),
+        cmocka_unit_test(effects_that_are_not_known),
         cmocka_unit_test(affine_where_training_spans_a_plane),
         cmocka_unit_test(nearest_on_a_line_and_far_away),
         cmocka_unit_test(guess_at_a_training_point_is_that_state),

@@ -33,13 +33,21 @@ static full_resolution estimate(const ehd_contact *contact) {
     return resolution;
 }
 
-static double central_film(const ehd_contact *contact) {
+typedef struct film_pair {
+    double central, minimum;
+} film_pair;
+
+static film_pair films_of(const ehd_contact *contact) {
     full_state state;
 
     solve(&state, contact);
-    double film = full_evaluate_scalars(&state, contact).central_film_thickness;
+    const contact_scalars scalars = full_evaluate_scalars(&state, contact);
     full_state_free(&state);
-    return film;
+    return (film_pair){scalars.central_film_thickness, scalars.minimum_film_thickness};
+}
+
+static double central_film(const ehd_contact *contact) {
+    return films_of(contact).central;
 }
 
 static void set_inlet(ehd_contact *contact, double x_min) {
@@ -62,11 +70,15 @@ static void inlet_effect_is_what_a_long_inlet_does(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_contact contact = sample_contact(cases[i].lubricant, cases[i].density, cases[i].moes_M,
                                              cases[i].moes_L, 0.02);
-        double effect = estimate(&contact).inlet_effect, film = central_film(&contact);
+        const double effect = estimate(&contact).effects.of[EFFECT_INLET];
+        const double of_minimum = estimate(&contact).effects.of[EFFECT_INLET_MINIMUM];
+        const film_pair films = films_of(&contact);
         set_inlet(&contact, -24);
-        double measured = central_film(&contact) / film - 1;
-        check_close(effect, measured, cases[i].within, 0);
-        assert_true(fabs(estimate(&contact).inlet_effect) < 0.02 * effect);
+        const film_pair wide = films_of(&contact);
+        check_close(effect, wide.central / films.central - 1, cases[i].within, 0);
+        // which follows the central film by four fifths, below M = 5 by up to five thirds
+        check_close(of_minimum, wide.minimum / films.minimum - 1, cases[i].within + 0.25, 0);
+        assert_true(fabs(estimate(&contact).effects.of[EFFECT_INLET]) < 0.02 * effect);
     }
 }
 
@@ -92,7 +104,7 @@ static void inlet_effect_is_integrated_finely(void **state) {
     const double central_pressure =
         solution.pressure[(size_t)lround(centre / contact.grid.step) + 1];
     assert_int_equal(full_resolution_estimate(&resolution, &solution, &contact, NULL), EHD_OK);
-    check_close(resolution.inlet_effect, 8. / 11 * sum / central_pressure, 5e-5, 0);
+    check_close(resolution.effects.of[EFFECT_INLET], 8. / 11 * sum / central_pressure, 5e-5, 0);
     full_state_free(&solution);
 }
 
@@ -102,26 +114,92 @@ static void inlet_effect_is_integrated_finely(void **state) {
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
     static const double cases[][2] = {{12, 12}, {40, 5}, {100, 2.5}, {20, 0}};
-    for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
-        const bool accurate = i % 2;
-        full_resolution resolution;
-        double film[3];
-        for (int g = 0; g < 3; g++) {
-            ehd_contact contact = sample_contact("barus", "dowson-higginson", cases[i / 2][0],
-                                                 cases[i / 2][1], 0.01 / (1 << g));
-            if (!accurate) contact = sample_published(contact);
-            if (g == 0) resolution = estimate(&contact);
-            film[g] = central_film(&contact);
-        }
-        const double measured = (film[2] + (film[2] - film[1]) / 3) / film[0] - 1;
-        if (accurate) {
-            assert_true(fabs(resolution.step_effect) > fabs(measured));
-            assert_true(fabs(resolution.step_effect) < 5e-4);
-        } else {
-            check_close(resolution.step_effect, measured, 0.15, 0);
-            check_close(resolution.order, 2, 0.2, 0);
-        }
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_contact contact = sample_published(
+            sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.01));
+        full_resolution resolution = estimate(&contact);
+        double film = central_film(&contact);
+        contact = sample_published(
+            sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.005));
+        double fine = central_film(&contact);
+        contact = sample_published(
+            sample_contact("barus", "dowson-higginson", cases[i][0], cases[i][1], 0.0025));
+        double finest = central_film(&contact);
+        double measured = (finest + (finest - fine) / 3) / film - 1;
+        check_close(resolution.effects.of[EFFECT_STEP], measured, 0.15, 0);
+        check_close(resolution.order, 2, 0.2, 0);
     }
+}
+
+/* The same of the minimum film, and of the accurate rows, whose effects are a tenth of these. */
+static void step_effects_are_of_the_right_size(void **state) {
+    (void)state;
+    static const struct {
+        ehd_discretization discretization;
+        double moes_M, moes_L, central, minimum; // largest part by which an estimate may be off
+    } cases[] = {{DISCRETIZATION_PUBLISHED, 40, 5, 0.15, 1},
+                 {DISCRETIZATION_PUBLISHED, 100, 10, 0.15, 1},
+                 {DISCRETIZATION_ACCURATE, 50, 10, 0.5, 0.5},
+                 {DISCRETIZATION_ACCURATE, 100, 20, 0.5, 0.5}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ehd_contact contact =
+            sample_contact("roelands", "dowson-higginson", cases[i].moes_M, cases[i].moes_L, 0.01);
+        contact.grid.discretization = cases[i].discretization;
+        const full_resolution found = estimate(&contact);
+        const film_pair films = films_of(&contact);
+        contact = sample_contact("roelands", "dowson-higginson", cases[i].moes_M, cases[i].moes_L,
+                                 0.00125);
+        contact.grid.discretization = DISCRETIZATION_ACCURATE;
+        const film_pair exact = films_of(&contact);
+        check_close(found.effects.of[EFFECT_STEP], exact.central / films.central - 1,
+                    cases[i].central, 0);
+        check_close(found.effects.of[EFFECT_STEP_MINIMUM], fabs(exact.minimum / films.minimum - 1),
+                    cases[i].minimum, 0);
+    }
+}
+
+/* Films F (1 + c h^p) on steps h, 2h, 4h. */
+static void make_films(double films[3], double limit, double error, double order) {
+    for (int g = 0; g < 3; g++)
+        films[g] = limit * (1 + error * exp2(g * order));
+}
+
+static void orders_of_manufactured_films(void **state) {
+    (void)state;
+    double films[3];
+
+    for (double order = 0.5; order <= 5; order += 0.5)
+        for (double max_order = 2; max_order <= 3; max_order++)
+            for (double error = -0.01; error <= 0.01; error += 0.02) {
+                make_films(films, 0.3, error, order);
+                check_close(full_observed_order(films), order, 1e-10, 0);
+                // exact within the bounds; beyond them what these make of the finest change
+                const double used = fmin(fmax(order, 1), max_order);
+                const double change = films[0] - films[1];
+                const double exact = 0.3 / films[0] - 1;
+                const double bounded = change / films[0] / (exp2(used) - 1);
+                check_close(full_step_effect(films, max_order), used == order ? exact : bounded,
+                            1e-9, 0);
+                if (order >= 1 && order <= 2)
+                    check_close(full_step_effect_minimum(films), fabs(exact), 1e-9, 0);
+            }
+}
+
+static void films_without_an_order(void **state) {
+    (void)state;
+    const double to_and_fro[] = {1, 1.03, 1}, no_third[] = {1, 1.03, NAN}, alone[] = {1, NAN, NAN};
+    const double by_chance[] = {1, 1 + 1e-9, 1.12};
+
+    assert_true(isnan(full_observed_order(to_and_fro)));
+    assert_true(isnan(full_observed_order(no_third)));
+    check_close(full_step_effect(to_and_fro, 3), -0.01, 1e-12, 0);
+    check_close(full_step_effect(no_third, 3), -0.01, 1e-12, 0);
+    check_close(full_step_effect_minimum(no_third), 0.01, 1e-12, 0);
+    assert_true(isinf(full_step_effect(alone, 3)));
+    assert_true(isinf(full_step_effect_minimum(alone)));
+    // the finest two agree though the third is far off: second order leaves 0.12 / 4 / 3
+    assert_true(fabs(full_step_effect(by_chance, 3)) < 1e-9);
+    check_close(full_step_effect_minimum(by_chance), 0.01, 1e-6, 0);
 }
 
 /* With the published rows: the accurate ones alternate before a spike that the grid does not resolve,
@@ -147,22 +225,23 @@ static void too_coarse_to_tell(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 1000, 0, 0.005);
     full_resolution resolution = estimate(&contact);
-    assert_true(isnan(resolution.step_effect));
+    assert_true(isinf(resolution.effects.of[EFFECT_STEP]));
+    assert_true(isinf(resolution.effects.of[EFFECT_STEP_MINIMUM]));
     assert_true(isnan(resolution.order));
-    assert_true(isfinite(resolution.inlet_effect));
+    assert_true(isfinite(resolution.effects.of[EFFECT_INLET]));
 }
 
 /* An even number of nodes, and one for which no coarser node lies at X = 0. */
 static void any_number_of_nodes(void **state) {
     (void)state;
     ehd_contact contact = sample_contact("barus", "incompressible", 12, 8, 0.01);
-    double effect = estimate(&contact).step_effect;
+    double effect = estimate(&contact).effects.of[EFFECT_STEP];
     for (int shift = 1; shift < 4; shift++) {
         const ehd_grid grid = contact.grid;
         contact.grid = grid_like(&grid, grid.x_min, grid.step, grid.inner_x - 1, 1);
-        check_close(estimate(&contact).step_effect, effect, 0.1, 0);
+        check_close(estimate(&contact).effects.of[EFFECT_STEP], effect, 0.1, 0);
         contact.grid = grid_like(&grid, grid.x_min + grid.step, grid.step, grid.inner_x - 2, 1);
-        check_close(estimate(&contact).step_effect, effect, 0.1, 0);
+        check_close(estimate(&contact).effects.of[EFFECT_STEP], effect, 0.1, 0);
     }
 }
 
@@ -193,7 +272,7 @@ static void half_and_whole_say_the_same(void **state) {
         const ehd_contact half = sample_point("barus", "incompressible", 15, 4, cells, true);
         const ehd_contact whole = sample_point("barus", "incompressible", 15, 4, cells, false);
         const full_resolution one = estimate(&half), other = estimate(&whole);
-        check_close(one.step_effect, other.step_effect, 1e-3, 1e-5);
+        check_close(one.effects.of[EFFECT_STEP], other.effects.of[EFFECT_STEP], 1e-3, 1e-5);
         assert_int_equal(one.outlet_nodes, other.outlet_nodes);
     }
 }
@@ -203,6 +282,9 @@ int main(void) {
         cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
         cmocka_unit_test(inlet_effect_is_integrated_finely),
         cmocka_unit_test(step_effect_is_what_a_fine_step_does),
+        cmocka_unit_test(step_effects_are_of_the_right_size),
+        cmocka_unit_test(orders_of_manufactured_films),
+        cmocka_unit_test(films_without_an_order),
         cmocka_unit_test(nodes_grow_with_the_grid),
         cmocka_unit_test(too_coarse_to_tell),
         cmocka_unit_test(any_number_of_nodes),

@@ -3,6 +3,9 @@
 
     study.py stationary FOLDER LINE_STEPS POINT_STEPS    errors of the films of line and point contacts
     study.py in-time FOLDER SCENE.yml STEPS END          of the films of an oscillating load
+    study.py estimates FOLDER STEPS ALL_M ALL_L          what fullrun says of its step against what finer ones do
+    study.py interpolated FOLDER STEP                    what romrun makes of the estimates of its training
+    study.py inlets FOLDER STEP ALL_M ALL_L              what an inlet from -4 on does to both films
 
 STEPS of a grid go from coarse to fine, a list in one word. The reference is of the accurate rows: stationary,
 extrapolated from the last two steps; in time, of the last step with time steps of half of it.
@@ -22,22 +25,39 @@ CASES = [("line", 20, 10, BARUS, "incompressible"), ("line", 120, 10, BARUS, "in
 DOMAINS = {"line": "x_min: -4, x_max: 2", "point": "x_min: -4.5, x_max: 1.5, y_max: 3"}
 
 
-def films(folder, case, step, discretization):
-    """Central and smallest film of a case."""
+EFFECTS = ["step_effect", "step_effect_minimum"]
+BOTH = {"Barus": (BARUS, "incompressible"), "Roelands": (ROELANDS, "dowson-higginson")}
+LIMITS = 0.01, 0.03  # of central and smallest film, from which fullrun has a note
+LEAST = 1e-4         # effects below are not counted
+
+
+def solve(folder, case, step, discretization, domain=None):
+    """Solution of a case, with its own estimates of the step."""
     kind, M, L, viscosity, density = case
-    file = f"{folder}/{kind}-{M}-{L}-{discretization}-{step}"
+    domain = domain or DOMAINS[kind]
+    where = "" if domain == DOMAINS[kind] else "-" + "".join(c for c in domain if c in "-.0123456789")
+    file = f"{folder}/{kind}-{M}-{L}-{viscosity.split(',')[0].split()[-1]}-{discretization}-{step}{where}"
     results.write_changed(f"{file}.yml", f"""contact: {kind}
 regime: stationary
 moes: {{M: {M}, L: {L}}}
 lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
-grid: {{{DOMAINS[kind]}, step: {step}}}
+grid: {{{domain}, step: {step}}}
 discretization: {discretization}
+output: {{fields: false}}
 """)
 
-    def solve():
-        results.run("fullrun", f"{file}.yml", "-q", "-o", f"{file}.h5", "--force", outcomes=(results.SOLVED,))
-        return results.solution(f"{file}.h5")
-    found = results.kept(f"{file}.json", solve, f"{file}.yml", os.path.join(os.environ["BIN"], "fullrun"))
+    def run():
+        results.run("fullrun", f"{file}.yml", "-q", "-o", f"{file}.h5", "--force",
+                    outcomes=(results.SOLVED, results.NOT_CONVERGED))
+        return {**results.solution(f"{file}.h5"), **{name: results.value(f"{file}.h5", name) for name in EFFECTS}}
+    return results.kept(f"{file}.json", run, f"{file}.yml", os.path.join(os.environ["BIN"], "fullrun"))
+
+
+def films(folder, case, step, discretization, domain=None):
+    """Central and smallest film of a case, which has to be solved."""
+    found = solve(folder, case, step, discretization, domain)
+    if found["status"] != 0:
+        results.stop(f"found {case} not converged with {discretization} rows and step {step}, expected a solution")
     return np.array([found["H_c"], found["H_min"]])
 
 
@@ -54,6 +74,94 @@ def stationary(folder, line_steps, point_steps):
                              *(f"{x:+.1e}" for x in off)])
     print("relative errors of central and smallest film, against the extrapolated film of the accurate rows\n")
     results.table([*rows, None], left=0)
+
+
+def limit(folder, case, steps):
+    """Films that the accurate rows go to, extrapolated with the order of the last three steps, within 1 and 4."""
+    coarse, middle, fine = (films(folder, case, step, "accurate") for step in steps)
+    with np.errstate(all="ignore"):
+        order = np.log2((coarse - middle) / (middle - fine))
+    order = np.clip(np.where(np.isfinite(order), order, 2), 1, 4)
+    return fine + (fine - middle) / (2**order - 1)
+
+
+def estimates(folder, steps, all_M, all_L):
+    """Of all points with both lubricants. The last three steps give the reference."""
+    *steps, third, second, last = steps.split()
+    cases = [("line", M, L, *lubricant) for lubricant in BOTH.values() for M in all_M.split() for L in all_L.split()]
+    exact = [limit(folder, case, (third, second, last)) for case in cases]
+    rows = [["rows", "step", "film", "solved", "too coarse", "counted", "below half", "above twice", "10 %", "median",
+             "90 %", "notes wrong", "missed"], None]
+    for discretization in "published", "accurate":
+        for step in steps:
+            found = [solve(folder, case, step, discretization) for case in cases]
+            found, limits = zip(*((it, of) for it, of in zip(found, exact) if it["status"] == 0))
+            for i, film in enumerate(("H_c", "H_min")):
+                estimated = np.abs([it[EFFECTS[i]] for it in found])
+                true = np.abs([of[i] / it[film] - 1 for of, it in zip(limits, found)])
+                known = ~np.isnan(estimated)
+                counted = known & (np.fmax(estimated, true) > LEAST)
+                ratios = estimated[counted] / true[counted]
+                rows.append([discretization, step, film, len(found), sum(~known), sum(counted), sum(ratios < 0.5),
+                             sum(ratios > 2), *(f"{x:.2g}" for x in np.percentile(ratios, [10, 50, 90])),
+                             sum((estimated > LIMITS[i]) & (true <= LIMITS[i])),
+                             sum(known & (estimated <= LIMITS[i]) & (true > LIMITS[i]))])
+    print("estimated over true effect of the step, where one of them is above 1e-4\n")
+    results.table([*rows, None])
+
+
+def interpolated(folder, step):
+    """Of a model of 70 points, at 35 scenes between them, over what fullrun says of these."""
+    names = ["step_effect", "step_effect_minimum", "inlet_effect", "inlet_effect_minimum"]
+    scene, plan = f"{folder}/between.yml", f"{folder}/between-plan.yml"
+    results.write_changed(scene, f"""contact: line
+regime: stationary
+moes: {{M: 20, L: 7}}
+lubricant: {{viscosity: {{{BARUS}}}, density: {{law: dowson-higginson}}}}
+grid: {{{DOMAINS["line"]}, step: {step}}}
+""")
+    results.write_changed(plan, """groups:
+  - scene: between.yml
+    vary:
+      moes.M: [8, 10, 12, 15, 18, 22, 27, 33, 40, 50]
+      moes.L: [2, 3.5, 5, 6.5, 8, 9.5, 11]
+""")
+    rows = [["rows", "effect", "least", "10 %", "median", "90 %", "most", "within 2"], None]
+    for discretization in "published", "accurate":
+        file, options = f"{folder}/between-{discretization}", ["--set", f"discretization={discretization}", "-q", "-f"]
+        results.run("snapgen", plan, "-o", f"{file}-s.h5", *options, outcomes=(results.SOLVED,))
+        results.run("podbuild", f"{file}-s.h5", "-o", f"{file}-b.h5", "-f", outcomes=(results.SOLVED,))
+        results.run("snapgen", plan, "--basis", f"{file}-b.h5", "-o", f"{file}-r.h5", *options,
+                    outcomes=(results.SOLVED,))
+        results.run("deimselect", f"{file}-r.h5", "--basis", f"{file}-b.h5", "-o", f"{file}.h5", "-f",
+                    outcomes=(results.SOLVED,))
+        ratios = []
+        for M in 9, 11, 14, 20, 25, 30, 45:
+            for L in 2.6, 4.2, 5.8, 7.3, 10.3:
+                here = [*options, *results.sets({"moes.M": M, "moes.L": L})]
+                results.run("fullrun", scene, "-o", f"{file}-full.h5", *here, outcomes=(results.SOLVED,))
+                results.run("romrun", scene, "--model", f"{file}.h5", "-o", f"{file}-reduced.h5", *here,
+                            outcomes=(results.SOLVED,))
+                ratios.append([abs(results.value(f"{file}-reduced.h5", name) / results.value(f"{file}-full.h5", name))
+                               for name in names])
+        for name, of in zip(names, np.transpose(ratios)):
+            rows.append([discretization, name, *(f"{x:.2f}" for x in np.percentile(of, [0, 10, 50, 90, 100])),
+                         f"{sum((of > 0.5) & (of < 2))} of {len(of)}"])
+    print("interpolated over own estimate\n")
+    results.table([*rows, None], left=2)
+
+
+def inlets(folder, step, all_M, all_L):
+    """Relative change of the central film by an inlet from -32 on, and that of the smallest film over it."""
+    rows = [["viscosity", "M", *(f"L = {L}" for L in all_L.split())], None]
+    for name, lubricant in BOTH.items():
+        for M in all_M.split():
+            cases = [("line", M, L, *lubricant) for L in all_L.split()]
+            changes = [films(folder, case, step, "accurate", "x_min: -32, x_max: 2") /
+                       films(folder, case, step, "accurate") - 1 for case in cases]
+            rows.append([name, M, *(f"{central:.1e}, {minimum / central:.2f}" for central, minimum in changes)])
+    print("change of H_c by a long inlet, and that of the smallest film over it\n")
+    results.table([*rows, None], left=1)
 
 
 def in_time(folder, scene, steps, end):
@@ -83,4 +191,4 @@ def in_time(folder, scene, steps, end):
 
 
 if __name__ == "__main__":
-    results.commands(stationary, in_time)
+    results.commands(stationary, in_time, estimates, interpolated, inlets)
