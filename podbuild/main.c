@@ -98,6 +98,7 @@ static ehd_status weigh(reduced_basis *basis, const program *self, const build_o
         status = plan_read(&given, options->plan, self->overrides, self->num_overrides, error);
         if (!status)
             status = training_set_init(&training, &given, options->plan, (shard){1, 1}, error);
+        if (!status) training_set_take_grid(&training, &basis->grid);
         if (!status)
             status =
                 grid_check(&training.grid, options->plan, &basis->grid, self->arguments[0], error);

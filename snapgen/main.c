@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* snapgen: runs a training plan. */
 #include "common/output/check.h"
+#include "common/output/grid_file.h"
 #include "common/output/print.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
@@ -94,6 +95,8 @@ static ehd_status load_set(training_set *set, const program *self, shard piece, 
     if (status) return status;
 
     status = training_set_init(set, &given, path, piece, error);
+    if (!status)
+        grid_print(set->num_points > 0 ? set->contacts : &set->trajectories->contact, "all points");
     if (!status && set->num_dropped > 0)
         program_note(self, "%s: %zu of %zu points lie outside of the bounds and are left out", path,
                      set->num_dropped, given.num_points);

@@ -378,6 +378,7 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
     ehd_status status = inputs ? basis_read(&basis, identity, basis_path, error)
                                : ehd_fail(error, EHD_MEMORY, "residuals: found no memory");
 
+    if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
     if (!status && trained_only) status = keep_trained(set, &basis, plan_path, basis_path, error);
     if (!status)

@@ -31,6 +31,11 @@ static double line_alpha_p_H(double moes_M, double moes_L) {
     return moes_L * sqrt(moes_M / (2 * M_PI));
 }
 
+/* Half of x sqrt(x^2 - 1) - acosh(x) (K. L. Johnson, Contact Mechanics, 1985, section 4.2). */
+static double line_dry_gap(double x) {
+    return 0.5 * (fabs(x) * sqrt(x * x - 1) - acosh(fabs(x)));
+}
+
 /* The constant in eq. 4 of Maier et al. holds for a deflection measured from a distance of the
  * current half width, and so changes with it (README.md, approach). */
 static double line_approach_shift(double half_width, double length) {
@@ -54,6 +59,7 @@ const contact_kind contact_line = {
     .moes_M = line_moes_M,
     .alpha_p_H = line_alpha_p_H,
     .central_film = film_moes,
+    .dry_gap = line_dry_gap,
     .approach_shift = line_approach_shift,
     .physical_M = line_physical_M,
     .half_width = line_half_width,
@@ -111,6 +117,11 @@ static double point_approach_shift(double half_width, double length) {
     return 0;
 }
 
+/* ((x^2 - 2) acos(1/x) + sqrt(x^2 - 1))/pi (Johnson, section 3.4). */
+static double point_dry_gap(double x) {
+    return ((x * x - 2) * acos(1 / fabs(x)) + sqrt(x * x - 1)) / M_PI;
+}
+
 static double point_physical_M(double load_number, double speed_number) {
     return load_number / pow(speed_number, 0.75);
 }
@@ -128,6 +139,7 @@ const contact_kind contact_point = {
     .moes_M = point_moes_M,
     .alpha_p_H = point_alpha_p_H,
     .central_film = film_nijenbanning,
+    .dry_gap = point_dry_gap,
     .approach_shift = point_approach_shift,
     .physical_M = point_physical_M,
     .half_width = point_half_width,
@@ -279,6 +291,28 @@ double grid_load_weight(const ehd_grid *grid, size_t node) {
     return grid_cell(grid) * grid_weight(grid, node);
 }
 
+static bool is_given_as(double given, double found, double step) {
+    return isnan(given) || fabs(given - found) <= 1e-9 * step;
+}
+
+grid_extent grid_extent_of(const ehd_grid *grid) {
+    const size_t beside = grid->half ? grid->inner_lines - 1 : grid->inner_lines / 2;
+
+    return (grid_extent){.x_min = grid->x_min,
+                         .x_max = grid->x_min + (double)(grid->inner_x - 1) * grid->step,
+                         .step = grid->step,
+                         .y_max = grid->inner_lines > 1 ? (double)beside * grid->step : NAN};
+}
+
+bool grid_has(const ehd_grid *grid, const grid_extent *given) {
+    const grid_extent found = grid_extent_of(grid);
+
+    return is_given_as(given->x_min, found.x_min, grid->step) &&
+           is_given_as(given->x_max, found.x_max, grid->step) &&
+           is_given_as(given->step, found.step, grid->step) &&
+           is_given_as(given->y_max, found.y_max, grid->step);
+}
+
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
@@ -314,15 +348,13 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
 
     *contact = (ehd_contact){
         .kind = given->kind,
-        .grid = given->grid,
         .entrainment = 1,
         .closure = contact_load_closure(given->kind),
         .approach_length = isnan(given->approach_length) ? default_length : given->approach_length,
         .half_width = NAN,
         .radius = NAN,
         .load = NAN};
-    ehd_status status = given->approach_given ? contact_check_approach(contact, error) : EHD_OK;
-    if (!status) status = lubricant_init(&contact->lubricant, &given->lubricant, error);
+    ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 
     if (isnan(given->moes_M)) {
@@ -346,6 +378,24 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
                         contact->lubricant.viscosity->name,
                         contact->lubricant.pressure_limit * 1e-9);
     return EHD_OK;
+}
+
+bool contact_has_chosen_grid(const ehd_contact *contact) {
+    const grid_extent *given = &contact->grid_given;
+
+    return isnan(given->x_min) || isnan(given->x_max) || isnan(given->step) ||
+           (contact->kind->dimensions > 1 && isnan(given->y_max));
+}
+
+void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
+    const bool same_kind = (grid->inner_lines > 1) == (contact->kind->dimensions > 1);
+
+    if (!contact_has_chosen_grid(contact) || !same_kind ||
+        grid->discretization != contact->grid.discretization ||
+        !grid_has(grid, &contact->grid_given))
+        return;
+    contact->grid = *grid;
+    contact->grid_given = grid_extent_of(grid);
 }
 
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L) {

@@ -20,6 +20,7 @@ typedef struct contact_kind {
     double (*moes_M)(double lambda);                      // and back
     double (*alpha_p_H)(double moes_M, double moes_L);    // alpha times Hertz pressure
     double (*central_film)(double moes_M, double moes_L); // estimate of H at the centre
+    double (*dry_gap)(double x);                          // of the dry contact on Y = 0, |x| >= 1
     // change of the approach per unit of load when the half width is `half_width` times the
     // reference and the approach is measured from a distance of `length` reference half widths
     double (*approach_shift)(double half_width, double length);
@@ -61,6 +62,12 @@ typedef struct ehd_grid {
     size_t num_nodes;
     ehd_discretization discretization;
 } ehd_grid;
+
+/* How wide and how fine a grid is, in contact half widths. */
+typedef struct grid_extent {
+    double x_min, x_max, step;
+    double y_max; // NaN of a line contact
+} grid_extent;
 
 /* Fills the counts. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
@@ -124,6 +131,10 @@ double grid_load_weight(const ehd_grid *grid, size_t node);
 /* Whether two grids have the same nodes, to 1e-9 of a step, and the same discretisation. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
+grid_extent grid_extent_of(const ehd_grid *grid);
+/* Whether a grid has the ends and the step that are given, to 1e-9 of a step; NaN: any. */
+bool grid_has(const ehd_grid *grid, const grid_extent *given);
+
 /* The equation that closes the system: by_approach H0 + by_load int P = value. */
 typedef struct contact_closure {
     double by_approach, by_load, value;
@@ -133,6 +144,7 @@ typedef struct contact_closure {
 typedef struct ehd_contact {
     const contact_kind *kind;
     ehd_grid grid;
+    grid_extent grid_given; // what the scene says of it, NaN where nothing
     ehd_lubricant lubricant;
     double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
     double entrainment; // 1, U there, not negative; 1 when stationary
@@ -159,7 +171,6 @@ typedef struct contact_scalars {
 /* What a contact is made from. NaN: not given. */
 typedef struct contact_settings {
     const contact_kind *kind;
-    ehd_grid grid;
     lubricant_settings lubricant;
     double moes_M, moes_L;  // 1; NaN: by the next five, which are otherwise not used
     double load;            // N/m of a line contact, N of a point contact
@@ -172,8 +183,8 @@ typedef struct contact_settings {
     double approach_length; // reference half widths; NaN: 10 where the approach is given, else 1
 } contact_settings;
 
-/* Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond the viscosity law's
- * limit, viscosity that contradicts the law, an approach measured from too near. */
+/* A contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond
+ * the viscosity law's limit, viscosity that contradicts the law. */
 ehd_status contact_init(
     // output:
     ehd_contact *contact,
@@ -183,6 +194,13 @@ ehd_status contact_init(
 /* Changes M and L of a contact that keeps its lubricant and grid, for continuation. Lambda and
  * the Hertz pressure follow from them (README.md, Moes numbers). */
 void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
+
+/* Whether its scene leaves something of the grid to what the contact needs. */
+bool contact_has_chosen_grid(const ehd_contact *contact);
+
+/* Gives such a contact another grid of its kind and discretisation, as that of a model, where its scene
+ * says nothing else of it. */
+void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Checks the distance that a given approach is measured from. The deflection of a line contact
  * grows without bound with that distance. Below a quarter of the pressurised length the

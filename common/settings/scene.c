@@ -25,15 +25,24 @@ void scene_defaults(scene *of) {
     }
 }
 
+static void fill_real(double *value, double default_value) {
+    if (isnan(*value)) *value = default_value;
+}
+
+/* That of the paper, whatever M and L. */
+static void fill_published_grid(scene *of) {
+    const bool point = strcmp(of->contact, "point") == 0;
+
+    fill_real(&of->grid.x_min, -4);
+    fill_real(&of->grid.x_max, 2);
+    fill_real(&of->grid.step, point ? 0.0625 : 0.005);
+    if (point) fill_real(&of->grid.y_max, 3);
+}
+
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
-    of->grid.step = scene_step(of);
-}
-
-double scene_step(const scene *of) {
-    if (!isnan(of->grid.step)) return of->grid.step;
-    return strcmp(of->contact, "point") == 0 ? 0.0625 : 0.005;
+    if (strcmp(of->discretization, "published") == 0) fill_published_grid(of);
 }
 
 // ---- setting values

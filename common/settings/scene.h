@@ -40,11 +40,12 @@ typedef struct physical_settings {
     double viscosity; // Pa s at zero pressure
 } physical_settings;
 
+/* NaN: as the contact needs it (scene_contact.h). */
 typedef struct grid_settings {
     double x_min; // contact half widths
     double x_max;
     double step;
-    double y_max; // NaN: a line contact
+    double y_max; // NaN of a line contact too
     int half;     // 1, 0: whether the symmetric half is solved; -1: a line contact
 } grid_settings;
 
@@ -80,6 +81,8 @@ typedef struct scene {
     output_settings output;
     transient_settings transient; // only when transient
 } scene;
+
+enum { MAX_NODES = 2000000 }; // of a grid
 
 typedef enum setting_type {
     SETTING_CHOICE,
@@ -126,9 +129,6 @@ void scene_defaults(scene *scene);
 /* Fills in the defaults of all keys that are used with the scene's contact, regime, closure and
  * laws. scene_read, scene_parse and plan_read do this themselves. */
 void scene_complete(scene *scene);
-
-/* The grid's step: as given, or the default for the kind of contact. */
-double scene_step(const scene *of);
 
 /* Reads a YAML file. `overrides` are "key.path=value" strings ("--set"), applied after the file
  * and before validation; "key.path=" unsets the key, as if nothing had given it. Relative names

@@ -4,17 +4,21 @@
 #include <math.h>
 #include <string.h>
 
-static ehd_grid scene_grid(const scene *given) {
-    const double step = scene_step(given);
-    const size_t inner_x = (size_t)lround((given->grid.x_max - given->grid.x_min) / step) + 1;
-    const size_t beside = isnan(given->grid.y_max) ? 0 : (size_t)lround(given->grid.y_max / step);
-    const bool half = beside > 0 && given->grid.half != 0;
-
+ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_extent *needed,
+                          ehd_error *error) {
     ehd_discretization discretization = DISCRETIZATION_ACCURATE;
 
     discretization_find(&discretization, given->discretization); // of the table's choices
-    return grid_of(given->grid.x_min, step, inner_x, half ? beside + 1 : 2 * beside + 1, half,
-                   discretization);
+    contact->grid_given =
+        (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
+    contact->grid =
+        grid_choose(&contact->grid_given, needed, given->grid.half != 0, discretization);
+    if (contact->grid.num_inner <= MAX_NODES) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "grid: found %zu nodes from %g by %g, which M = %g and L = %g need, expected "
+                    "at most %d; grid.step of the scene sets another",
+                    contact->grid.num_inner, contact->grid.x_min, contact->grid.step,
+                    contact->moes_M, contact->moes_L, MAX_NODES);
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {
@@ -28,7 +32,6 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
 
     const contact_settings settings = {
         .kind = *given->contact ? contact_kind_find(given->contact) : &contact_line,
-        .grid = scene_grid(given),
         .lubricant = given->lubricant,
         .moes_M = given->moes.M,
         .moes_L = given->moes.L,
@@ -41,5 +44,9 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
         .approach_given = approach_given,
         .approach_length = given->approach_length,
     };
-    return contact_init(contact, &settings, error);
+    ehd_status status = contact_init(contact, &settings, error);
+    if (status) return status;
+    const grid_extent needed = grid_extent_needed(contact);
+    status = scene_set_grid(contact, given, &needed, error);
+    return status || !approach_given ? status : contact_check_approach(contact, error);
 }

@@ -3,15 +3,22 @@
 #ifndef EHD_SCENE_CONTACT_H
 #define EHD_SCENE_CONTACT_H
 
-#include "common/physics/contact.h"
+#include "common/physics/grid_choice.h"
 #include "common/settings/scene.h"
 
-/* contact_init with the settings of a valid scene. EHD_DATA as there, and where a stationary scene
- * gives the approach; the contact's numbers are then 0 or NaN as far as they are not known. */
+/* contact_init with the settings of a valid scene, and its grid: where the scene does not say, as
+ * the contact needs it. EHD_DATA as there, and where a stationary scene gives the approach, a given
+ * approach is measured from too near, or the grid has too many nodes; the contact's numbers are then
+ * 0 or NaN as far as they are not known. */
 ehd_status scene_contact(
     // output:
     ehd_contact *contact,
     // input:
     const scene *given, ehd_error *error);
+
+/* Puts another grid in place of a contact's: `needed` where the scene does not say. EHD_DATA: too
+ * many nodes. */
+ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_extent *needed,
+                          ehd_error *error);
 
 #endif

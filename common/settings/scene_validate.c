@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double max_nodes = 2e6;
 static const double whole_number_tolerance = 1e-9; // relative, of the number of steps
 
 // ---- groups of keys
@@ -178,17 +177,17 @@ static double nearest_step(double extent, double step) {
 
 static ehd_status check_extent(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    if (!(of->grid.x_min < -1))
+    if (of->grid.x_min >= -1)
         return place_fail(error, place_of_key(source, "grid.x_min"),
                           "grid.x_min: found %g, expected less than -1, so that the dry contact "
                           "lies inside",
                           of->grid.x_min);
-    if (!(of->grid.x_max > 1))
+    if (of->grid.x_max <= 1)
         return place_fail(error, place_of_key(source, "grid.x_max"),
                           "grid.x_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",
                           of->grid.x_max);
-    if (is_point(of) && !(of->grid.y_max > 1))
+    if (is_point(of) && of->grid.y_max <= 1)
         return place_fail(error, place_of_key(source, "grid.y_max"),
                           "grid.y_max: found %g, expected more than 1, so that the dry contact "
                           "lies inside",
@@ -200,24 +199,26 @@ static bool is_whole(double steps) {
     return fabs(steps - round(steps)) <= whole_number_tolerance * steps;
 }
 
-/* Number of inner lines of nodes. */
+/* Number of inner lines of nodes; as far as the scene says it. */
 static double count_lines(const scene *of) {
-    const double beside = of->grid.y_max / scene_step(of);
-    return !is_point(of) ? 1 : of->grid.half ? beside + 1 : 2 * beside + 1;
+    if (!is_point(of) || isnan(of->grid.y_max)) return 1;
+    const double beside = of->grid.y_max / of->grid.step;
+    return of->grid.half ? beside + 1 : 2 * beside + 1;
 }
 
 static ehd_status check_grid(const scene_source *source, ehd_error *error) {
     const scene *of = &source->values;
-    const double step = scene_step(of), extent = of->grid.x_max - of->grid.x_min,
+    const double step = of->grid.step, extent = of->grid.x_max - of->grid.x_min,
                  steps = extent / step;
     const double nodes = (steps + 1) * count_lines(of);
     char found[NUMBER_TEXT], valid[NUMBER_TEXT];
     const ehd_status status = check_extent(source, error);
-    if (status) return status;
-    if (!(nodes <= max_nodes))
+    // the rest is chosen so that it fits
+    if (status || isnan(steps)) return status;
+    if (!(nodes <= MAX_NODES))
         return place_fail(error, place_of_key(source, "grid.step"),
-                          "grid.step: found %g, which makes %.0f nodes, expected at most %.0f",
-                          step, nodes, max_nodes);
+                          "grid.step: found %g, which makes %.0f nodes, expected at most %d", step,
+                          nodes, MAX_NODES);
     number_show(found, step);
     if (!is_whole(steps)) {
         number_show(valid, nearest_step(extent, step));
@@ -226,7 +227,7 @@ static ehd_status check_grid(const scene_source *source, ehd_error *error) {
                           "such as with %s",
                           found, of->grid.x_min, of->grid.x_max, valid);
     }
-    if (!is_point(of) || is_whole(of->grid.y_max / step)) return EHD_OK;
+    if (!is_point(of) || isnan(of->grid.y_max) || is_whole(of->grid.y_max / step)) return EHD_OK;
     number_show(valid, step * ceil(of->grid.y_max / step));
     return place_fail(error, place_of_key(source, "grid.y_max"),
                       "grid.y_max: found %g, expected a whole number of steps of %s, such as %s",

@@ -53,8 +53,28 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
+/* What all points need together that the plan's bounds do not leave out. */
+static grid_extent common_extent(const plan *of) {
+    grid_extent all = {0};
+    bool any = false;
+
+    for (size_t i = 0; i < of->num_points; i++) {
+        ehd_contact contact;
+        bool inside;
+        if (make_contact(&contact, &inside, of, i, "", NULL) || !inside) continue;
+        const grid_extent needed = grid_extent_needed(&contact);
+        if (any)
+            grid_extent_join(&all, &needed);
+        else
+            all = needed;
+        any = true;
+    }
+    return all;
+}
+
 static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
                               ehd_error *error) {
+    const grid_extent needed = common_extent(of);
     ehd_contact first = {0};
     ehd_status status = EHD_OK;
 
@@ -68,6 +88,8 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->num_dropped++;
             continue;
         }
+        status = scene_set_grid(&contact, given, &needed, error);
+        if (status) break;
         if (!set->kind) {
             set->kind = contact.kind;
             first = contact;
@@ -78,7 +100,6 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
         } else {
             set->groups[set->num_points] = of->points[i].group;
-            set->estimated[set->num_points] = given->output.resolution != 0;
             set->contacts[set->num_points++] = contact;
         }
     }
@@ -220,6 +241,17 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     }
     if (status) training_set_free(set);
     return status;
+}
+
+void training_set_take_grid(training_set *set, const ehd_grid *grid) {
+    for (size_t i = 0; i < set->num_points; i++) {
+        contact_take_grid(&set->contacts[i], grid);
+        set->grid = set->contacts[i].grid;
+    }
+    for (size_t t = 0; t < set->num_trajectories; t++) {
+        contact_take_grid(&set->trajectories[t].contact, grid);
+        set->grid = set->trajectories[t].contact.grid;
+    }
 }
 
 ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,

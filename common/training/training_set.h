@@ -23,7 +23,7 @@ typedef struct trajectory_scene {
 
 typedef struct training_set {
     char *text;    // identifies plan and shard, for --resume
-    ehd_grid grid; // of all points
+    ehd_grid grid; // of all points: where their scenes do not say, what all need together
     const contact_kind *kind;
     size_t num_points;     // stationary ones
     ehd_contact *contacts; // [num_points], in the order of the plan
@@ -46,6 +46,10 @@ ehd_status training_set_init(
     training_set *set, // free with training_set_free
     // input:
     const plan *plan, const char *plan_path, shard piece, ehd_error *error);
+
+/* Puts its points on another grid, that of a basis or model, where their scenes say nothing else
+ * (contact_take_grid). */
+void training_set_take_grid(training_set *set, const ehd_grid *grid);
 
 /* Adds a line that --resume tells this training from others by. EHD_MEMORY. */
 ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,

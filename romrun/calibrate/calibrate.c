@@ -94,6 +94,7 @@ static ehd_status load_scenes(training_set *set, trained_range **range, const pr
     status = training_set_init(set, &given, plan_path, all, error);
     plan_free(&given);
     if (!status) status = model_read(&model, model_path, NULL, error);
+    if (!status) training_set_take_grid(set, &model.grid);
     if (!status) status = grid_check(&set->grid, plan_path, &model.grid, model_path, error);
     if (!status) {
         *range = trained_range_create(&model);

@@ -144,8 +144,10 @@ void ehdrom_solver_set_tolerance(ehdrom_solver *self, double tolerance) {
 static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *contact,
                                 ehd_error *error) {
     const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;
+    ehd_contact on_model = *contact;
 
-    if (contact->kind == model->reduced.kind && grid_same(grid, own)) return EHD_OK;
+    contact_take_grid(&on_model, own);
+    if (contact->kind == model->reduced.kind && grid_same(&on_model.grid, own)) return EHD_OK;
     if (grid->discretization != own->discretization)
         return ehd_fail(error, EHD_DATA, "discretization: found %s, expected %s as in %s",
                         discretization_name(grid->discretization),
@@ -263,6 +265,7 @@ ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_mo
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
     self->reference = *reference;
+    contact_take_grid(&self->reference, &model->reduced.grid);
     status = reduced_march_create(&self->march, &model->reduced, &model->splines, &self->reference,
                                   &settings, error);
     if (status)

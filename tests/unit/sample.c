@@ -31,6 +31,9 @@ scene sample_scene(const char *lubricant, const char *density, double moes_M, do
     if (strcmp(lubricant, "roelands") == 0) set(&given, "lubricant.viscosity.eta0", "0.04");
     set(&given, "lubricant.density.law", density);
     scene_complete(&given);
+    given.grid.x_min = -4;
+    given.grid.x_max = 2;
+    given.grid.step = 0.005;
     return given;
 }
 

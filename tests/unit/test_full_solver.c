@@ -217,9 +217,7 @@ static void too_coarse_a_grid_is_an_outcome(void **state) {
             full_solve_cold(&stopped.info, &stopped.state, stopped.solver, &contacts[i], NULL),
             EHD_OK);
         assert_int_equal(stopped.info.status, EHD_NOT_CONVERGED);
-        assert_string_equal(stopped.info.reason,
-                            i ? "linear system singular"
-                              : "film driven to zero, as by too coarse a grid");
+        assert_string_equal(stopped.info.reason, "film driven to zero, as by too coarse a grid");
         assert_true(stopped.info.newton_iterations < 500);
         problem_free(&stopped);
     }

@@ -120,8 +120,7 @@ static void keys_of_an_added_law_are_settings(void **state) {
                                  "lubricant.density.law: elastic\n"
                                  "lubricant.density.compressibility: 5e-10\n"
                                  "lubricant.density.share: 0.5\n"
-                                 "discretization: accurate\n"
-                                 "grid.x_min: -4\n"));
+                                 "discretization: accurate\n"));
     ehd_error error;
     assert_int_equal(scene_parse(&again, text, strlen(text), "text", NULL, 0, &error), EHD_OK);
     char *second = scene_text(&again);

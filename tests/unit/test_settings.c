@@ -125,9 +125,7 @@ static void reads_a_scene_and_fills_defaults(void **state) {
     assert_string_equal(of.lubricant.density.law, "dowson-higginson");
     check_close(of.moes.M, 12, 0, 0);
     check_close(of.moes.L, 12, 0, 0);
-    check_close(of.grid.x_min, -4, 0, 0);
-    check_close(of.grid.x_max, 2, 0, 0);
-    check_close(of.grid.step, 0.005, 0, 0);
+    assert_true(isnan(of.grid.x_min) && isnan(of.grid.x_max) && isnan(of.grid.step));
     check_close(viscosity(&of, "temperature")->number, 25, 0, 0);
     assert_true(isnan(of.hertz_pressure) && isnan(of.physical.load) &&
                 isnan(viscosity(&of, "alpha")->number));
@@ -342,8 +340,9 @@ static void refuses_grids_that_do_not_fit(void **state) {
     (void)state;
     refuses_grid("x_min: -1", "s.yml:7: grid.x_min: found -1, expected less than -1");
     refuses_grid("x_max: 1", "grid.x_max: found 1, expected more than 1");
-    refuses_grid("step: 0.007", "grid.step: found 0.007, expected a whole number of steps from -4 "
-                                "to 2, such as with 0.0070011668611435");
+    refuses_grid("x_min: -4, x_max: 2, step: 0.007",
+                 "grid.step: found 0.007, expected a whole number of steps from -4 "
+                 "to 2, such as with 0.0070011668611435");
     refuses_grid("step: 0.3", "grid.step: found 0.3, expected a number from 1e-06 to 0.25");
     refuses_grid("step: 0", "grid.step: found 0, expected a number");
     refuses_grid("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
@@ -359,10 +358,11 @@ static void refuses_grids_that_do_not_fit(void **state) {
 
 /* `change` is one --set of a good point contact. */
 static void refuses_point(const char *change, const char *part) {
-    const char *const overrides[] = {"contact=point", change};
+    const char *const overrides[] = {"contact=point",    "grid.x_min=-4", "grid.x_max=2",
+                                     "grid.step=0.0625", "grid.y_max=3",  change};
     scene of;
     ehd_error error = {""};
-    const ehd_status status = scene_parse(&of, good, strlen(good), "s.yml", overrides, 2, &error);
+    const ehd_status status = scene_parse(&of, good, strlen(good), "s.yml", overrides, 6, &error);
     if (status != EHD_DATA || !strstr(error.text, part) || strchr(error.text, '\n'))
         fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
 }
@@ -373,8 +373,7 @@ static void a_point_contact_has_lines(void **state) {
     ehd_error error;
     (void)state;
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 1, &error), EHD_OK);
-    check_close(of.grid.step, 0.0625, 0, 0);
-    check_close(of.grid.y_max, 3, 0, 0);
+    assert_true(isnan(of.grid.step) && isnan(of.grid.y_max)); // chosen by M and L
     assert_int_equal(of.grid.half, 1);
     assert_int_equal(scene_parse(&of, good, strlen(good), "s.yml", overrides, 3, &error), EHD_OK);
     assert_int_equal(of.grid.half, 0);
@@ -404,7 +403,7 @@ static void overrides_come_after_the_file(void **state) {
     refuses_set("moes.N=1", "--set: moes.N: found an unknown key, expected moes.M");
     refuses_set("moes=1", "expected keys below it: moes.M, moes.L");
     refuses_set("moes.M", "--set: found moes.M, expected KEY=VALUE");
-    refuses_set("grid.step=0.007", "--set: grid.step: found 0.007, expected a whole number");
+    refuses_set("grid.x_min=-1", "--set: grid.x_min: found -1, expected less than -1");
     refuses_set("lubricant.viscosity.law=barus", "expected none with the law barus");
 }
 
@@ -446,7 +445,7 @@ static void scene_set_sets_one_key(void **state) {
     (void)state;
     scene_defaults(&of);
     assert_true(isnan(of.moes.M) && isnan(viscosity(&of, "temperature")->number));
-    check_close(scene_step(&of), 0.005, 0, 0);
+    assert_true(isnan(of.grid.step));
     assert_int_equal(scene_set(&of, "contact", "line", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "regime", "stationary", "here", &error), EHD_OK);
     assert_int_equal(scene_set(&of, "moes.M", "12", "here", &error), EHD_OK);
@@ -1086,8 +1085,8 @@ static void plan_refuses_bad_points_with_their_values(void **state) {
     write_file("scene.yml", good);
     refuses_plan("groups:\n- scene: scene.yml\n  vary:\n    moes.M: [5, 6]\n    moes.L: [1, 1e3]\n",
                  "plan.yml:5: moes.L: found 1e3, expected a number from 0 to 100");
-    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [5], grid.step: [0.01, 0.007]}\n",
-                 "plan.yml: point moes.M=5, grid.step=0.007: ");
+    refuses_plan("groups:\n- scene: scene.yml\n  vary: {moes.M: [5], grid.x_min: [-2, -1]}\n",
+                 "plan.yml: point moes.M=5, grid.x_min=-1: ");
     refuses_plan("groups:\n- scene: {contact: line}\n  vary: {moes.M: [5]}\n",
                  "regime, lubricant.viscosity.law: found nothing");
     write_file("bad.yml", "contact: line\nregime: never\n");

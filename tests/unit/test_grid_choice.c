@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The grid of a contact whose scene says nothing of it, or a part. */
+#include "common/physics/grid_choice.h"
+#include "common/settings/scene_contact.h"
+#include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static ehd_contact contact_of(const char *kind, const char *discretization, double moes_M,
+                              double moes_L) {
+    scene given = sample_scene("barus", "incompressible", moes_M, moes_L);
+    ehd_contact contact;
+
+    snprintf(given.contact, sizeof given.contact, "%s", kind);
+    snprintf(given.discretization, sizeof given.discretization, "%s", discretization);
+    given.grid = (grid_settings){NAN, NAN, NAN, NAN, strcmp(kind, "point") == 0 ? 1 : -1};
+    scene_complete(&given);
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
+    return contact;
+}
+
+/* Zero at the edge, rising with the power 3/2, and far away the undeformed gap less what grows
+ * slower than it. Slopes by differences: Hertz (line) x' = sqrt(x^2 - 1). */
+static void dry_gaps(void **state) {
+    (void)state;
+    const double d = 1e-6;
+
+    check_close(contact_line.dry_gap(-1), 0, 0, 1e-15);
+    check_close(contact_point.dry_gap(-1), 0, 0, 1e-15);
+    for (double x = 1.1; x < 5; x += 0.7) {
+        double slope = (contact_line.dry_gap(x + d) - contact_line.dry_gap(x - d)) / (2 * d);
+        check_close(slope, sqrt(x * x - 1), 1e-8, 0);
+        slope = (contact_point.dry_gap(x + d) - contact_point.dry_gap(x - d)) / (2 * d);
+        check_close(slope, 2 / M_PI * (x * acos(1 / x) + sqrt(1 - 1 / (x * x))), 1e-8, 0);
+        check_close(contact_line.dry_gap(-x), contact_line.dry_gap(x), 1e-15, 0);
+    }
+    check_close(contact_line.dry_gap(100), 5000, 2e-3, 0);
+    check_close(contact_point.dry_gap(100), 5000, 1e-2, 0);
+}
+
+/* Longer for thick films, finer for thin ones; as M and L ask. */
+static void grids_that_contacts_need(void **state) {
+    (void)state;
+    static const struct {
+        const char *kind;
+        double moes_M, moes_L, x_min, step, y_max;
+    } cases[] = {{"line", 1, 0, -16, 0.02, NAN},         {"line", 1, 25, -32, 0.02, NAN},
+                 {"line", 20, 10, -6, 0.02, NAN},        {"line", 50, 10, -4, 0.01, NAN},
+                 {"line", 100, 5, -3, 0.005, NAN},       {"line", 500, 15, -2, 0.00125, NAN},
+                 {"line", 2000, 0, -1.5, 0.000625, NAN}, {"point", 20, 5, -6, 0.125, 4.5},
+                 {"point", 100, 5, -4, 0.0625, 3},       {"point", 300, 5, -4, 0.03125, 3}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const ehd_contact contact =
+            contact_of(cases[i].kind, "accurate", cases[i].moes_M, cases[i].moes_L);
+        const grid_extent found = grid_extent_of(&contact.grid);
+        check_close(found.x_min, cases[i].x_min, 0, 0);
+        check_close(found.x_max, 2, 0, 1e-12);
+        check_close(found.step, cases[i].step, 0, 0);
+        if (!isnan(cases[i].y_max)) check_close(found.y_max, cases[i].y_max, 0, 1e-12);
+        assert_true(contact_has_chosen_grid(&contact));
+    }
+}
+
+static void the_published_grid_is_one(void **state) {
+    (void)state;
+    for (double M = 1; M < 2000; M *= 10) {
+        const ehd_contact line = contact_of("line", "published", M, 10);
+        const ehd_contact point = contact_of("point", "published", M, 10);
+        assert_int_equal(line.grid.num_inner, 1201);
+        check_close(line.grid.x_min, -4, 0, 0);
+        assert_int_equal(point.grid.inner_x, 97);
+        assert_int_equal(point.grid.inner_lines, 49);
+        assert_false(contact_has_chosen_grid(&line) || contact_has_chosen_grid(&point));
+    }
+}
+
+static void parts_that_are_given_stay(void **state) {
+    (void)state;
+    const grid_extent needed = {-4, 2, 0.0625, 3}, all = {-5, 1.5, 0.05, 2};
+    for (int given = 0; given < 16; given++) {
+        const grid_extent of = {given & 1 ? all.x_min : NAN, given & 2 ? all.x_max : NAN,
+                                given & 4 ? all.step : NAN, given & 8 ? all.y_max : NAN};
+        const ehd_grid grid = grid_choose(&of, &needed, true, DISCRETIZATION_ACCURATE);
+        const grid_extent found = grid_extent_of(&grid);
+        check_close(found.x_max, given & 2 ? all.x_max : needed.x_max, 0, 1e-12);
+        if (given & 1) check_close(found.x_min, all.x_min, 0, 1e-12);
+        if (given & 4) check_close(found.step, all.step, 0, 0);
+        // what is not given is as wide and fine as needed, by no more than a step
+        assert_true(found.x_min <= (given & 1 ? all.x_min : needed.x_min) + 1e-12);
+        assert_true(found.x_min > (given & 1 ? all.x_min : needed.x_min) - found.step);
+        assert_true(found.step <= (given & 4 ? all.step : needed.step));
+        assert_true(found.y_max >= (given & 8 ? all.y_max : needed.y_max) - 1e-12);
+        assert_true(found.y_max < (given & 8 ? all.y_max : needed.y_max) + found.step);
+    }
+}
+
+static void what_serves_both(void **state) {
+    (void)state;
+    grid_extent all = {-4, 2, 0.02, NAN};
+    const grid_extent other = {-2, 3, 0.005, NAN};
+
+    grid_extent_join(&all, &other);
+    check_close(all.x_min, -4, 0, 0);
+    check_close(all.x_max, 3, 0, 0);
+    check_close(all.step, 0.005, 0, 0);
+    assert_true(isnan(all.y_max));
+}
+
+/* A contact takes the grid of a model where its scene says nothing else. */
+static void grids_of_models(void **state) {
+    (void)state;
+    const ehd_grid model = grid_of(-6, 0.01, 801, 1, false, DISCRETIZATION_ACCURATE);
+    const ehd_grid other = grid_of(-6, 0.01, 801, 1, false, DISCRETIZATION_PUBLISHED);
+    ehd_contact contact = contact_of("line", "accurate", 100, 5);
+
+    contact_take_grid(&contact, &other);
+    assert_false(grid_same(&contact.grid, &other));
+    contact_take_grid(&contact, &model);
+    assert_true(grid_same(&contact.grid, &model));
+    assert_false(contact_has_chosen_grid(&contact)); // it has one now
+
+    contact = contact_of("line", "accurate", 100, 5);
+    contact.grid_given.step = 0.005;
+    contact_take_grid(&contact, &model);
+    assert_false(grid_same(&contact.grid, &model));
+    contact.grid_given.step = 0.01;
+    contact_take_grid(&contact, &model);
+    assert_true(grid_same(&contact.grid, &model));
+
+    contact = contact_of("point", "accurate", 100, 5);
+    contact_take_grid(&contact, &model);
+    assert_false(grid_same(&contact.grid, &model));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(dry_gaps),
+        cmocka_unit_test(grids_that_contacts_need),
+        cmocka_unit_test(the_published_grid_is_one),
+        cmocka_unit_test(parts_that_are_given_stay),
+        cmocka_unit_test(what_serves_both),
+        cmocka_unit_test(grids_of_models),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
