@@ -21,8 +21,9 @@
 enum { WORK_PARTS = 1000 };
 
 typedef struct fullrun_options {
-    const char *start; // NULL: cold
-    double tolerance;  // of Newton's iteration
+    const char *start;   // NULL: cold
+    const char *grid_of; // NULL: the scene's or as needed
+    double tolerance;    // of Newton's iteration
     bool formulas;
     size_t repeats; // of the solution; its median time is reported
     bool resume;
@@ -35,6 +36,8 @@ typedef struct fullrun_options {
 static const program_option own_options[] = {
     {"start", 0, "RESULT.h5", "Start from the fields of another result on the same grid, not cold (stationary)",
      OPTION_TEXT(start)},
+    {"grid-of", 0, "FILE.h5", "Take the grid of snapshots, a basis or a model where the scene does not give it, to "
+     "compare on the same", OPTION_TEXT(grid_of)},
     {"tolerance", 0, "X", "Largest scaled residual at which Newton's iteration may end; default 1e-10",
      OPTION_REAL(tolerance, 1e-13, 1)},
     {"formulas", 0, NULL, "Print beside the solution what published film formulas say; in time, of the contact "
@@ -429,6 +432,23 @@ static ehd_status check_usage(const program *self, const fullrun_options *option
     return EHD_OK;
 }
 
+/* The grid of --grid-of. */
+static ehd_status take_grid(ehd_contact *contact, const char *path, ehd_error *error) {
+    static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,
+                                                     &schema_model, NULL};
+    const contact_kind *kind;
+    artefact *file = NULL;
+    ehd_grid grid;
+    if (!path) return EHD_OK;
+    ehd_status status = artefact_open(&file, path, schemas, error);
+
+    if (!status) status = grid_read(&grid, &kind, file, error);
+    artefact_close(&file);
+    if (status) return status;
+    contact_take_grid(contact, &grid);
+    return grid_check(&grid, path, &contact->grid, "the scene", error);
+}
+
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, const fullrun_options *options, ehd_error *error) {
     ehd_contact contact;
@@ -437,6 +457,7 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
+    if (!status) status = take_grid(&contact, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,

@@ -95,8 +95,6 @@ static ehd_status load_set(training_set *set, const program *self, shard piece, 
     if (status) return status;
 
     status = training_set_init(set, &given, path, piece, error);
-    if (!status)
-        grid_print(set->num_points > 0 ? set->contacts : &set->trajectories->contact, "all points");
     if (!status && set->num_dropped > 0)
         program_note(self, "%s: %zu of %zu points lie outside of the bounds and are left out", path,
                      set->num_dropped, given.num_points);
@@ -134,6 +132,11 @@ static ehd_status check_failures(const program *self, size_t num_failed, size_t 
                     self->arguments[0], num_failed, num_points, allowed);
 }
 
+/* Any of a set's contacts. */
+static const ehd_contact *set_contact(const training_set *set) {
+    return set->num_points > 0 ? set->contacts : &set->trajectories->contact;
+}
+
 /* The short result, and whether too much was lost. */
 static ehd_status report(const program *self, const training *points, const trajectories *trained,
                          size_t allowed, double seconds, ehd_error *error) {
@@ -141,6 +144,7 @@ static ehd_status report(const program *self, const training *points, const traj
     size_t num_failed = points->num_failed + trained->num_failed;
 
     printf("%zu points, %zu converged, %.1f s\n", num_points, num_points - num_failed, seconds);
+    grid_print(set_contact(points->set), "all points");
     if (trained->num_trajectories > 0)
         printf("%zu of them trajectories with %zu steps, compressed to %zu snapshots\n",
                trained->num_trajectories, trained->num_steps, trained->first.rank);

@@ -181,15 +181,12 @@ ehd_status grid_check_memory(const program *caller, const char *object, const eh
 
 void grid_print(const ehd_contact *contact, const char *needed_by) {
     const ehd_grid whole = grid_whole(&contact->grid);
-    const bool point = contact->kind->dimensions > 1;
     const bool chosen = contact_has_chosen_grid(contact);
 
-    printf("%-24s%s\n%-24s%zu", "discretization", discretization_name(contact->grid.discretization),
-           "grid", whole.inner_x);
-    if (point) printf(" by %zu", whole.inner_lines);
-    printf(" nodes from %g to %g by %g%s%s\n", whole.x_min,
-           whole.x_min + (double)(whole.inner_x - 1) * whole.step, whole.step,
-           chosen ? ", as wide and fine as needed by " : "", chosen ? needed_by : "");
+    printf("%-24s%zu", "grid", whole.inner_x);
+    if (contact->kind->dimensions > 1) printf(" by %zu", whole.inner_lines);
+    printf(" nodes from %g to %g by %g%s%s\n", whole.x_min, grid_extent_of(&whole).x_max,
+           whole.step, chosen ? ", as wide and fine as needed by " : "", chosen ? needed_by : "");
 }
 
 ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const program *caller,

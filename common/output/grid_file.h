@@ -52,7 +52,7 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error);
 
-/* Prints discretisation and grid, and what it was chosen for where the scene does not give it. */
+/* Prints a contact's grid, and what it was chosen for where the scene does not give it. */
 void grid_print(const ehd_contact *contact, const char *needed_by);
 
 /* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the

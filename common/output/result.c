@@ -163,6 +163,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
 
     printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "contact",
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
+    printf("%-24s%s\n", "discretization", discretization_name(contact->grid.discretization));
     grid_print(contact, "this M and L");
     print_value("central film thickness", result->central_film_thickness, film, "µm");
     print_parts(result->indicated_deviation, effects.of[EFFECT_STEP], effects.of[EFFECT_INLET]);

@@ -100,6 +100,7 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
         } else {
             set->groups[set->num_points] = of->points[i].group;
+            set->estimated[set->num_points] = given->output.resolution != 0;
             set->contacts[set->num_points++] = contact;
         }
     }

@@ -14,7 +14,7 @@ moes: {M: 12, L: 8}
 lubricant:
   viscosity: {law: barus, alpha: 2.0e-8}
   density: {law: dowson-higginson}
-grid: {step: 0.02}
+grid: {x_min: -4, x_max: 2, step: 0.02}
 YAML
     grep -v moes scene.yml >base.yml
     cat >plan.yml <<'YAML'
@@ -33,7 +33,7 @@ moes: {M: 12, L: 4}
 lubricant:
   viscosity: {law: barus, alpha: 2.0e-8}
   density: {law: dowson-higginson}
-grid: {step: 0.05}
+grid: {x_min: -4, x_max: 2, step: 0.05}
 YAML
     grep -v moes scene.yml >base.yml
     cat >plan.yml <<'YAML'
