@@ -26,6 +26,7 @@ struct full_solver {
     size_t *unknown, *index;    // [num_nodes]
     unsigned char *flips;       // [num_nodes] how often a node has lost or gained pressure
     reynolds_fluid fluid;       // views of fluid_memory
+    exit_cell cell;             // in which the exit lies, where it lies within a node
     arena memory;               // of all arrays
 };
 
@@ -117,6 +118,7 @@ ehd_status full_state_init(full_state *state, const ehd_grid *grid, ehd_error *e
 
 void full_state_fill(full_state *state, const ehd_grid *grid) {
     state->exit = grid->num_nodes - 1;
+    state->exit_offset = NAN;
     memset(state->ruptured, 0, grid->num_nodes * sizeof *state->ruptured);
     if (grid->inner_lines == 1) return;
     memset(state->ruptured, true, grid->num_nodes * sizeof *state->ruptured);
@@ -126,6 +128,7 @@ void full_state_fill(full_state *state, const ehd_grid *grid) {
 
 static void set_exit(full_state *state, size_t exit, const ehd_grid *grid) {
     state->exit = exit;
+    state->exit_offset = NAN;
     memset(state->pressure + exit, 0, (grid->num_nodes - exit) * sizeof(double));
 }
 
@@ -151,6 +154,7 @@ void full_state_copy(full_state *target, const full_state *source, const ehd_gri
     memcpy(target->film, source->film, grid->num_nodes * sizeof(double));
     target->rigid_approach = source->rigid_approach;
     target->exit = source->exit;
+    target->exit_offset = source->exit_offset;
     memcpy(target->ruptured, source->ruptured, grid->num_nodes * sizeof *target->ruptured);
 }
 
@@ -184,7 +188,17 @@ static double closure_residual(const full_solver *self, const full_state *state,
            (closure->by_approach * state->rigid_approach - closure->value) / grid_cell(grid);
 }
 
-/* Film, fluid and all Reynolds rows at the state. */
+static size_t row_of_exit(const full_state *state, const ehd_grid *grid) {
+    return grid_row_of_node(grid, state->exit - 1);
+}
+
+static void evaluate_cell(full_solver *self, double entrainment, const full_state *state) {
+    exit_cell_at(&self->cell, &self->grid, entrainment, state->exit_offset,
+                 &self->stencils[row_of_exit(state, &self->grid)], &self->fluid, state->pressure,
+                 state->film);
+}
+
+/* Film, fluid and all Reynolds rows at the state; of an exit within a node, its cell and row. */
 static void evaluate_rows(full_solver *self, const ehd_contact *contact,
                           const reynolds_squeeze *squeeze, full_state *state) {
     size_t num_nodes = self->grid.num_nodes;
@@ -194,6 +208,12 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
     reynolds_fluid_evaluate(&self->fluid, contact, state->pressure, num_nodes);
     reynolds_rows(self->rows, &self->grid, contact->entrainment, squeeze, self->stencils,
                   self->grid.num_inner, &self->fluid, state->pressure, state->film);
+    if (isnan(state->exit_offset)) return;
+    evaluate_cell(self, contact->entrainment, state);
+    if (self->cell.curvature > 0)
+        self->rows[row_of_exit(state, &self->grid)] = self->cell.row;
+    else // far from the solution: no place there where the film rises to what flows
+        state->exit_offset = NAN;
 }
 
 /* Largest entry of a row of the Jacobian, the film's derivative times the kernel included. */
@@ -218,6 +238,10 @@ static double scale_rows(full_solver *self, const full_state *state,
         self->row_scale[r] = 1 / row_magnitude(self, r);
         if (full_has_pressure(state, grid_node_of_row(&self->grid, r)))
             largest = fmax(largest, fabs(self->rows[r].residual * self->row_scale[r]));
+    }
+    if (!isnan(state->exit_offset)) {
+        double scale = self->row_scale[row_of_exit(state, &self->grid)];
+        largest = fmax(largest, fabs(self->cell.flux_residual * scale));
     }
     return largest;
 }
@@ -247,7 +271,8 @@ static double flux_at(void *context, size_t node) {
     const reynolds_stencil *stencil = &solver->stencils[grid_row_of_node(&solver->grid, node)];
 
     return reynolds_flux(&solver->grid, query->entrainment, stencil, &solver->fluid,
-                         query->state->pressure, query->state->film);
+                         query->state->pressure, query->state->film)
+        .residual;
 }
 
 /* The multiplier at a node without pressure, scaled as its row. */
@@ -262,6 +287,60 @@ static double multiplier_at(void *context, size_t node) {
 
     return scaled_multiplier(query->solver, node);
 }
+
+// ---- exit within a node
+
+/* Whether the exit may lie within a node, after which the film is known at two. */
+static bool can_divide_node(const full_state *state, const ehd_grid *grid) {
+    return state->exit + 1 < grid->num_nodes;
+}
+
+/* Where within its node the exit lies at a state whose rows have been evaluated, by the pressure
+ * there. */
+static void divide_node(full_solver *self, double entrainment, full_state *state) {
+    state->exit_offset = 0;
+    evaluate_cell(self, entrainment, state);
+    const double square = state->pressure[state->exit - 1] / self->cell.curvature;
+    state->exit_offset = square > 0 ? fmin(sqrt(square), 1) : 0;
+}
+
+/* By how much a step moves the exit, in steps of the grid. */
+static double change_of_offset(const full_solver *self, const full_state *state,
+                               const full_system *system) {
+    const reynolds_row *offset = &self->cell.offset;
+    const reynolds_stencil *stencil = &self->stencils[row_of_exit(state, &self->grid)];
+    double change = offset->residual;
+
+    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+        const size_t node = stencil->node[a];
+        if (node == NO_NODE) continue;
+        change += offset->by_pressure[a] * system->step[node] +
+                  offset->by_film[a] * (self->step_film[node] + system->step_approach);
+    }
+    return change;
+}
+
+/* Moves the exit of a state to which a step has been added. Before the exit the pressure is
+ * quadratic, of which the step is the linear part. */
+static void move_exit(full_state *state, const full_solver *self, double change) {
+    const ehd_grid *grid = &self->grid;
+    const double curvature = self->cell.curvature, stride = MAX_STRIDE / grid->step + 1;
+    const size_t node = state->exit - 1, last = grid->num_nodes - 2; // inner node
+    const double moved = fmin(fmax(change, -stride), stride), offset = state->exit_offset + moved;
+    const double nodes = fmax(floor(offset), 1 - (double)node), rest = offset - nodes;
+    const size_t wanted = (size_t)((double)node + nodes), next = wanted < last ? wanted : last;
+
+    if (next >= node) state->pressure[node] += curvature * moved * moved;
+    for (size_t k = node + 1; k <= next; k++) {
+        double distance = offset - (double)(k - node);
+        state->pressure[k] = curvature * distance * distance;
+    }
+    if (next < node) state->pressure[next] = fmax(state->pressure[next], curvature * rest * rest);
+    set_exit(state, next + 1, grid);
+    if (can_divide_node(state, grid)) state->exit_offset = rest;
+}
+
+// ---- exit at a node
 
 /* Next exit of a stationary line contact by its flux, behind the contact's centre. */
 static size_t adapt_exit(const full_solver *self, const full_state *state, double entrainment) {
@@ -374,9 +453,11 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
         info->reason = "film driven to zero, as by too coarse a grid";
         return EHD_NOT_CONVERGED;
     }
+    const bool divided = !isnan(state->exit_offset);
     for (size_t k = 1; k < state->exit; k++) // the step is zero where there is no pressure
         state->pressure[k] += *factor * system.step[k];
     state->rigid_approach += *factor * system.step_approach;
+    if (divided) move_exit(state, self, *factor * change_of_offset(self, state, &system));
     return EHD_OK;
 }
 
@@ -395,8 +476,8 @@ static double complementarity(const full_solver *self, const full_state *state) 
 static const unsigned char MAX_FLIPS = 4;
 // pressures (of p_H) and scaled multipliers below which a sign is not significant
 static const double IN_TIME_NOISE = 1e-7, POINT_NOISE = 1e-9;
-// scaled residual of a point contact below which flips are counted; counted from the start, a
-// multiplier could stay negative (M = 1000, L = 5)
+// scaled residual below which flips of a point contact are counted (counted from the start, a
+// multiplier could stay negative: M = 1000, L = 5), and an exit is looked for within its node
 static const double NEAR_SOLUTION = 0.01;
 
 /* Primal-dual active set: each node goes by the sign of its pressure or multiplier. For films that
@@ -440,7 +521,7 @@ static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full
                            self->kind->dimensions == 1 || residual < NEAR_SOLUTION);
     if (self->kind->dimensions > 1)
         return adapt_nodes(self, state, POINT_NOISE, residual < NEAR_SOLUTION);
-    if (*settled) return false;
+    if (*settled || !isnan(state->exit_offset)) return false;
     size_t exit = adapt_exit(self, state, contact->entrainment);
     *settled = exit_cycles(watch, exit);
     if (*settled && exit > state->exit) exit = state->exit;
@@ -480,18 +561,33 @@ static bool is_solved(const full_solver *self, double residual, double last_resi
     return self->kind->dimensions > 1 && residual < MAX_ROUNDING && residual > 0.5 * last_residual;
 }
 
+/* Evaluates, and near the solution divides the exit's node. */
+static void evaluate_divided(full_info *info, full_solver *self, const ehd_contact *contact,
+                             full_state *state) {
+    evaluate(info, self, contact, NULL, state);
+    if (!isnan(state->exit_offset) || !(info->residual < NEAR_SOLUTION) ||
+        !can_divide_node(state, &self->grid))
+        return;
+    divide_node(self, contact->entrainment, state);
+    evaluate(info, self, contact, NULL, state);
+}
+
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
                          const ehd_contact *contact, const reynolds_squeeze *squeeze,
-                         ehd_error *error) {
+                         bool within_node, ehd_error *error) {
     exit_watch watch = {state->exit, state->exit, 0};
     double factor = 1;
     bool settled = false;
     ehd_error ignored;
 
+    if (!within_node) state->exit_offset = NAN;
     memset(self->flips, 0, self->grid.num_nodes * sizeof *self->flips);
     for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
         double before = program_seconds(), last_residual = info->residual;
-        evaluate(info, self, contact, squeeze, state);
+        if (within_node)
+            evaluate_divided(info, self, contact, state);
+        else
+            evaluate(info, self, contact, squeeze, state);
         if (!isfinite(info->residual)) {
             info->reason = "residual not finite";
             return EHD_OK;
@@ -537,13 +633,26 @@ static void info_start(full_info *info) {
     info->reason = "";
 }
 
-ehd_status full_solve(full_info *info, full_state *state, full_solver *solver,
-                      const ehd_contact *contact, const reynolds_squeeze *squeeze,
-                      ehd_error *error) {
+static ehd_status solve(full_info *info, full_state *state, full_solver *self,
+                        const ehd_contact *contact, const reynolds_squeeze *squeeze,
+                        bool within_node, ehd_error *error) {
     double before = program_seconds();
 
     info_start(info);
-    ehd_status status = newton(info, state, solver, contact, squeeze, error);
+    ehd_status status = newton(info, state, self, contact, squeeze, within_node, error);
     info->seconds = program_seconds() - before;
     return status;
+}
+
+ehd_status full_solve(full_info *info, full_state *state, full_solver *solver,
+                      const ehd_contact *contact, const reynolds_squeeze *squeeze,
+                      ehd_error *error) {
+    const bool within_node = !squeeze && exit_is_within_node(&solver->grid);
+
+    return solve(info, state, solver, contact, squeeze, within_node, error);
+}
+
+ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
+                            const ehd_contact *contact, ehd_error *error) {
+    return solve(info, state, solver, contact, NULL, false, error);
 }

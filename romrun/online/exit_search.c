@@ -120,7 +120,8 @@ static double flux_at(void *state, size_t node) {
 
     fill_stencil(&around, query, node);
     return reynolds_flux(&query->search->model->grid, query->contact->entrainment, &around.stencil,
-                         &around.fluid, around.pressure, around.film);
+                         &around.fluid, around.pressure, around.film)
+        .residual;
 }
 
 static double line_film(void *state, size_t node) {
