@@ -193,9 +193,13 @@ static size_t row_of_exit(const full_state *state, const ehd_grid *grid) {
 }
 
 static void evaluate_cell(full_solver *self, double entrainment, const full_state *state) {
-    exit_cell_at(&self->cell, &self->grid, entrainment, state->exit_offset,
-                 &self->stencils[row_of_exit(state, &self->grid)], &self->fluid, state->pressure,
-                 state->film);
+    const reynolds_stencil *stencil = &self->stencils[row_of_exit(state, &self->grid)];
+    const reynolds_row flux = reynolds_flux(&self->grid, entrainment, stencil, &self->fluid,
+                                            state->pressure, state->film);
+
+    exit_cell_at(&self->cell, &self->grid, entrainment, state->exit_offset, flux.residual, stencil,
+                 &self->fluid, state->pressure, state->film);
+    exit_cell_add_flux(&self->cell, &flux);
 }
 
 /* Film, fluid and all Reynolds rows at the state; of an exit within a node, its cell and row. */

@@ -120,7 +120,7 @@ static quantity rise_over_cube(const quantity *q, const quantity *at_exit, const
 }
 
 void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, double offset,
-                  const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                  double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                   const double *pressure, const double *film) {
     const size_t here = stencil->node[NODE_HERE], ahead = stencil->node[NODE_AHEAD];
     const double step = grid->step, h = film[here], scale = h * h * h / (step * step);
@@ -142,13 +142,11 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
 
     // first equation: flux - U q_exit = 0, over U dq_exit/d offset
     const double slope = entrainment * at_exit.by_offset;
-    reynolds_row *balance = &cell->offset;
-    *balance = reynolds_flux(grid, entrainment, stencil, fluid, pressure, film);
-    add_row(balance, -entrainment, &at_exit.row);
-    cell->flux_residual = balance->residual / step;
-    const reynolds_row unscaled = *balance;
-    memset(balance, 0, sizeof *balance);
-    add_row(balance, 1 / slope, &unscaled);
+    memset(&cell->offset, 0, sizeof cell->offset);
+    add_row(&cell->offset, -entrainment / slope, &at_exit.row);
+    cell->offset.residual += flux / slope;
+    cell->offset_by_flux = 1 / slope;
+    cell->flux_residual = cell->offset.residual * slope / step;
 
     // second equation: int m dP = int U (q - q_exit)/H^3 dx from the node to the exit, by Simpson's
     // rule
@@ -165,7 +163,19 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
     row->by_film[NODE_HERE] += 3 * row->residual / h;
     const double by_offset =
         -scale * (step * entrainment / 6 * sum + length * (first.by_offset + 4 * second.by_offset));
-    add_row(row, by_offset, balance);
+    add_row(row, by_offset, &cell->offset);
+    cell->row_by_flux = by_offset / slope;
 
     cell->curvature = slope * step / (2 * fluid->mobility[ahead] * h * h * h);
+}
+
+void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux) {
+    reynolds_row *rows[] = {&cell->row, &cell->offset};
+    const double factors[] = {cell->row_by_flux, cell->offset_by_flux};
+
+    for (int i = 0; i < 2; i++) {
+        const double residual = rows[i]->residual;
+        add_row(rows[i], factors[i], flux);
+        rows[i]->residual = residual;
+    }
 }

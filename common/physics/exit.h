@@ -45,8 +45,9 @@ size_t exit_by_flux(const exit_line *line, size_t exit);
  * there to the exit. The first is eliminated, so that the second stands in the place of the node's
  * Reynolds row. */
 typedef struct exit_cell {
-    reynolds_row row;     // residual of the second equation, of a Reynolds row's size
-    reynolds_row offset;  // residual: by how much the offset has to change; derivatives of that
+    reynolds_row row;    // residual of the second equation, of a Reynolds row's size
+    reynolds_row offset; // residual: by how much the offset has to change; derivatives of that
+    double row_by_flux, offset_by_flux; // derivatives of both residuals by the flux
     double curvature;     // pressure before the exit over the square of the distance in steps
     double flux_residual; // of the first equation, of a Reynolds row's size
 } exit_cell;
@@ -55,11 +56,15 @@ typedef struct exit_cell {
  * accurate rows. */
 bool exit_is_within_node(const ehd_grid *grid);
 
-/* The cell at the HERE of a stencil. The films at its BACK, HERE, AHEAD and AHEAD2 are
- * interpolated, so that the node must be neither of the last two inner ones; there is no pressure
- * from AHEAD on. */
+/* The cell at the HERE of a stencil, for a flux that comes from elsewhere: derivatives by pressure
+ * and film are those at that flux. The films at BACK, HERE, AHEAD and AHEAD2 are interpolated, so
+ * that the node must not be the last inner one; there is no pressure from AHEAD on. */
 void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, double offset,
-                  const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                  double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                   const double *pressure, const double *film);
+
+/* Adds what follows from the derivatives of the flux through the half node before, which is that of
+ * the cell: reynolds_flux of its stencil. */
+void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
 #endif

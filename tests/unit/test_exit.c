@@ -126,8 +126,11 @@ static exit_cell cell_of(small_exit *small) {
     const reynolds_fluid fluid = fluid_of(small);
     exit_cell cell;
 
-    exit_cell_at(&cell, &small->contact.grid, 0.8, small->offset, &stencil, &fluid, small->pressure,
-                 small->film);
+    const reynolds_row flux =
+        reynolds_flux(&small->contact.grid, 0.8, &stencil, &fluid, small->pressure, small->film);
+    exit_cell_at(&cell, &small->contact.grid, 0.8, small->offset, flux.residual, &stencil, &fluid,
+                 small->pressure, small->film);
+    exit_cell_add_flux(&cell, &flux);
     return cell;
 }
 
