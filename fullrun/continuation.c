@@ -2,7 +2,6 @@
 /* Starts for Newton: the dry contact, and continuation from an easier contact to a harder one. */
 #include "fullrun/continuation.h"
 
-#include "common/physics/exit.h"
 #include "common/program/program.h"
 
 #include <math.h>
@@ -230,7 +229,7 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
         full_info part;
         status = solve_from_dry(&part, state, solver, contact, error);
         add_effort(info, &part);
-        if (!status && info->status == EHD_OK && exit_is_within_node(&contact->grid)) {
+        if (!status && info->status == EHD_OK && full_exit_is_within_node(solver)) {
             status = full_solve(&part, state, solver, contact, NULL, error);
             add_effort(info, &part);
         }

@@ -324,24 +324,15 @@ static double change_of_offset(const full_solver *self, const full_state *state,
     return change;
 }
 
-/* Moves the exit of a state to which a step has been added. Before the exit the pressure is
- * quadratic, of which the step is the linear part. */
-static void move_exit(full_state *state, const full_solver *self, double change) {
-    const ehd_grid *grid = &self->grid;
-    const double curvature = self->cell.curvature, stride = MAX_STRIDE / grid->step + 1;
-    const size_t node = state->exit - 1, last = grid->num_nodes - 2; // inner node
-    const double moved = fmin(fmax(change, -stride), stride), offset = state->exit_offset + moved;
-    const double nodes = fmax(floor(offset), 1 - (double)node), rest = offset - nodes;
-    const size_t wanted = (size_t)((double)node + nodes), next = wanted < last ? wanted : last;
+/* Moves the exit of a state to which a step has been added. */
+static void move_exit(full_state *state, const ehd_grid *grid, double change) {
+    const double stride = MAX_STRIDE / grid->step + 1;
+    const double offset = state->exit_offset + fmin(fmax(change, -stride), stride);
+    const double exit = fmax((double)state->exit + floor(offset), 2);
+    const size_t last = grid->num_nodes - 1;
 
-    if (next >= node) state->pressure[node] += curvature * moved * moved;
-    for (size_t k = node + 1; k <= next; k++) {
-        double distance = offset - (double)(k - node);
-        state->pressure[k] = curvature * distance * distance;
-    }
-    if (next < node) state->pressure[next] = fmax(state->pressure[next], curvature * rest * rest);
-    set_exit(state, next + 1, grid);
-    if (can_divide_node(state, grid)) state->exit_offset = rest;
+    set_exit(state, exit < (double)last ? (size_t)exit : last, grid);
+    if (can_divide_node(state, grid)) state->exit_offset = offset - floor(offset);
 }
 
 // ---- exit at a node
@@ -461,7 +452,7 @@ static ehd_status newton_step(double *factor, full_info *info, full_state *state
     for (size_t k = 1; k < state->exit; k++) // the step is zero where there is no pressure
         state->pressure[k] += *factor * system.step[k];
     state->rigid_approach += *factor * system.step_approach;
-    if (divided) move_exit(state, self, *factor * change_of_offset(self, state, &system));
+    if (divided) move_exit(state, &self->grid, *factor * change_of_offset(self, state, &system));
     return EHD_OK;
 }
 
@@ -648,10 +639,14 @@ static ehd_status solve(full_info *info, full_state *state, full_solver *self,
     return status;
 }
 
+bool full_exit_is_within_node(const full_solver *self) {
+    return !self->settings.exit_at_node && exit_is_within_node(&self->grid);
+}
+
 ehd_status full_solve(full_info *info, full_state *state, full_solver *solver,
                       const ehd_contact *contact, const reynolds_squeeze *squeeze,
                       ehd_error *error) {
-    const bool within_node = !squeeze && exit_is_within_node(&solver->grid);
+    const bool within_node = !squeeze && full_exit_is_within_node(solver);
 
     return solve(info, state, solver, contact, squeeze, within_node, error);
 }

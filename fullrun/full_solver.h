@@ -62,6 +62,7 @@ typedef struct full_settings {
                                       // point contact at most 1
     double linear_tolerance;          // GMRES, relative; 1e-8
     full_linear_solver *solve_linear; // full_solve_gmres
+    bool exit_at_node;                // always, as in time; false: where exit_is_within_node is not
     full_watcher *watcher;            // NULL: none
     void *watcher_context;
 } full_settings;
@@ -127,8 +128,10 @@ ehd_status full_solve(
     const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of the inner nodes
     ehd_error *error);
 
-/* The same of a stationary contact with the exit at a node, whatever the discretisation: a way to a
- * start where Newton fails. */
+/* Whether full_solve places the exit of a stationary contact within a node. */
+bool full_exit_is_within_node(const full_solver *solver);
+
+/* The same of a stationary contact with the exit at a node: a way to a start where Newton fails. */
 ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
                             const ehd_contact *contact, ehd_error *error);
 

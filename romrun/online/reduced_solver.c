@@ -291,7 +291,8 @@ static void start_exits(reduced_solver *self, reduced_state *state, const ehd_co
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
-    const bool within_node = !squeeze && exit_is_within_node(&self->model->grid);
+    const bool within_node =
+        !squeeze && !self->settings.exit_at_node && exit_is_within_node(&self->model->grid);
     iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
 

@@ -23,6 +23,7 @@ typedef struct reduced_settings {
     // being interpolated (Maier et al. (2015), section 3.3); 0, the default: all lines, since
     // interpolation costs more iterations than it saves time
     double exit_spacing;
+    bool exit_at_node; // always, as in time; false: where exit_is_within_node is not
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;
