@@ -93,7 +93,7 @@ static ehd_status continue_to(full_info *info, full_state *state, full_solver *s
     while (!status && done < 1 && stride >= MIN_STRIDE) {
         ehd_contact here = contact_between(start, goal, fmin(done + stride, 1));
         full_info part;
-        status = full_solve(&part, state, solver, &here, NULL, error);
+        status = full_solve_nodal(&part, state, solver, &here, error);
         if (status) break;
         add_effort(info, &part);
         if (part.status == EHD_OK) {
@@ -121,17 +121,18 @@ static ehd_contact easy_contact(const ehd_contact *goal) {
     return easy;
 }
 
-/* Newton from the dry contact, and where that fails, continuation in M at small L, then in L. */
+/* Newton from the dry contact, and where that fails, continuation in M at small L, then in L; the
+ * exit at a node. */
 static ehd_status solve_from_dry(full_info *info, full_state *state, full_solver *solver,
                                  const ehd_contact *contact, ehd_error *error) {
     full_info part;
 
     start_dry(state, solver, contact);
-    ehd_status status = full_solve(info, state, solver, contact, NULL, error);
+    ehd_status status = full_solve_nodal(info, state, solver, contact, error);
     if (status || info->status == EHD_OK) return status;
     ehd_contact easy = easy_contact(contact);
     start_dry(state, solver, &easy);
-    status = full_solve(&part, state, solver, &easy, NULL, error);
+    status = full_solve_nodal(&part, state, solver, &easy, error);
     add_effort(info, &part);
     if (status || part.status != EHD_OK) return status;
     ehd_contact corner = easy;
@@ -165,17 +166,20 @@ static double interpolated(const double *values, const ehd_grid *coarse, const e
            4;
 }
 
-/* Pressure and its zone from a coarser grid. */
+/* Pressure and its zone from a coarser grid, whose node k is node 2k - 1 of this one. */
 static void refine(full_state *state, const ehd_grid *grid, const full_state *from,
                    const ehd_grid *coarse) {
     size_t exit = 2 * from->exit - 1, last = grid->num_nodes - 1;
+    double offset = 2 * from->exit_offset; // from the node that both grids have
 
     memset(state->pressure, 0, grid->num_nodes * sizeof(double));
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
         state->pressure[k] = interpolated(from->pressure, coarse, grid, k);
     }
+    if (offset < 1) exit--;
     full_state_set_zone(state, grid, exit < last ? exit : last);
+    if (exit < last) state->exit_offset = offset < 1 ? offset : offset - 1;
     state->rigid_approach = from->rigid_approach;
 }
 
@@ -225,6 +229,10 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
         full_info part;
         status = solve_from_dry(&part, state, solver, contact, error);
         add_effort(info, &part);
+        if (!status && info->status == EHD_OK && full_exit_is_within_node(solver)) {
+            status = full_solve(&part, state, solver, contact, NULL, error);
+            add_effort(info, &part);
+        }
     }
     info->seconds = program_seconds() - before;
     return status;

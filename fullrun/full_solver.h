@@ -17,6 +17,9 @@ typedef struct full_state {
     double *film;     // [num_nodes]
     double rigid_approach;
     size_t exit; // node where the film ruptures: behind it none has pressure, at most num_nodes - 1
+    // where the exit lies within a node (common/physics/README.md): its distance from the last node
+    // with pressure, exit - 1, in steps, 0 to 1; NaN: at a node, or not known yet
+    double exit_offset;
     // [num_nodes] nodes before `exit` without pressure: of a line contact only in time, where it
     // shrinks faster than it entrains; of a point contact all, boundary nodes included
     bool *ruptured;
@@ -24,6 +27,9 @@ typedef struct full_state {
 
 /* Whether a node carries pressure. */
 bool full_has_pressure(const full_state *state, size_t node);
+
+/* X at which the pressure of a line contact ends. */
+double full_exit_position(const full_state *state, const ehd_grid *grid);
 
 /* Whether the grid ends before the pressurised zone does, downstream. */
 bool full_is_cut(const full_state *state, const ehd_grid *grid);
@@ -56,6 +62,7 @@ typedef struct full_settings {
                                       // point contact at most 1
     double linear_tolerance;          // GMRES, relative; 1e-8
     full_linear_solver *solve_linear; // full_solve_gmres
+    bool exit_at_node;                // always, as in time; false: where exit_is_within_node is not
     full_watcher *watcher;            // NULL: none
     void *watcher_context;
 } full_settings;
@@ -104,7 +111,8 @@ void full_state_free(full_state *state);
 /* Pressurises all inner nodes: the zone from which Newton starts where nothing is known. */
 void full_state_fill(full_state *state, const ehd_grid *grid);
 /* Sets the zone from the pressure: of a line the nodes before `exit`, of a point contact those
- * whose pressure is not zero. */
+ * whose pressure is not zero. Where within a node a line's exit lies follows in full_solve from the
+ * pressure at the last one. */
 void full_state_set_zone(full_state *state, const ehd_grid *grid, size_t exit);
 void full_state_copy(full_state *target, const full_state *source, const ehd_grid *grid);
 
@@ -119,6 +127,13 @@ ehd_status full_solve(
     full_solver *solver, const ehd_contact *contact,
     const reynolds_squeeze *squeeze, // NULL when stationary; rows are those of the inner nodes
     ehd_error *error);
+
+/* Whether full_solve places the exit of a stationary contact within a node. */
+bool full_exit_is_within_node(const full_solver *solver);
+
+/* The same of a stationary contact with the exit at a node: a way to a start where Newton fails. */
+ehd_status full_solve_nodal(full_info *info, full_state *state, full_solver *solver,
+                            const ehd_contact *contact, ehd_error *error);
 
 /* Cold start: on coarser grids first, there from the dry (Hertz) contact with an estimated film;
  * where that fails, continuation in M at small L, then in L. */

@@ -23,6 +23,11 @@ static double film_at(const void *film, size_t node) {
     return ((const double *)film)[node];
 }
 
+double full_exit_position(const full_state *state, const ehd_grid *grid) {
+    if (isnan(state->exit_offset)) return grid_x(grid, state->exit);
+    return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
+}
+
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     size_t line = grid_central_line(grid), exit = state->exit;
@@ -38,12 +43,13 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
         for (exit = line + grid->inner_x + 1;
              exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
-    contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
-                               .minimum_film_thickness =
-                                   minimum_around(grid, smallest, film_at, state->film),
-                               .central_pressure = central_value(state->pressure + line, grid),
-                               .rigid_approach = state->rigid_approach,
-                               .exit_position = grid_x(grid, exit),
-                               .load = sum * grid_cell(grid) / contact->kind->load};
+    contact_scalars scalars = {
+        .central_film_thickness = central_value(state->film + line, grid),
+        .minimum_film_thickness = minimum_around(grid, smallest, film_at, state->film),
+        .central_pressure = central_value(state->pressure + line, grid),
+        .rigid_approach = state->rigid_approach,
+        .exit_position =
+            grid->inner_lines > 1 ? grid_x(grid, exit) : full_exit_position(state, grid),
+        .load = sum * grid_cell(grid) / contact->kind->load};
     return scalars;
 }

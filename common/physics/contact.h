@@ -164,7 +164,7 @@ typedef struct contact_scalars {
     double minimum_film_thickness; // interpolated; published: the smallest at a node
     double central_pressure;
     double rigid_approach; // H0
-    double exit_position;  // X of the first node without pressure, at Y = 0
+    double exit_position;  // X at which the pressure ends, at Y = 0: within a node or at one
     double load;           // int P relative to the kind's
 } contact_scalars;
 

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/exit.h"
 
+#include <math.h>
+#include <string.h>
+
 double exit_multiplier(const reynolds_row *row) {
     return -row->residual;
 }
@@ -32,4 +35,147 @@ size_t exit_by_flux(const exit_line *line, size_t exit) {
     }
     if (found < line->min_exit) return line->min_exit;
     return found < line->max_exit ? found : line->max_exit;
+}
+
+// ---- the exit within a node
+
+bool exit_is_within_node(const ehd_grid *grid) {
+    return grid->inner_lines == 1 && grid->discretization == DISCRETIZATION_ACCURATE;
+}
+
+/* The cubic through four neighbouring nodes at a distance from the second of them. */
+typedef struct cubic {
+    double weight[4], slope[4]; // slope: derivatives of the weights
+} cubic;
+
+static cubic cubic_at(double t) {
+    return (cubic){.weight = {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2,
+                              -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6},
+                   .slope = {-(3 * t * t - 6 * t + 2) / 6, (3 * t * t - 4 * t - 1) / 2,
+                             -(3 * t * t - 2 * t - 2) / 2, (3 * t * t - 1) / 6}};
+}
+
+/* A quantity and its derivatives, by pressure and film as those of a row (whose residual is the
+ * value) and by the offset. */
+typedef struct quantity {
+    reynolds_row row;
+    double by_offset;
+} quantity;
+
+/* The film at a distance of share * offset behind the node. */
+static quantity film_behind(double offset, double share, const reynolds_stencil *stencil,
+                            const double *film) {
+    const cubic interpolation = cubic_at(share * offset);
+    quantity result = {0};
+
+    for (int i = 0; i < 4; i++) {
+        const int a = NODE_BACK + i;
+        result.row.residual += interpolation.weight[i] * film[stencil->node[a]];
+        result.row.by_film[a] = interpolation.weight[i];
+        result.by_offset += share * interpolation.slope[i] * film[stencil->node[a]];
+    }
+    return result;
+}
+
+/* rho H half way between node and exit, by the four nodes that the Reynolds rows take it from. */
+static quantity mass_half_way(double offset, const reynolds_stencil *stencil,
+                              const reynolds_fluid *fluid, const double *film) {
+    const cubic interpolation = cubic_at(1 + offset / 2);
+    quantity result = {0};
+
+    for (int i = 0; i < 4; i++) {
+        const int a = NODE_BACK2 + i;
+        const size_t node = stencil->node[a];
+        const double density = fluid->density ? fluid->density[node] : 1;
+        const double slope = fluid->density ? fluid->density_slope[node] : 0;
+        result.row.residual += interpolation.weight[i] * density * film[node];
+        result.row.by_film[a] = interpolation.weight[i] * density;
+        result.row.by_pressure[a] = interpolation.weight[i] * slope * film[node];
+        result.by_offset += interpolation.slope[i] / 2 * density * film[node];
+    }
+    return result;
+}
+
+/* target += factor * source, with the derivatives. */
+static void add_row(reynolds_row *target, double factor, const reynolds_row *source) {
+    target->residual += factor * source->residual;
+    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+        target->by_pressure[a] += factor * source->by_pressure[a];
+        target->by_film[a] += factor * source->by_film[a];
+    }
+}
+
+/* (q - q_exit) / H^3. */
+static quantity rise_over_cube(const quantity *q, const quantity *at_exit, const quantity *film) {
+    const double h = film->row.residual, cube = 1 / (h * h * h);
+    const double rise = q->row.residual - at_exit->row.residual;
+    quantity result = {0};
+
+    add_row(&result.row, cube, &q->row);
+    add_row(&result.row, -cube, &at_exit->row);
+    add_row(&result.row, -3 * rise * cube / h, &film->row);
+    result.by_offset = cube * (q->by_offset - at_exit->by_offset - 3 * rise / h * film->by_offset);
+    result.row.residual = rise * cube;
+    return result;
+}
+
+void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, double offset,
+                  double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                  const double *pressure, const double *film) {
+    const size_t here = stencil->node[NODE_HERE], ahead = stencil->node[NODE_AHEAD];
+    const double step = grid->step, h = film[here], scale = h * h * h / (step * step);
+    const double density = fluid->density ? fluid->density[ahead] : 1; // without pressure
+    const reynolds_link drop = reynolds_link_ahead(stencil, fluid, pressure);
+
+    // q at the exit, at the node, and half way
+    quantity at_exit = film_behind(offset, 1, stencil, film);
+    const quantity film_between = film_behind(offset, 0.5, stencil, film);
+    const quantity between = mass_half_way(offset, stencil, fluid, film);
+    const quantity film_here = {.row = {.residual = h, .by_film[NODE_HERE] = 1}};
+    quantity mass_here = {0};
+    add_row(&mass_here.row, fluid->density ? fluid->density[here] : 1, &film_here.row);
+    if (fluid->density) mass_here.row.by_pressure[NODE_HERE] = fluid->density_slope[here] * h;
+    for (int a = 0; a < NUM_LINE_STENCIL; a++)
+        at_exit.row.by_film[a] *= density;
+    at_exit.row.residual *= density;
+    at_exit.by_offset *= density;
+
+    // first equation: flux - U q_exit = 0, over U dq_exit/d offset
+    const double slope = entrainment * at_exit.by_offset;
+    memset(&cell->offset, 0, sizeof cell->offset);
+    add_row(&cell->offset, -entrainment / slope, &at_exit.row);
+    cell->offset.residual += flux / slope;
+    cell->offset_by_flux = 1 / slope;
+    cell->flux_residual = cell->offset.residual * slope / step;
+
+    // second equation: int m dP = int U (q - q_exit)/H^3 dx from the node to the exit, by Simpson's
+    // rule
+    const quantity first = rise_over_cube(&mass_here, &at_exit, &film_here);
+    const quantity second = rise_over_cube(&between, &at_exit, &film_between);
+    const double length = offset * step * entrainment / 6;
+    const double sum = first.row.residual + 4 * second.row.residual;
+    reynolds_row *row = &cell->row;
+    memset(row, 0, sizeof *row);
+    add_row(row, -length * scale, &first.row);
+    add_row(row, -4 * length * scale, &second.row);
+    row->residual += scale * drop.value;
+    row->by_pressure[NODE_HERE] += scale * drop.by_before;
+    row->by_film[NODE_HERE] += 3 * row->residual / h;
+    const double by_offset =
+        -scale * (step * entrainment / 6 * sum + length * (first.by_offset + 4 * second.by_offset));
+    add_row(row, by_offset, &cell->offset);
+    cell->row_by_flux = by_offset / slope;
+
+    cell->curvature = slope * step / (2 * fluid->mobility[ahead] * h * h * h);
+}
+
+void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux) {
+    reynolds_row *rows[] = {&cell->row, &cell->offset};
+    const double factors[] = {cell->row_by_flux, cell->offset_by_flux};
+
+    for (int i = 0; i < 2; i++) {
+        const double residual = rows[i]->residual;
+        add_row(rows[i], factors[i], flux);
+        rows[i]->residual = residual;
+    }
 }

@@ -38,4 +38,33 @@ typedef struct exit_line {
  * that the number of moves does not grow with the number of nodes. */
 size_t exit_by_flux(const exit_line *line, size_t exit);
 
+/* The exit within a node, of the accurate rows of a stationary line contact (README.md, The exit
+ * within a node): the last cell with pressure, which the exit cuts at x = x_k + offset h behind its
+ * node k. Two equations hold there: an unpressurised film carries at the exit what flows through
+ * the half node before, which places the exit; and the pressure at k is what falls to zero from
+ * there to the exit. The first is eliminated, so that the second stands in the place of the node's
+ * Reynolds row. */
+typedef struct exit_cell {
+    reynolds_row row;    // residual of the second equation, of a Reynolds row's size
+    reynolds_row offset; // residual: by how much the offset has to change; derivatives of that
+    double row_by_flux, offset_by_flux; // derivatives of both residuals by the flux
+    double curvature;     // pressure before the exit over the square of the distance in steps
+    double flux_residual; // of the first equation, of a Reynolds row's size
+} exit_cell;
+
+/* Whether the exit of a stationary contact on a grid lies within a node: of a line contact with the
+ * accurate rows. */
+bool exit_is_within_node(const ehd_grid *grid);
+
+/* The cell at the HERE of a stencil, for a flux that comes from elsewhere: derivatives by pressure
+ * and film are those at that flux. The films at BACK, HERE, AHEAD and AHEAD2 are interpolated, so
+ * that the node must not be the last inner one; there is no pressure from AHEAD on. */
+void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, double offset,
+                  double flux, const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                  const double *pressure, const double *film);
+
+/* Adds what follows from the derivatives of the flux through the half node before, which is that of
+ * the cell: reynolds_flux of its stencil. */
+void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
+
 #endif

@@ -176,29 +176,20 @@ static inline void add_published_row(reynolds_row *row, double step, double entr
     }
 }
 
-static double published_flux(double step, double entrainment, const row_nodes *at) {
-    reynolds_row sum = {0};
+static void add_published_flux(reynolds_row *flux, double step, double entrainment,
+                               const row_nodes *at) {
     conductance eps[NUM_STENCIL];
 
-    add_mass(&sum, NODE_BACK, 0.5 * entrainment, at);
-    add_mass(&sum, NODE_HERE, 0.5 * entrainment, at);
+    add_mass(flux, NODE_BACK, 0.5 * entrainment, at);
+    add_mass(flux, NODE_HERE, 0.5 * entrainment, at);
     eps[NODE_BACK] = conductance_at(at, NODE_BACK);
     eps[NODE_HERE] = conductance_at(at, NODE_HERE);
-    add_mean_flow(&sum, NODE_BACK, NODE_HERE, -1 / step, eps, at);
-    return sum.residual;
+    add_mean_flow(flux, NODE_BACK, NODE_HERE, -1 / step, eps, at);
 }
 
 // ---- the accurate discretisation
 
-/* Change of the reduced pressure, int mobility dP, from one node to the next, exact where the
- * mobility is exponential in the pressure: the logarithmic mean of the mobilities times the
- * difference of the pressures (D. L. Scharfetter, H. K. Gummel, IEEE Trans. Electron Devices 16,
- * 1969). */
-typedef struct link {
-    double value, by_before, by_after; // derivatives by the pressures
-} link;
-
-static link link_between(const row_nodes *at, int before, int after) {
+static reynolds_link link_between(const row_nodes *at, int before, int after) {
     const reynolds_fluid *fluid = at->fluid;
     const size_t i = at->stencil->node[before], j = at->stencil->node[after];
     const double a = fluid->mobility[i], b = fluid->mobility[j];
@@ -206,7 +197,7 @@ static link link_between(const row_nodes *at, int before, int after) {
     double drop = at->pressure[j] - at->pressure[i], mean, by_log_a, by_log_b;
 
     // a viscosity so large that the mobility is zero in floating point lets nothing through
-    if (!(a > 0 && b > 0)) return (link){0, 0, 0};
+    if (!(a > 0 && b > 0)) return (reynolds_link){0, 0, 0};
     if (fabs(logarithm) < 1) {
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
         double y = logarithm / 2, s = y * y, geometric = a * sqrt(b / a);
@@ -222,8 +213,8 @@ static link link_between(const row_nodes *at, int before, int after) {
         by_log_a = (a - mean) / logarithm;
         by_log_b = (mean - b) / logarithm;
     }
-    return (link){mean * drop, -mean + by_log_a / a * fluid->mobility_slope[i] * drop,
-                  mean + by_log_b / b * fluid->mobility_slope[j] * drop};
+    return (reynolds_link){mean * drop, -mean + by_log_a / a * fluid->mobility_slope[i] * drop,
+                           mean + by_log_b / b * fluid->mobility_slope[j] * drop};
 }
 
 /* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where
@@ -270,7 +261,7 @@ static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double sca
                            double entrainment, const row_nodes *at) {
     const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
     const double *film_weight = film_weights(of, at), *mass_weight = mass_weights(of, at);
-    const link change = link_between(at, a, b);
+    const reynolds_link change = link_between(at, a, b);
     const double film_a = at->film[at->stencil->node[a]], film_b = at->film[at->stencil->node[b]];
     const double film = film_at_half(of, film_weight, at);
     const double cube_a = 1 / (film_a * film_a * film_a), cube_b = 1 / (film_b * film_b * film_b);
@@ -313,7 +304,7 @@ static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double sca
 static void add_flow_across(reynolds_row *row, const int of[NUM_HALF], double scale,
                             const row_nodes *at) {
     const double *film_weight = film_weights(of, at);
-    const link change = link_between(at, of[HALF_BEFORE], of[HALF_AFTER]);
+    const reynolds_link change = link_between(at, of[HALF_BEFORE], of[HALF_AFTER]);
     const double film = film_at_half(of, film_weight, at), cube = film * film * film;
 
     row->residual += scale * cube * change.value;
@@ -341,13 +332,6 @@ static void add_accurate_row(reynolds_row *row, double step, double entrainment,
     if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
     add_flow_across(row, half_left, -scale, at);
     add_flow_across(row, half_right, scale, at);
-}
-
-static double accurate_flux(double step, double entrainment, const row_nodes *at) {
-    reynolds_row sum = {0};
-
-    add_flux_along(&sum, half_back, 1 / step, step, entrainment, at);
-    return sum.residual;
 }
 
 // ---- rows
@@ -378,11 +362,22 @@ void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
     }
 }
 
-double reynolds_flux(const ehd_grid *grid, double entrainment, const reynolds_stencil *stencil,
-                     const reynolds_fluid *fluid, const double *pressure, const double *film) {
+reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
+                           const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                           const double *pressure, const double *film) {
     const row_nodes at = {stencil, fluid, pressure, film};
+    reynolds_row flux = {0};
 
-    return grid->discretization == DISCRETIZATION_ACCURATE
-               ? accurate_flux(grid->step, entrainment, &at)
-               : published_flux(grid->step, entrainment, &at);
+    if (grid->discretization == DISCRETIZATION_ACCURATE)
+        add_flux_along(&flux, half_back, 1 / grid->step, grid->step, entrainment, &at);
+    else
+        add_published_flux(&flux, grid->step, entrainment, &at);
+    return flux;
+}
+
+reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                                  const double *pressure) {
+    const row_nodes at = {stencil, fluid, pressure, NULL};
+
+    return link_between(&at, NODE_HERE, NODE_AHEAD);
 }

@@ -92,8 +92,21 @@ void reynolds_rows(
     const double *film);         // [num_nodes]
 
 /* Flux U rho H - eps dP/dx along the entrainment through the half node between the BACK and the
- * HERE of a stencil. */
-double reynolds_flux(const ehd_grid *grid, double entrainment, const reynolds_stencil *stencil,
-                     const reynolds_fluid *fluid, const double *pressure, const double *film);
+ * HERE of a stencil, as residual, and its derivatives. */
+reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
+                           const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                           const double *pressure, const double *film);
+
+/* Change of the reduced pressure, int mobility dP, from one node to the next, exact where the
+ * mobility is exponential in the pressure: the logarithmic mean of the mobilities times the
+ * difference of the pressures (D. L. Scharfetter, H. K. Gummel, IEEE Trans. Electron Devices 16,
+ * 1969). Of the accurate discretisation. */
+typedef struct reynolds_link {
+    double value, by_before, by_after; // derivatives by the pressures
+} reynolds_link;
+
+/* From the HERE to the AHEAD of a stencil. */
+reynolds_link reynolds_link_ahead(const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                                  const double *pressure);
 
 #endif

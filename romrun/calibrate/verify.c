@@ -25,10 +25,10 @@ static ehd_status load_state(full_state *state, ehdrom_solver *solver, const ehd
     const ehd_grid *grid = &contact->grid;
     ehd_status status = ehdrom_fields(state->pressure, state->film, solver, error);
 
+    // the node at or behind the exit, which may lie within a node
+    const double column = (result->scalars.exit_position - grid->x_min) / grid->step;
     state->rigid_approach = result->scalars.rigid_approach;
-    full_state_set_zone(state, grid,
-                        (size_t)lround((result->scalars.exit_position - grid->x_min) / grid->step) +
-                            1);
+    full_state_set_zone(state, grid, (size_t)ceil(column - 1e-6) + 1);
     return status;
 }
 

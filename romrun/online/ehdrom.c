@@ -221,7 +221,12 @@ ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, 
 }
 
 void ehdrom_exits(double *positions, const ehdrom_solver *solver) {
-    grid_exits(positions, reduced_state_exits(&solver->state), &solver->model->reduced.grid);
+    const reduced_model *model = &solver->model->reduced;
+
+    if (model->band.num_lines == 1)
+        positions[0] = reduced_exit_position(&solver->state, model);
+    else
+        grid_exits(positions, reduced_state_exits(&solver->state), &model->grid);
 }
 
 // ---- in time

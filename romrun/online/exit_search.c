@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/exit_search.h"
 
-#include "common/physics/exit.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -32,6 +30,10 @@ typedef struct exit_query {
     const reduced_squeeze *squeeze; // NULL when stationary
     size_t window;                  // nodes before and behind the exit
 } exit_query;
+
+static size_t window_nodes(const reduced_model *model) {
+    return (size_t)(WINDOW / model->grid.step) + 2;
+}
 
 static size_t window_begin(const reduced_model *model, size_t exit, size_t window) {
     const size_t band_begin = model->band.lines[0].begin;
@@ -120,7 +122,8 @@ static double flux_at(void *state, size_t node) {
 
     fill_stencil(&around, query, node);
     return reynolds_flux(&query->search->model->grid, query->contact->entrainment, &around.stencil,
-                         &around.fluid, around.pressure, around.film);
+                         &around.fluid, around.pressure, around.film)
+        .residual;
 }
 
 static double line_film(void *state, size_t node) {
@@ -130,6 +133,15 @@ static double line_film(void *state, size_t node) {
 }
 
 // ---- where the exits should be
+
+/* First node that may be the exit of a line: rows at the node before have their stencil in the
+ * band. */
+static size_t first_exit(const reduced_model *model) {
+    const band_line *band = &model->band.lines[0];
+    const size_t first = band->begin + reynolds_reach_back(&model->grid) + 1;
+
+    return first > band->min_exit ? first : band->min_exit;
+}
 
 /* Exit of a stationary line contact by its flux, within the window. */
 static size_t find_by_flux(exit_query *query) {
@@ -255,6 +267,55 @@ static void find_exits(exit_query *query) {
     }
 }
 
+// ---- within a node
+
+/* P and H around the last node with pressure. */
+static void expand_cell(band_stencil *around, const exit_query *query, size_t node) {
+    const reduced_model *model = query->search->model;
+    const size_t exit = node + 1, back = reynolds_reach_back(&model->grid);
+    const size_t base = model->checkpoints.exit[reduced_model_checkpoint(model, &exit)];
+    const size_t first = node - back;
+
+    query->search->search++;
+    nodes_expand_band(query->nodes, query->z, first < base ? first : base, exit);
+    fill_films(query, first, back + 1 + reynolds_reach_ahead(&model->grid));
+    fill_stencil(around, query, node);
+}
+
+bool exits_find_cell(exit_search *self, node_state *nodes, reduced_state *state,
+                     const ehd_contact *contact, double flux) {
+    const exit_query query = {
+        .search = self, .nodes = nodes, .z = state->coordinates, .contact = contact};
+    const reduced_model *model = self->model;
+    const int most_steps = 5; // of Newton for the place where the film carries the flux
+    bool known = !isnan(state->exit_offset);
+    band_stencil around;
+
+    if (state->exit < first_exit(model)) return false;
+    expand_cell(&around, &query, state->exit - 1);
+    if (!known) state->exit_offset = 0.5;
+    for (int i = 0; i <= (known ? 0 : most_steps); i++) {
+        if (i > 0)
+            state->exit_offset = fmin(fmax(state->exit_offset + self->cell.offset.residual, 0), 1);
+        exit_cell_at(&self->cell, &model->grid, contact->entrainment, state->exit_offset, flux,
+                     &around.stencil, &around.fluid, around.pressure, around.film);
+    }
+    if (self->cell.curvature > 0) return true;
+    state->exit_offset = NAN;
+    return false;
+}
+
+bool exits_move_cell(reduced_state *state, const reduced_model *model, double change) {
+    const band_line *band = &model->band.lines[0];
+    const double limit = (double)window_nodes(model), first = (double)first_exit(model);
+    const double offset = state->exit_offset + fmin(fmax(change, -limit), limit);
+    const double exit = (double)state->exit + floor(offset), last = (double)band->max_exit;
+
+    state->exit = (size_t)fmin(fmax(exit, first), last);
+    state->exit_offset = exit < first ? 0 : exit > last ? 1 : offset - floor(offset);
+    return exit >= first && exit <= last;
+}
+
 // ---- moving them
 
 /* SETTLED in nodes. */
@@ -318,7 +379,7 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
                         .z = state->coordinates,
                         .contact = contact,
                         .squeeze = squeeze,
-                        .window = (size_t)(WINDOW / model->grid.step) + 2};
+                        .window = window_nodes(model)};
 
     find_exits(&query);
     for (size_t l = 0; l < num_lines; l++)

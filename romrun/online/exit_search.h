@@ -3,6 +3,7 @@
 #ifndef EHD_EXIT_SEARCH_H
 #define EHD_EXIT_SEARCH_H
 
+#include "common/physics/exit.h"
 #include "romrun/online/node_state.h"
 
 /* Keeps the exit of a line from a limit cycle: after it has turned round it moves by single nodes,
@@ -26,6 +27,7 @@ typedef struct exit_search {
     exit_watch *watches;         // [num_lines]
     double *band_film;           // [nodes of the band] H, evaluated on demand
     size_t search, *band_search; // number of the search; [nodes of the band] that H is of
+    exit_cell cell;              // in which an exit within a node lies
 } exit_search;
 
 /* Memory from an arena; the model must outlive it. `spacing` as in reduced_settings. */
@@ -40,6 +42,15 @@ void exits_watch_in_time(exit_search *self, double stalled);
  * `change`. False: none moves. */
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
                  const ehd_contact *contact, const reduced_squeeze *squeeze, double change);
+
+/* Finds self->cell of the stationary exit of a line within the last node that has pressure in
+ * `nodes`, by the flux; where in it is not known, sets that too. False: the state is so far from a
+ * solution that there is none. */
+bool exits_find_cell(exit_search *self, node_state *nodes, reduced_state *state,
+                     const ehd_contact *contact, double flux);
+
+/* Moves the exit of that cell by a number of steps. False: it is held at the end of the band. */
+bool exits_move_cell(reduced_state *state, const reduced_model *model, double change);
 
 /* Whether the exits lie, in the mean of all lines, near where they should be (SETTLED). */
 bool exits_settled(const exit_search *self, const node_state *nodes);

@@ -98,6 +98,7 @@ static void combine_states(reduced_state *state, const reduced_model *model,
     size_t n = model->num_unknowns;
     size_t central = grid_central_line(&model->grid) / grid_width(&model->grid);
 
+    state->exit_offset = NAN;
     memset(state->coordinates, 0, n * sizeof(double));
     for (size_t i = 0; i < count; i++) {
         const double *source = states->coordinates + nearest[i].state * n;

@@ -93,6 +93,8 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
     size_t num_needed = control->num_needed;
+    // a node that the exit divides has another row
+    const size_t cell_node = reduced_exit_divides(state, model) ? state->exit - 1 : NO_NODE;
     double sum = 0;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
 
@@ -103,7 +105,8 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
                   control->num_rows, &fluid, self->pressure, self->film);
     for (size_t r = 0; r < control->num_rows; r++) {
         double residual = control->weight[r] * self->rows[r].residual;
-        if (is_before(model, control->node[r], reduced_state_exits(state)))
+        if (is_before(model, control->node[r], reduced_state_exits(state)) &&
+            control->node[r] != cell_node)
             sum += residual * residual;
     }
     return sqrt(sum);

@@ -180,6 +180,36 @@ double nodes_band_film(const node_state *self, const double *z, size_t node) {
     return film;
 }
 
+void nodes_add_band_films(double *target, const double *factors, const node_state *self,
+                          size_t node, size_t count) {
+    const reduced_model *model = self->model;
+    size_t index = reduced_model_band_index(model, node), num_pressure = model->num_pressure;
+    bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width = coupled ? num_pressure : model->num_deformation;
+    const double *checkpoint =
+        model->checkpoints.band + self->checkpoint * model->band.num_nodes * num_pressure;
+    const double *basis = (coupled ? checkpoint : model->band.film) + index * width;
+
+    for (size_t i = 0; i < count; i++)
+        nodes_add_row(coupled ? target : target + num_pressure, factors[i], basis + i * width,
+                      width);
+    for (size_t r = 0; coupled && r < self->num_runs; r++) {
+        const cut_run *run = &self->runs[r];
+        for (size_t k = 0; k < run->count; k++) {
+            double influence = 0;
+            for (size_t i = 0; i < count; i++) {
+                double film = 0;
+                const double unit = 1;
+                reduced_model_deflect(&film, model, reduced_model_position(model, node + i), 1,
+                                      run->line, run->column + k, 1, &unit, run->sign);
+                influence += factors[i] * film;
+            }
+            nodes_add_row(target, influence, model->band.pressure + (run->first + k) * num_pressure,
+                          num_pressure);
+        }
+    }
+}
+
 /* The band's film of a state, for band_minimum. */
 typedef struct film_of_state {
     const node_state *nodes;

@@ -63,6 +63,11 @@ void nodes_band_films(double *film, const node_state *self, const double *z, siz
                       size_t count);
 double nodes_band_film(const node_state *self, const double *z, size_t node);
 
+/* Adds the sum of factors[i] dH/dz at `count` neighbouring nodes of a line of the band to
+ * [num_unknowns], without the rigid approach. */
+void nodes_add_band_films(double *target, const double *factors, const node_state *self,
+                          size_t node, size_t count);
+
 /* Smallest H of the present state at nodes of the band and at needed nodes. */
 double nodes_minimum_film(node_state *self, const double *z);
 

@@ -100,7 +100,9 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
                                 const film_splines *splines, const ehd_contact *reference,
                                 const reduced_settings *settings, ehd_error *error) {
     reduced_march *self = calloc(1, sizeof *self);
+    reduced_settings in_time = *settings;
 
+    in_time.exit_at_node = true; // of the start too, as in the full model
     *created = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
@@ -111,7 +113,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     allocate_arrays(self);
     bool whole = self->range && !self->memory.failed;
     if (whole) sort_rows(self);
-    ehd_status status = whole ? reduced_solver_create(&self->solver, model, settings, error)
+    ehd_status status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
                               : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)

@@ -14,7 +14,8 @@
 ehd_status reduced_state_init(reduced_state *state, const reduced_model *model, ehd_error *error) {
     bool lines = model->band.num_lines > 1;
 
-    *state = (reduced_state){.coordinates = calloc(model->num_unknowns, sizeof(double))};
+    *state = (reduced_state){.coordinates = calloc(model->num_unknowns, sizeof(double)),
+                             .exit_offset = NAN};
     if (lines) state->exits = calloc(model->band.num_lines, sizeof *state->exits);
     if (state->coordinates && (state->exits || !lines)) return EHD_OK;
     reduced_state_free(state);
@@ -33,6 +34,7 @@ const size_t *reduced_state_exits(const reduced_state *state) {
 
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model,
                              const size_t *exits) {
+    state->exit_offset = NAN;
     state->exit = exits[grid_central_line(&model->grid) / grid_width(&model->grid)];
     if (state->exits) memmove(state->exits, exits, model->band.num_lines * sizeof *exits);
 }
@@ -41,6 +43,7 @@ void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model) {
     memcpy(target->coordinates, source->coordinates, model->num_unknowns * sizeof(double));
     reduced_state_set_exits(target, model, reduced_state_exits(source));
+    target->exit_offset = source->exit_offset;
 }
 
 ehd_status reduced_values_init(reduced_values *values, const reduced_model *model,
@@ -148,16 +151,21 @@ static void evaluate(reduced_solver *self, const reduced_state *state, const red
     system_evaluate(&self->system, &self->nodes, contact, squeeze);
 }
 
-/* The least-squares problem of the rows before the exit; returns the number of its rows. */
-static size_t build_system(reduced_solver *self, const double *z, const ehd_contact *contact,
-                           const reduced_squeeze *squeeze) {
+/* The least-squares problem of the rows before the exit, and of the exit's cell where it has one;
+ * returns the number of its rows. */
+static size_t build_system(reduced_solver *self, const reduced_state *state,
+                           const ehd_contact *contact, const reduced_squeeze *squeeze,
+                           bool with_cell) {
     row_system *system = &self->system;
     double weight = system_closure_weight(squeeze);
 
-    system_list_active(system, &self->nodes);
+    system_list_active(system, &self->nodes, with_cell ? state->exit - 1 : NO_NODE);
     system_fill_matrix(system, &self->nodes, &contact->closure, weight);
-    return system_fill_right(system, &self->nodes, z, system->active, system->num_active,
-                             &contact->closure, weight);
+    size_t num_rows = system_fill_right(system, &self->nodes, state->coordinates, system->active,
+                                        system->num_active, &contact->closure, weight);
+    if (!with_cell) return num_rows;
+    system_add_cell(system, &self->nodes, &self->exits.cell);
+    return num_rows + 1;
 }
 
 /* The undamped step. */
@@ -219,6 +227,7 @@ typedef struct iterate {
     double change; // largest change of P at the needed nodes, undamped
     double factor; // damping
     double rate;   // change over that of the iteration before
+    double moved;  // undamped change of an exit within a node, steps
 } iterate;
 
 /* Adds the damped step to the state. */
@@ -229,6 +238,11 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 
     now.factor = damping(&now.change, nodes, self->system.step);
     now.rate = now.change / before->change;
+    now.moved = 0;
+    if (self->system.num_cells > 0)
+        now.moved =
+            self->exits.cell.offset.residual +
+            cblas_ddot((int)model->num_unknowns, self->system.offset, 1, self->system.step, 1);
     cblas_daxpy((int)model->num_unknowns, now.factor, self->system.step, 1, state->coordinates, 1);
     nodes_add_step(nodes, now.factor);
     now.film = nodes_at_centre(model, nodes->now.film) +
@@ -238,6 +252,8 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 
 // of the change of P that another iteration would make: at most, and over the film's tolerance
 static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
+// of the place of an exit within a node, steps: a node's move changes the film by 1e-5
+static const double EXIT_OVER_FILM = 1e5;
 static const double CYCLE = 5e-3; // change of P by a node's move of the exit, in time
 
 /* Whether another iteration would change film and pressure by less than the tolerances. Convergence
@@ -247,7 +263,8 @@ static bool converged(const iterate *before, const iterate *now, double toleranc
     double rate = fmin(now->rate, 1), next = rate * rate;
 
     return now->factor == 1 && fabs(now->film - before->film) * next < tolerance * now->film &&
-           now->change * next < fmin(PRESSURE_TOLERANCE, PRESSURE_OVER_FILM * tolerance);
+           now->change * next < fmin(PRESSURE_TOLERANCE, PRESSURE_OVER_FILM * tolerance) &&
+           fabs(now->moved) * next < EXIT_OVER_FILM * tolerance;
 }
 
 static void watch_exits(reduced_solver *self, bool in_time) {
@@ -274,16 +291,22 @@ static void start_exits(reduced_solver *self, reduced_state *state, const ehd_co
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
-    iterate before = {NAN, NAN, 0, NAN}, now;
+    const bool within_node =
+        !squeeze && !self->settings.exit_at_node && exit_is_within_node(&self->model->grid);
+    iterate before = {NAN, NAN, 0, NAN, 0}, now;
     double start = program_seconds();
 
+    if (!within_node) state->exit_offset = NAN;
     info->own_jacobian = true;
     start_exits(self, state, contact, squeeze);
     start = add_seconds(&info->seconds_exit, start);
     for (size_t iteration = 0;; iteration++, before = now) {
         // D f and D J of the rows before the exit line (eqs. 37, 38)
         evaluate(self, state, iteration > 0 ? &self->nodes.now.values : NULL, contact, squeeze);
-        size_t num_rows = build_system(self, state->coordinates, contact, squeeze);
+        const bool with_cell =
+            within_node && exits_find_cell(&self->exits, &self->nodes, state, contact,
+                                           system_flux(&self->system, contact, &self->nodes));
+        size_t num_rows = build_system(self, state, contact, squeeze, with_cell);
         info->residual = cblas_dnrm2((int)num_rows, self->system.right, 1);
         start = add_seconds(&info->seconds_rows, start);
         if (!isfinite(info->residual)) return fail(info, "residual not finite");
@@ -303,10 +326,16 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         if (!(now.factor > 0)) return fail(info, "film would become negative");
 
         // the exit line of the new state (eq. 39)
-        bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, now.change);
+        bool moved = false, held = false;
+        if (with_cell)
+            held = !exits_move_cell(state, self->model, now.factor * now.moved);
+        else
+            moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, now.change);
         start = add_seconds(&info->seconds_exit, start);
+        if (held) now.moved = 0;
+        if (within_node && !with_cell) continue; // at best converged at a node
         if (moved || !converged(&before, &now, self->settings.tolerance)) continue;
-        bool settled = exits_settled(&self->exits, &self->nodes);
+        bool settled = with_cell ? !held : exits_settled(&self->exits, &self->nodes);
         info->status = settled ? EHD_OK : EHD_UNTRUSTED;
         info->reason = settled ? "" : "an exit boundary that does not settle";
         return EHD_OK;
@@ -334,7 +363,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
 
     memset(no_residual, 0, self->model->rows.num_rows * sizeof(double));
     evaluate(self, state, NULL, contact, &squeeze);
-    system_list_active(&self->system, &self->nodes);
+    system_list_active(&self->system, &self->nodes, NO_NODE);
     system_fill_matrix(&self->system, &self->nodes, &contact->closure, weight);
     kept_factors_set(&self->kept, &self->system, &self->nodes, weight);
 }
@@ -428,6 +457,17 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
 
 // ---- quantities of a solution
 
+bool reduced_exit_divides(const reduced_state *state, const reduced_model *model) {
+    return exit_is_within_node(&model->grid) && !isnan(state->exit_offset);
+}
+
+double reduced_exit_position(const reduced_state *state, const reduced_model *model) {
+    const ehd_grid *grid = &model->grid;
+
+    if (!reduced_exit_divides(state, model)) return grid_x(grid, state->exit);
+    return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
+}
+
 contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
     const reduced_model *model = self->model;
     node_state *nodes = &self->nodes;
@@ -439,7 +479,7 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
                              .minimum_film_thickness =
                                  nodes_minimum_film(nodes, state->coordinates),
                              .rigid_approach = state->coordinates[model->num_unknowns - 1],
-                             .exit_position = grid_x(&model->grid, state->exit),
+                             .exit_position = reduced_exit_position(state, model),
                              .load = nodes_load(nodes) / model->kind->load};
 }
 

@@ -23,6 +23,7 @@ typedef struct reduced_settings {
     // being interpolated (Maier et al. (2015), section 3.3); 0, the default: all lines, since
     // interpolation costs more iterations than it saves time
     double exit_spacing;
+    bool exit_at_node; // always, as in time; false: where exit_is_within_node is not
     reduced_linear_solver *solve_linear; // NULL: least_squares_solve
     void *linear_context;
 } reduced_settings;
@@ -35,6 +36,9 @@ typedef struct reduced_state {
     double *coordinates; // [num_unknowns]
     size_t exit;         // column on the line where Y = 0; of a line contact a grid node
     size_t *exits;       // [num_lines] columns on all lines of the grid; NULL on a line contact
+    // where the exit lies within a node: its distance from the node before `exit` in steps, 0 to 1;
+    // NaN: at a node, or not known yet
+    double exit_offset;
 } reduced_state;
 
 /* Memory for a state of a model, all zero. EHD_MEMORY. */
@@ -45,7 +49,7 @@ void reduced_state_free(reduced_state *state);
 void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
-/* Gets and sets the exit line, [num_lines]. */
+/* Gets and sets the exit line, [num_lines]; at nodes. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 
@@ -114,6 +118,11 @@ ehd_status reduced_solve(
     reduced_solver *solver, const ehd_contact *contact,
     const reduced_squeeze *squeeze, // NULL when stationary
     ehd_error *error);
+
+/* Whether the exit of a state lies within the node before `exit`; X at which the pressure ends, at
+ * Y = 0. */
+bool reduced_exit_divides(const reduced_state *state, const reduced_model *model);
+double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 
 /* Scalars of a state, solved or not. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);

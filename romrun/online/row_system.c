@@ -6,7 +6,21 @@
 #include <string.h>
 
 size_t system_max_rows(const reduced_model *model) {
-    return model->rows.num_rows + model->num_deformation + 1;
+    const size_t num_cells = exit_is_within_node(&model->grid) ? 1 : 0;
+
+    return model->rows.num_rows + model->num_deformation + 1 + num_cells;
+}
+
+/* The selected row nearest to X = 0. */
+static size_t row_at_centre(const reduced_model *model) {
+    const row_set *rows = &model->rows;
+    size_t best = 0;
+
+    for (size_t r = 1; r < rows->num_rows; r++)
+        if (fabs(grid_x(&model->grid, rows->node[r])) <
+            fabs(grid_x(&model->grid, rows->node[best])))
+            best = r;
+    return best;
 }
 
 void system_init(row_system *self, const reduced_model *model, arena *memory) {
@@ -22,6 +36,9 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
     self->right = arena_array(memory, max_rows, sizeof(double));
     self->step = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->offset = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->flux_step = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->flux_row = row_at_centre(model);
     self->gradient = arena_array(memory, model->num_unknowns, sizeof(double));
     self->block = arena_array(memory, coupled ? num_rows + 1 : num_cut + num_pressure,
                               CUT_BLOCK * sizeof(double));
@@ -42,10 +59,14 @@ static bool is_active(const row_system *self, const node_state *nodes, size_t r)
     return nodes->pressurised[self->model->rows.stencils[r].node[NODE_HERE]];
 }
 
-void system_list_active(row_system *self, const node_state *nodes) {
+void system_list_active(row_system *self, const node_state *nodes, size_t cell_node) {
+    const row_set *rows = &self->model->rows;
+
+    self->num_cells = 0;
     self->num_active = 0;
-    for (size_t r = 0; r < self->model->rows.num_rows; r++)
-        if (is_active(self, nodes, r)) self->active[self->num_active++] = r;
+    for (size_t r = 0; r < rows->num_rows; r++)
+        if (is_active(self, nodes, r) && rows->node[r] != cell_node)
+            self->active[self->num_active++] = r;
 }
 
 void system_evaluate(row_system *self, const node_state *nodes, const ehd_contact *contact,
@@ -250,9 +271,87 @@ void system_fill_matrix(row_system *self, const node_state *nodes, const contact
     if (coupled) add_runs(self, nodes, closure_weight * closure->by_load);
 }
 
+// ---- the exit's cell
+
+/* D and factor of the selected row nearest to a node. */
+static double nearest_weight(const row_set *rows, size_t node) {
+    size_t best = 0;
+
+    for (size_t r = 1; r < rows->num_rows; r++)
+        if (index_distance(rows->node[r], node) < index_distance(rows->node[best], node)) best = r;
+    return rows->weight[best];
+}
+
+/* target = weight times the derivatives of a row at a node of a line's band. */
+static void fill_band_row(double *target, double weight, const reynolds_row *row,
+                          const row_system *self, const node_state *nodes, size_t node) {
+    const reduced_model *model = self->model;
+    const size_t back = reynolds_reach_back(&model->grid), first = node - back;
+    const double *modes =
+        model->band.pressure + reduced_model_band_index(model, first) * model->num_pressure;
+    double by_film[NUM_LINE_STENCIL], approach = 0;
+
+    memset(target, 0, model->num_unknowns * sizeof(double));
+    for (size_t a = 0; a < NUM_LINE_STENCIL; a++) {
+        by_film[a] = weight * row->by_film[a];
+        approach += by_film[a];
+        if (first + a <= node) // that has pressure
+            nodes_add_row(target, weight * row->by_pressure[a], modes + a * model->num_pressure,
+                          model->num_pressure);
+    }
+    nodes_add_band_films(target, by_film, nodes, first, NUM_LINE_STENCIL);
+    target[model->num_unknowns - 1] = approach;
+}
+
+double system_flux(row_system *self, const ehd_contact *contact, const node_state *nodes) {
+    const reduced_model *model = self->model;
+    const reynolds_fluid fluid =
+        reynolds_fluid_in(self->fluid_memory, model->rows.num_needed, contact);
+
+    self->flux =
+        reynolds_flux(&model->grid, contact->entrainment, &model->rows.stencils[self->flux_row],
+                      &fluid, nodes->now.pressure, nodes->now.film);
+    return self->flux.residual;
+}
+
+/* By which a step changes the flux. */
+static void fill_flux_step(row_system *self, const node_state *nodes) {
+    const reduced_model *model = self->model;
+    const reynolds_stencil *stencil = &model->rows.stencils[self->flux_row];
+    double *target = self->flux_step, approach = 0;
+
+    memset(target, 0, model->num_unknowns * sizeof(double));
+    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+        const size_t q = stencil->node[a];
+        if (q == NO_NODE || (self->flux.by_film[a] == 0 && self->flux.by_pressure[a] == 0))
+            continue;
+        nodes_add_row(target, self->flux.by_pressure[a],
+                      model->rows.pressure + q * model->num_pressure, model->num_pressure);
+        nodes_add_film_row(target, self->flux.by_film[a], nodes, q);
+        approach += self->flux.by_film[a];
+    }
+    target[model->num_unknowns - 1] += approach;
+}
+
+void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell) {
+    const reduced_model *model = self->model;
+    const size_t node = nodes->exit[0] - 1;
+    const size_t last = self->num_active + model->num_deformation + 1;
+    const double weight = nearest_weight(&model->rows, node);
+
+    fill_band_row(self->matrix + last * model->num_unknowns, weight, &cell->row, self, nodes, node);
+    fill_band_row(self->offset, 1, &cell->offset, self, nodes, node);
+    fill_flux_step(self, nodes);
+    nodes_add_row(self->matrix + last * model->num_unknowns, weight * cell->row_by_flux,
+                  self->flux_step, model->num_unknowns);
+    nodes_add_row(self->offset, cell->offset_by_flux, self->flux_step, model->num_unknowns);
+    self->right[last] = weight * cell->row.residual;
+    self->num_cells = 1;
+}
+
 double system_remaining_residual(const row_system *self) {
     size_t n = self->model->num_unknowns;
-    size_t num_rows = self->num_active + self->model->num_deformation + 1;
+    size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
     double sum = 0;
 
     for (size_t r = 0; r < num_rows; r++) {

@@ -4,6 +4,7 @@
 #ifndef EHD_ROW_SYSTEM_H
 #define EHD_ROW_SYSTEM_H
 
+#include "common/physics/exit.h"
 #include "romrun/online/least_squares.h"
 #include "romrun/online/node_state.h"
 
@@ -12,11 +13,16 @@ typedef struct row_system {
     reynolds_row *rows;   // [rows of the model] at the state
     double *fluid_memory; // [4, num_needed]
     size_t num_active;    // rows before the exit
+    size_t num_cells;     // 1 where the exit lies within a node: its cell's row is the last one
     size_t *active;       // [rows of the model] these
     double *matrix;       // [rows + num_deformation + 1, num_unknowns]
     double *right;        // [rows + num_deformation + 1]
     double *step;         // [num_unknowns]
     double *gradient;     // [num_unknowns] of the central film
+    double *offset;       // [num_unknowns] by which a step moves the exit within its node
+    double *flux_step;    // [num_unknowns] by which it changes the flux
+    reynolds_row flux;    // of system_flux
+    size_t flux_row;      // of the model
     least_squares *factors;
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
@@ -36,8 +42,16 @@ size_t system_max_rows(const reduced_model *model);
 void system_evaluate(row_system *self, const node_state *nodes, const ehd_contact *contact,
                      const reduced_squeeze *squeeze);
 
-/* Lists the rows before the exit. */
-void system_list_active(row_system *self, const node_state *nodes);
+/* Lists the rows before the exit; but for that at the node whose cell has one of its own, or
+ * NO_NODE. */
+void system_list_active(row_system *self, const node_state *nodes, size_t cell_node);
+
+/* The flux at the state through the half node before the selected row nearest to X = 0. It is the
+ * same before the exit, but there pressures that a truncated basis leaves would move it most. */
+double system_flux(row_system *self, const ehd_contact *contact, const node_state *nodes);
+
+/* Appends the row of the cell in which the exit lies, and makes self->offset. */
+void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell);
 
 /* Right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the exit),
  * projected elasticity, closure. Returns the number of rows. */

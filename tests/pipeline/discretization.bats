@@ -53,7 +53,13 @@ off() { awk -v a="$1" -v b="$2" -v limit="$3" 'BEGIN { d = a / b - 1; exit !(d *
         fullrun scene.yml -o f.h5 --force --quiet --set moes.M=12 --set moes.L=5 >/dev/null
         romrun scene.yml --model m.h5 -o x.h5 --force --quiet --set moes.M=12 --set moes.L=5 >/dev/null
         off "$(number x.h5 central_film_thickness)" "$(number f.h5 central_film_thickness)" 1e-4
+        off "$(number x.h5 exit_position)" "$(number f.h5 exit_position)" 1e-5
     done
+    # it lies within a node, and pressure and approach in a result say where
+    awk -v x="$(number f.h5 exit_position)" 'BEGIN { node = (x + 4) / 0.02; exit !(node % 1 > 0.01 && node % 1 < 0.99) }'
+    fullrun scene.yml --start f.h5 -o again.h5 --quiet "${accurate[@]}" --set moes.M=12 --set moes.L=5 >/dev/null
+    off "$(number again.h5 exit_position)" "$(number f.h5 exit_position)" 1e-9
+    [ "$(number again.h5 newton_iterations)" = 1.0 ] || [ "$(number again.h5 newton_iterations)" = 2.0 ]
 
     point_scene 15 -4
     sed -i 's/step: 0.125/step: 0.25/' scene.yml

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/physics/exit.h"
 #include "tests/unit/check.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
 
 static void violations_are_those_of_the_complementarity(void **state) {
     const reynolds_row row = {.residual = 3};
@@ -93,12 +96,152 @@ static void a_negative_multiplier_takes_it_on(void **state) {
     assert_int_equal(exit_by_flux(&line, 40), 40);
 }
 
+// ---- an exit within a node
+
+enum { NUM_NODES = 9, LAST = 5 }; // of a small grid; its last node with pressure
+
+typedef struct small_exit {
+    ehd_contact contact;
+    double memory[NUM_FLUID_ARRAYS * NUM_NODES], pressure[NUM_NODES], film[NUM_NODES];
+    double offset;
+} small_exit;
+
+static reynolds_fluid fluid_of(small_exit *small) {
+    reynolds_fluid fluid = reynolds_fluid_in(small->memory, NUM_NODES, &small->contact);
+
+    reynolds_fluid_evaluate(&fluid, &small->contact, small->pressure, NUM_NODES);
+    return fluid;
+}
+
+static double flux_before(small_exit *small, size_t node) {
+    const ehd_grid *grid = &small->contact.grid;
+    const reynolds_stencil stencil = reynolds_stencil_at(grid, node);
+    const reynolds_fluid fluid = fluid_of(small);
+
+    return reynolds_flux(grid, 0.8, &stencil, &fluid, small->pressure, small->film).residual;
+}
+
+static exit_cell cell_of(small_exit *small) {
+    const reynolds_stencil stencil = reynolds_stencil_at(&small->contact.grid, LAST);
+    const reynolds_fluid fluid = fluid_of(small);
+    exit_cell cell;
+
+    const reynolds_row flux =
+        reynolds_flux(&small->contact.grid, 0.8, &stencil, &fluid, small->pressure, small->film);
+    exit_cell_at(&cell, &small->contact.grid, 0.8, small->offset, flux.residual, &stencil, &fluid,
+                 small->pressure, small->film);
+    exit_cell_add_flux(&cell, &flux);
+    return cell;
+}
+
+/* The cell at the place where an unpressurised film carries what flows. */
+static exit_cell settled_cell(small_exit *small) {
+    exit_cell cell = cell_of(small);
+
+    for (int i = 0; i < 20; i++) {
+        small->offset += cell.offset.residual;
+        cell = cell_of(small);
+    }
+    check_close(cell.offset.residual, 0, 0, 1e-13);
+    return cell;
+}
+
+static void small_init(small_exit *small, const char *density) {
+    *small = (small_exit){.contact = sample_contact("barus", density, 5, 6, 0.1), .offset = 0.5};
+    small->contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    small->contact.grid = grid_like(&small->contact.grid, -1, 0.1, NUM_NODES - 2, 1);
+    for (int k = 0; k < NUM_NODES; k++) {
+        double x = 0.1 * k, before = fmax(LAST + 0.6 - k, 0);
+        small->film[k] = 0.5 + 0.04 * x + 0.3 * x * x;
+        small->pressure[k] = k <= LAST ? 1.2e-3 * before * before * (1 + 0.1 * x) : 0;
+    }
+}
+
+/* By a value of the state, of the row and of the offset. */
+static void check_derivatives(small_exit *small, double *value, double by_value, double scale,
+                              double offset_by_value) {
+    const double kept = *value, h = 1e-5 * fmax(kept, 1e-2), offset = small->offset;
+    double row[2], place[2];
+
+    for (int side = 0; side < 2; side++) {
+        *value = side ? kept + h : kept - h;
+        row[side] = settled_cell(small).row.residual;
+        place[side] = small->offset;
+        small->offset = offset;
+    }
+    *value = kept;
+    check_close(by_value, (row[1] - row[0]) / (2 * h), 1e-6, 1e-7 * scale);
+    check_close(offset_by_value, (place[1] - place[0]) / (2 * h), 1e-6, 1e-8);
+}
+
+static void the_cell_s_derivatives_are_those_of_its_residual(void **state) {
+    static const char *const densities[] = {"incompressible", "dowson-higginson"};
+    (void)state;
+
+    for (int d = 0; d < 2; d++) {
+        small_exit small;
+        small_init(&small, densities[d]);
+        const exit_cell cell = settled_cell(&small);
+        const reynolds_stencil stencil = reynolds_stencil_at(&small.contact.grid, LAST);
+        const double scale = fabs(cell.row.by_pressure[NODE_HERE]);
+        assert_true(small.offset > 0.1 && small.offset < 0.9 && cell.curvature > 0);
+        for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+            const size_t node = stencil.node[a];
+            if (a <= NODE_HERE)
+                check_derivatives(&small, &small.pressure[node], cell.row.by_pressure[a], scale,
+                                  cell.offset.by_pressure[a]);
+            check_derivatives(&small, &small.film[node], cell.row.by_film[a], scale,
+                              cell.offset.by_film[a]);
+        }
+    }
+}
+
+/* Zero of a function of one of the small exit's pressures, by the secant method. */
+static void solve_for(double *pressure, double (*function)(small_exit *small), small_exit *small) {
+    double last = *pressure, before = function(small), now;
+
+    for (*pressure *= 1.01; fabs(now = function(small)) > 1e-14;) {
+        double next = *pressure - now * (*pressure - last) / (now - before);
+        last = *pressure;
+        before = now;
+        *pressure = next;
+    }
+}
+
+static double what_flows_after_the_last(small_exit *small) {
+    return flux_before(small, LAST + 1) - 0.8 * small->film[LAST + 1];
+}
+
+static double what_flows_before_the_last(small_exit *small) {
+    return flux_before(small, LAST) - 0.8 * small->film[LAST + 1];
+}
+
+/* An exit at the next node, by the fluxes of the Reynolds rows, is one of the cell with the offset
+ * 1, exactly, and one of the next node's with 0: nothing jumps where the exit passes a node. */
+static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
+    small_exit small;
+    (void)state;
+
+    small_init(&small, "incompressible");
+    solve_for(&small.pressure[LAST], what_flows_after_the_last, &small);
+    solve_for(&small.pressure[LAST - 1], what_flows_before_the_last, &small);
+    assert_true(small.pressure[LAST] > 1e-4 && small.pressure[LAST - 1] > small.pressure[LAST]);
+    small.offset = 1;
+    exit_cell cell = cell_of(&small);
+    check_close(cell.row.residual, 0, 0, 1e-10 * fabs(cell.row.by_pressure[NODE_HERE]));
+    check_close(cell.offset.residual, 0, 0, 1e-12);
+    // P = curvature (distance / step)^2, but for terms of the third order
+    check_close(small.pressure[LAST], cell.curvature, 0.15, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(violations_are_those_of_the_complementarity),
         cmocka_unit_test(an_exit_that_nothing_moves_stays),
         cmocka_unit_test(negative_pressure_brings_it_back_to_where_the_film_carries_the_flux),
         cmocka_unit_test(a_negative_multiplier_takes_it_on),
+        cmocka_unit_test(the_cell_s_derivatives_are_those_of_its_residual),
+        cmocka_unit_test(at_a_node_the_cell_s_equations_are_the_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -296,6 +296,99 @@ static void any_trained_solution_leads_to_any_other(void **state) {
     trained_free(&published);
 }
 
+// ---- an exit within a node, with the accurate rows
+
+static const deformation_kind both_kinds[] = {DEFORMATION_COUPLED, DEFORMATION_INDEPENDENT};
+
+static void accurate_full_rank_reproduces_the_full_model(void **state) {
+    (void)state;
+    trained accurate;
+    reduced_basis small;
+    trained_init_accurate(&accurate, 0.04);
+    trained_basis(&small, &accurate, DEFORMATION_COUPLED, 0, 0);
+    for (int kind = 0; kind < 2; kind++) {
+        reduced_basis basis = identity_basis(&accurate.set, both_kinds[kind], small.weight);
+        const size_t num_nodes = basis.grid.num_nodes;
+        reduced_problem reduced;
+        reduced_problem_init(&reduced, &basis, NULL, 0, &strict_settings);
+        for (size_t s = 0; s < TRAINED_STATES; s++) {
+            const size_t exit = accurate.set.exit[s];
+            const double *pressure = accurate.set.pressure + s * num_nodes;
+            reduced_neighbour(&reduced.state, &reduced.model, accurate.set.moes_M[s],
+                              accurate.set.alpha_p_H[s]);
+            reduced_problem_solve(&reduced, &accurate.contacts[s]);
+            assert_int_equal(reduced.state.exit, exit);
+            check_close_array(reduced.state.coordinates, pressure + 1, exit - 1, 0, 1e-9);
+            check_close(reduced.info.scalars.central_film_thickness,
+                        accurate.set.central_film_thickness[s], 1e-10, 0);
+            check_close(reduced.info.scalars.exit_position, accurate.exit_position[s], 0, 1e-8);
+        }
+        reduced_problem_free(&reduced);
+        reduced_basis_free(&basis);
+    }
+    reduced_basis_free(&small);
+    trained_free(&accurate);
+}
+
+/* The last row of a least-squares problem, which is the cell's. */
+typedef struct last_row {
+    double matrix[TRAINED_STATES * 4], right;
+} last_row;
+
+static ehd_status keep_last_row(double *step, void *context, const double *matrix,
+                                const double *right, size_t num_rows, size_t num_unknowns) {
+    last_row *self = context;
+    (void)step;
+
+    assert_true(num_unknowns <= TRAINED_STATES * 4);
+    memcpy(self->matrix, matrix + (num_rows - 1) * num_unknowns, num_unknowns * sizeof(double));
+    self->right = right[num_rows - 1];
+    return EHD_NOT_CONVERGED;
+}
+
+/* Where the exit lies is found anew from the flux each time, so that the row's residual depends on
+ * the coordinates alone. Exits at a checkpoint and behind one. */
+static void the_cell_s_row_equals_finite_differences(void **state) {
+    (void)state;
+    trained accurate;
+    last_row row;
+    const reduced_settings once = {.max_iterations = 1,
+                                   .tolerance = 1e-8,
+                                   .solve_linear = keep_last_row,
+                                   .linear_context = &row};
+    trained_init_accurate(&accurate, 0.01);
+    for (int i = 0; i < 4; i++) {
+        const size_t s = i < 2 ? 4 : 6;
+        reduced_basis basis;
+        reduced_problem reduced;
+        double there[TRAINED_STATES * 4], side[2];
+        trained_basis(&basis, &accurate, both_kinds[i % 2], 0, 0);
+        reduced_problem_init(&reduced, &basis, NULL, 0, &once);
+        const size_t n = reduced.model.num_unknowns;
+        for (size_t j = 0; j < n; j++) {
+            const double h = j + 1 < n ? 1e-4 : 1e-7;
+            for (int sign = 0; sign < 3; sign++) { // the last one at the state itself
+                memcpy(reduced.state.coordinates, basis.states.coordinates + s * n,
+                       n * sizeof(double));
+                reduced.state.coordinates[j] += sign == 0 ? -h : sign == 1 ? h : 0;
+                reduced_state_set_exits(&reduced.state, &reduced.model, &accurate.set.exit[s]);
+                assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
+                                               &accurate.contacts[s], NULL, NULL),
+                                 EHD_OK);
+                if (sign < 2) side[sign] = row.right;
+            }
+            there[j] = (side[1] - side[0]) / (2 * h);
+        }
+        double largest = 0;
+        for (size_t j = 0; j < n; j++)
+            largest = fmax(largest, fabs(row.matrix[j]));
+        check_close_array(row.matrix, there, n, 1e-4, 1e-5 * largest);
+        reduced_problem_free(&reduced);
+        reduced_basis_free(&basis);
+    }
+    trained_free(&accurate);
+}
+
 // ---- the exit's moves
 
 /* Newton that starts with a wrong exit moves it node by node and in strides, with a rank-k update
@@ -532,6 +625,8 @@ int main(void) {
         cmocka_unit_test(another_linear_solver_may_be_put_in),
         cmocka_unit_test(truncated_bases_stay_near),
         cmocka_unit_test(any_trained_solution_leads_to_any_other),
+        cmocka_unit_test(accurate_full_rank_reproduces_the_full_model),
+        cmocka_unit_test(the_cell_s_row_equals_finite_differences),
         cmocka_unit_test(moving_the_exit_equals_rebuilding),
         cmocka_unit_test(the_exit_stays_inside_the_tables),
         cmocka_unit_test(minimum_film_is_that_of_the_fields),

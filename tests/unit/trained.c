@@ -33,6 +33,7 @@ static void train(trained *self) {
         assert_string_equal(info.reason, "");
         memcpy(here, solution.pressure, grid->num_nodes * sizeof *here);
         memcpy(self->film + s * grid->num_nodes, solution.film, grid->num_nodes * sizeof(double));
+        self->exit_position[s] = full_evaluate_scalars(&solution, contact).exit_position;
         states[s] =
             (solved_state){here, solution.rigid_approach, contact->moes_M, contact->alpha_p_H,
                            full_evaluate_scalars(&solution, contact).central_film_thickness};
@@ -44,11 +45,22 @@ static void train(trained *self) {
     full_solver_free(solver);
 }
 
-void trained_init(trained *self, double step) {
+static void make_contacts(trained *self, double step) {
     memset(self, 0, sizeof *self);
     for (size_t s = 0; s < TRAINED_STATES; s++)
         self->contacts[s] =
             sample_contact("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3], step);
+}
+
+void trained_init(trained *self, double step) {
+    make_contacts(self, step);
+    train(self);
+}
+
+void trained_init_accurate(trained *self, double step) {
+    make_contacts(self, step);
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        self->contacts[s].grid.discretization = DISCRETIZATION_ACCURATE;
     train(self);
 }
 

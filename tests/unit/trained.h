@@ -15,12 +15,16 @@ typedef struct trained {
     snapshot_set set; // exits and fields as podbuild would read them
     ehd_contact contacts[TRAINED_STATES];
     double *film; // [TRAINED_STATES, num_nodes]
+    double exit_position[TRAINED_STATES];
 } trained;
 
 /* Solves the points on -4 … 2 with the given step to a residual of 1e-13; the test fails when one
  * does not converge. */
 void trained_init(trained *self, double step);           // free with trained_free
 void trained_init_published(trained *self, double step); // the same with the published rows
+
+/* The same with the accurate rows. */
+void trained_init_accurate(trained *self, double step);
 
 /* The same points of a point contact on -2.5 … 1.5 and -2 … 2 in steps of 0.125, or on the half y
  * >= 0. */
