@@ -78,7 +78,7 @@ static norms norms_at(size_t s) {
     const size_t num_unknowns = basis.states.num_unknowns;
     norms seen = {0, INFINITY, 0};
     const reduced_settings once = {
-        .max_iterations = 1, .solve_linear = look, .linear_context = &seen};
+        .max_iterations = 1, .exit_at_node = true, .solve_linear = look, .linear_context = &seen};
     reduced_model model;
     reduced_solver *solver;
     reduced_state at = {.exit = basis.states.exit[s]};
