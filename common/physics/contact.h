@@ -132,7 +132,8 @@ double grid_load_weight(const ehd_grid *grid, size_t node);
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 grid_extent grid_extent_of(const ehd_grid *grid);
-/* Whether a grid has the ends and the step that are given, to 1e-9 of a step; NaN: any. */
+/* Whether a grid has the ends and the step that are given, to 1e-9 of a step; NaN: any. Its sides
+ * may lie outwards by less than a step, as grid_choose puts them. */
 bool grid_has(const ehd_grid *grid, const grid_extent *given);
 
 /* The equation that closes the system: by_approach H0 + by_load int P = value. */
