@@ -358,7 +358,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
     if ((!status || status == EHD_UNTRUSTED) && options->against) {
-        ehd_status compared = against_print_in_time(&trace, &full, options->against, error);
+        ehd_status compared =
+            against_print_in_time(&trace, &full, options->against, &contact->grid, error);
         if (compared) status = compared;
     }
     time_trace_free(&trace);
