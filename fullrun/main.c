@@ -2,6 +2,7 @@
 /* fullrun: solves one scene with the full model. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
+#include "common/output/inputs.h"
 #include "common/output/print.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
@@ -349,7 +350,8 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
 static ehd_status run_stationary(const program *caller, const fullrun_options *options,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
-    const char *const inputs[] = {caller->arguments[0], options->start, NULL};
+    const char *inputs[4] = {caller->arguments[0]}; // the last one: NULL
+    inputs_add(inputs, inputs_add(inputs, 1, options->start), options->grid_of);
     stationary_run self = {.caller = caller,
                            .options = options,
                            .contact = contact,
@@ -397,6 +399,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                     .given = given,
                                     .reference = contact,
                                     .settings_text = text,
+                                    .input = options->grid_of,
                                     .solver = full_march_solver(in_time),
                                     .with_fields = given->output.fields != 0,
                                     .resume = options->resume,
@@ -445,6 +448,9 @@ static ehd_status take_grid(ehd_contact *contact, const char *path, ehd_error *e
     if (!status) status = grid_read(&grid, &kind, file, error);
     artefact_close(&file);
     if (status) return status;
+    if (kind != contact->kind)
+        return ehd_fail(error, EHD_DATA, "%s: contact: found %s, expected %s, as in the scene",
+                        path, kind->name, contact->kind->name);
     contact_take_grid(contact, &grid);
     return grid_check(&grid, path, &contact->grid, "the scene", error);
 }

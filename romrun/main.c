@@ -349,7 +349,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .reference = contact,
                                     .settings_text = text,
                                     .model = options->model,
-                                    .against = options->against,
+                                    .input = options->against,
                                     .solver = ehdrom_march(in_time),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,

@@ -287,12 +287,14 @@ static ehd_status restore_points(training *points, artefact *file, ehd_error *er
 ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
                                   ehd_error *error) {
     const contact_kind *kind;
+    ehd_error cause = {""};
     ehd_grid grid;
     ehd_status status =
         artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
 
     if (!status) status = grid_read(&grid, &kind, *file, error);
-    if (!status) status = grid_check(&grid, caller->output, &set->grid, "the plan", error);
+    if (!status) status = grid_check(&grid, "partial", &set->grid, "the plan", &cause);
+    if (*cause.text) ehd_fail(error, status, "%s.%s", caller->output, cause.text);
     if (status) artefact_close(file);
     return status;
 }

@@ -184,11 +184,13 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
                                  ehd_error *error) {
     const size_t found = artefact_length(file, "restart_entry");
     stored_result run = {0};
+    ehd_error cause = {""};
     ehd_status status = result_get_contact(&run, file, reference->kind, error);
 
     // without fields a line has no axis, and the state to resume from tells the number of nodes
     if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
-    if (!status) status = result_check_grid(&run, artefact_path(file), &reference->grid, error);
+    if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
+    if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
     if (status || found == restart_size) return status;
     return ehd_fail(error, EHD_DATA, "%s.partial: restart_entry: found length %zu, expected %zu",
                     artefact_path(file), found, restart_size);

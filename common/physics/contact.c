@@ -390,7 +390,8 @@ bool contact_has_chosen_grid(const ehd_contact *contact) {
 }
 
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
-    const bool same_kind = (grid->inner_lines > 1) == (contact->kind->dimensions > 1);
+    const bool same_kind = (grid->inner_lines > 1) == (contact->kind->dimensions > 1) &&
+                           grid->half == contact->grid.half;
 
     if (!contact_has_chosen_grid(contact) || !same_kind ||
         grid->discretization != contact->grid.discretization ||

@@ -199,8 +199,8 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 /* Whether its scene leaves something of the grid to what the contact needs. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
-/* Gives such a contact another grid of its kind and discretisation, as that of a model, where its scene
- * says nothing else of it. */
+/* Gives such a contact another grid of its kind and discretisation, half or whole like its own, as
+ * that of a model, where its scene says nothing else of it. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Checks the distance that a given approach is measured from. The deflection of a line contact

@@ -150,6 +150,11 @@ static void grids_of_models(void **state) {
     contact_take_grid(&contact, &model);
     assert_false(grid_same(&contact.grid, &model));
 
+    // whole or half as the scene says
+    const ehd_grid whole = grid_of(-3, 0.125, 41, 41, false, DISCRETIZATION_ACCURATE);
+    contact_take_grid(&contact, &whole);
+    assert_false(grid_same(&contact.grid, &whole));
+
     // sides that are given lie outwards by less than a step
     const ehd_grid of_point = grid_of(-3, 0.125, 41, 21, true, DISCRETIZATION_ACCURATE);
     const double sides[] = {2.5, 2.4, 2.3, 2.51};
