@@ -112,7 +112,7 @@ with h5py.File('rows.h5', 'w') as f:
 
 # ---- the example
 
-# 0.02 per mille was measured; with a basis or rows that are wrong nothing of it is left.
+# 0.05 per mille was measured; with a basis or rows that are wrong nothing of it is left.
 @test "the example of own stages is as accurate as its README says" {
     cp -r "$BATS_TEST_DIRNAME/../../scenes/examples/own-stage" own
     cd own
