@@ -8,6 +8,7 @@
 #include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "common/settings/scene_contact.h"
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
@@ -436,7 +437,8 @@ static ehd_status check_usage(const program *self, const fullrun_options *option
 }
 
 /* The grid of --grid-of. */
-static ehd_status take_grid(ehd_contact *contact, const char *path, ehd_error *error) {
+static ehd_status take_grid(ehd_contact *contact, const scene *given, const char *path,
+                            ehd_error *error) {
     static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,
                                                      &schema_model, NULL};
     const contact_kind *kind;
@@ -452,7 +454,8 @@ static ehd_status take_grid(ehd_contact *contact, const char *path, ehd_error *e
         return ehd_fail(error, EHD_DATA, "%s: contact: found %s, expected %s, as in the scene",
                         path, kind->name, contact->kind->name);
     contact_take_grid(contact, &grid);
-    return grid_check(&grid, path, &contact->grid, "the scene", error);
+    status = grid_check(&grid, path, &contact->grid, "the scene", error);
+    return status ? status : scene_check_approach(given, contact, error);
 }
 
 /* Everything between the command line and the exit code. */
@@ -463,7 +466,7 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
-    if (!status) status = take_grid(&contact, options->grid_of, error);
+    if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,

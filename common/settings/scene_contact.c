@@ -22,6 +22,11 @@ ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_e
         contact->moes_L, MAX_NODES);
 }
 
+ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error) {
+    return strcmp(given->closure, "approach") == 0 ? contact_check_approach(contact, error)
+                                                   : EHD_OK;
+}
+
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {
     const bool approach_given = strcmp(given->closure, "approach") == 0;
 
@@ -49,5 +54,5 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     if (status) return status;
     const grid_extent needed = grid_extent_needed(contact);
     status = scene_set_grid(contact, given, &needed, error);
-    return status || !approach_given ? status : contact_check_approach(contact, error);
+    return status ? status : scene_check_approach(given, contact, error);
 }

@@ -121,6 +121,7 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
 /* Where some scenes give their grid, the others take it. */
 static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_error *error) {
     const ehd_contact *first = contact_at(set, 0);
+    ehd_error cause = {""};
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < num_contacts(set); i++)
@@ -131,6 +132,11 @@ static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_erro
     set->grid = first->grid;
     for (size_t i = 0; i < num_contacts(set) && !status; i++)
         status = check_grid(first, contact_at(set, i), plan_path, error);
+    for (size_t t = 0; t < set->num_trajectories && !status; t++) {
+        const trajectory_scene *moving = &set->trajectories[t];
+        status = scene_check_approach(&moving->scene, &moving->contact, &cause);
+        if (status) status = ehd_fail(error, status, "%s: %s", plan_path, cause.text);
+    }
     return status;
 }
 
