@@ -2,11 +2,13 @@
 /* fullrun: solves one scene with the full model. */
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
+#include "common/output/inputs.h"
 #include "common/output/print.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
+#include "common/settings/scene_contact.h"
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
@@ -349,7 +351,8 @@ static ehd_status report_stationary(artefact **file, const stationary_run *self,
 static ehd_status run_stationary(const program *caller, const fullrun_options *options,
                                  const ehd_contact *contact, const scene *given, const char *text,
                                  ehd_error *error) {
-    const char *const inputs[] = {caller->arguments[0], options->start, NULL};
+    const char *inputs[4] = {caller->arguments[0]}; // the last one: NULL
+    inputs_add(inputs, inputs_add(inputs, 1, options->start), options->grid_of);
     stationary_run self = {.caller = caller,
                            .options = options,
                            .contact = contact,
@@ -397,6 +400,7 @@ static ehd_status run_transient(const program *self, const fullrun_options *opti
                                     .given = given,
                                     .reference = contact,
                                     .settings_text = text,
+                                    .input = options->grid_of,
                                     .solver = full_march_solver(in_time),
                                     .with_fields = given->output.fields != 0,
                                     .resume = options->resume,
@@ -433,7 +437,8 @@ static ehd_status check_usage(const program *self, const fullrun_options *option
 }
 
 /* The grid of --grid-of. */
-static ehd_status take_grid(ehd_contact *contact, const char *path, ehd_error *error) {
+static ehd_status take_grid(ehd_contact *contact, const scene *given, const char *path,
+                            ehd_error *error) {
     static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,
                                                      &schema_model, NULL};
     const contact_kind *kind;
@@ -445,8 +450,12 @@ static ehd_status take_grid(ehd_contact *contact, const char *path, ehd_error *e
     if (!status) status = grid_read(&grid, &kind, file, error);
     artefact_close(&file);
     if (status) return status;
+    if (kind != contact->kind)
+        return ehd_fail(error, EHD_DATA, "%s: contact: found %s, expected %s, as in the scene",
+                        path, kind->name, contact->kind->name);
     contact_take_grid(contact, &grid);
-    return grid_check(&grid, path, &contact->grid, "the scene", error);
+    status = grid_check(&grid, path, &contact->grid, "the scene", error);
+    return status ? status : scene_check_approach(given, contact, error);
 }
 
 /* Everything between the command line and the exit code. */
@@ -457,7 +466,7 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
-    if (!status) status = take_grid(&contact, options->grid_of, error);
+    if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
     if (!status)
         status = (transient ? run_transient : run_stationary)(self, options, &contact, &given, text,

@@ -349,7 +349,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .reference = contact,
                                     .settings_text = text,
                                     .model = options->model,
-                                    .against = options->against,
+                                    .input = options->against,
                                     .solver = ehdrom_march(in_time),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
@@ -358,7 +358,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
     if ((!status || status == EHD_UNTRUSTED) && options->against) {
-        ehd_status compared = against_print_in_time(&trace, &full, options->against, error);
+        ehd_status compared =
+            against_print_in_time(&trace, &full, options->against, &contact->grid, error);
         if (compared) status = compared;
     }
     time_trace_free(&trace);

@@ -102,16 +102,14 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
                                 double *central_film_thickness, training *points,
                                 const program *caller, ehd_error *error) {
     const training_set *set = points->set;
-    ehd_status status =
-        artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
+    ehd_status status = snapshots_open_partial(file, set, caller, error);
     if (status) return status;
 
     size_t count = artefact_length(*file, "state");
-    // equal settings give equal axes, unless somebody else wrote the file
-    if (count > set->num_points || artefact_length(*file, "x") != set->grid.inner_x)
+    if (count > set->num_points)
         status = ehd_fail(error, EHD_DATA,
-                          "%s.partial: found axes of other lengths, expected those of the plan",
-                          caller->output);
+                          "%s.partial: state: found %zu, expected at most %zu, the plan's points",
+                          caller->output, count, set->num_points);
     if (!status) status = artefact_cut_axis(*file, "state", count, error);
     for (size_t i = 0; i < count && !status; i++) {
         status = read_choice(&states[i], *file, i, set->num_points, error);

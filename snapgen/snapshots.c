@@ -286,23 +286,35 @@ static ehd_status restore_points(training *points, artefact *file, ehd_error *er
     return status;
 }
 
-ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
-                            ehd_error *error) {
-    const training_set *set = points->set;
+ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
+                                  ehd_error *error) {
+    const contact_kind *kind;
+    ehd_error cause = {""};
+    ehd_grid grid;
     ehd_status status =
         artefact_resume(file, caller->output, &schema_snapshots, caller, set->text, error);
 
+    if (!status) status = grid_read(&grid, &kind, *file, error);
+    if (!status) status = grid_check(&grid, "partial", &set->grid, "the plan", &cause);
+    if (*cause.text) ehd_fail(error, status, "%s.%s", caller->output, cause.text);
+    if (status) artefact_close(file);
+    return status;
+}
+
+ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
+                            ehd_error *error) {
+    const training_set *set = points->set;
+    ehd_status status = snapshots_open_partial(file, set, caller, error);
+
     for (size_t t = 0; t < set->num_trajectories && !status; t++)
         status = inputs_check_tables(*file, &set->trajectories[t].scene, error);
-    // equal settings give equal axes, unless somebody else wrote the file
-    if (!status &&
-        (artefact_length(*file, "state") != num_states(set) ||
-         artefact_length(*file, "x") != set->grid.inner_x ||
-         (set->kind->dimensions > 1 && artefact_length(*file, "y") != set->grid.inner_lines)))
-        status = ehd_fail(error, EHD_DATA,
-                          "%s.partial: found axes of other lengths, expected "
-                          "those of the plan",
-                          caller->output);
+    // equal settings give as many states, unless somebody else wrote the file
+    if (!status && artefact_length(*file, "state") != num_states(set))
+        status =
+            ehd_fail(error, EHD_DATA,
+                     "%s.partial: state: found an axis of another length, expected that of the "
+                     "plan",
+                     caller->output);
     if (!status) status = restore_points(points, *file, error);
     if (status) artefact_close(file);
     return status;

@@ -14,6 +14,11 @@ ehd_status snapshots_create(
     // input:
     const program *caller, const training_set *set, const char *plan_path, ehd_error *error);
 
+/* Opens NAME.partial of an earlier run on the same grid. Errors as artefact_resume; EHD_DATA also for
+ * another grid, which equal plans may have where they leave it to their contacts. */
+ehd_status snapshots_open_partial(artefact **file, const training_set *set, const program *caller,
+                                  ehd_error *error);
+
 /* Continues NAME.partial and marks its points in `points` as done. Errors as artefact_resume. */
 ehd_status snapshots_resume(artefact **file, training *points, const program *caller,
                             ehd_error *error);

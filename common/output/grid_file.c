@@ -179,14 +179,20 @@ ehd_status grid_check_memory(const program *caller, const char *object, const eh
     return EHD_OK;
 }
 
+void grid_print_nodes(const ehd_grid *grid) {
+    const ehd_grid whole = grid_whole(grid);
+
+    printf("%zu", whole.inner_x);
+    if (whole.inner_lines > 1) printf(" by %zu", whole.inner_lines);
+    printf(" nodes from %g to %g by %g", whole.x_min, grid_extent_of(&whole).x_max, whole.step);
+}
+
 void grid_print(const ehd_contact *contact, const char *needed_by) {
-    const ehd_grid whole = grid_whole(&contact->grid);
     const bool chosen = contact_has_chosen_grid(contact);
 
-    printf("%-24s%zu", "grid", whole.inner_x);
-    if (contact->kind->dimensions > 1) printf(" by %zu", whole.inner_lines);
-    printf(" nodes from %g to %g by %g%s%s\n", whole.x_min, grid_extent_of(&whole).x_max,
-           whole.step, chosen ? ", as wide and fine as needed by " : "", chosen ? needed_by : "");
+    printf("%-24s", "grid");
+    grid_print_nodes(&contact->grid);
+    printf("%s%s\n", chosen ? ", as wide and fine as needed by " : "", chosen ? needed_by : "");
 }
 
 ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const program *caller,

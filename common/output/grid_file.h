@@ -52,6 +52,9 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error);
 
+/* Prints how many nodes the whole grid has, from where to where and how far apart. */
+void grid_print_nodes(const ehd_grid *grid);
+
 /* Prints a contact's grid, and what it was chosen for where the scene does not give it. */
 void grid_print(const ehd_contact *contact, const char *needed_by);
 

@@ -301,11 +301,15 @@ void result_free(stored_result *stored) {
     stored->pressure = stored->film = NULL;
 }
 
+ehd_grid result_grid(const stored_result *stored) {
+    return grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
+                   stored->num_lines, false, stored->discretization);
+}
+
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error) {
     const ehd_grid whole = grid_whole(grid);
-    const ehd_grid own = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
-                                 stored->num_lines, false, stored->discretization);
+    const ehd_grid own = result_grid(stored);
 
     return grid_check(&own, path, &whole, "the scene", error);
 }

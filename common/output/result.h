@@ -96,6 +96,9 @@ ehd_status result_read(
 
 void result_free(stored_result *stored); // also after a failed result_read
 
+/* The whole grid of a stored result; without nodes where the file has no axis x. */
+ehd_grid result_grid(const stored_result *stored);
+
 /* EHD_DATA naming `path` when the stored result has another grid. */
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,
                              ehd_error *error);

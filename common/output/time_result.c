@@ -179,22 +179,21 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     return status;
 }
 
-static ehd_status check_same_run(const artefact *file, const ehd_contact *reference,
-                                 size_t restart_size, ehd_error *error) {
-    const ehd_grid whole = grid_whole(&reference->grid);
-    const size_t num_lines = whole.inner_lines > 1 ? artefact_length(file, "y") : 1;
-    const size_t num_inner = artefact_length(file, "x") * num_lines;
+/* Equal settings may leave the grid to the contact, or to other files. */
+static ehd_status check_same_run(artefact *file, const ehd_contact *reference, size_t restart_size,
+                                 ehd_error *error) {
     const size_t found = artefact_length(file, "restart_entry");
+    stored_result run = {0};
+    ehd_error cause = {""};
+    ehd_status status = result_get_contact(&run, file, reference->kind, error);
 
-    if (found != restart_size)
-        return ehd_fail(error, EHD_DATA,
-                        "%s.partial: restart_entry: found length %zu, expected %zu",
-                        artefact_path(file), found, restart_size);
-    // equal settings give an equal axis, unless somebody else wrote the file
-    if (num_inner > 0 && num_inner != whole.num_inner)
-        return ehd_fail(error, EHD_DATA, "%s.partial: x: found %zu nodes, expected %zu",
-                        artefact_path(file), num_inner, whole.num_inner);
-    return EHD_OK;
+    // without fields a line has no axis, and the state to resume from tells the number of nodes
+    if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
+    if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
+    if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
+    if (status || found == restart_size) return status;
+    return ehd_fail(error, EHD_DATA, "%s.partial: restart_entry: found length %zu, expected %zu",
+                    artefact_path(file), found, restart_size);
 }
 
 /* Reads the valid slot of the latest time; zeros when there is none. */
@@ -336,9 +335,7 @@ static ehd_status get_series(time_series *series, artefact *file, const contact_
     ehd_status status = result_get_contact(&contact, file, kind, error);
     if (status) return status;
 
-    series->x_min = contact.x_min;
-    series->step = contact.step;
-    series->num_inner = contact.num_inner;
+    series->grid = result_grid(&contact);
     series->moes_M = contact.moes_M;
     series->moes_L = contact.moes_L;
     series->alpha_p_H = contact.alpha_p_H;

@@ -88,9 +88,7 @@ ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_
 /* The scalars of a result over time, whoever wrote it; one time when stationary. Reals that a
  * foreign file need not have are NaN where they are missing, integers -1. */
 typedef struct time_series {
-    double x_min; // grid
-    double step;
-    size_t num_inner; // of the whole grid; 0: no fields
+    ehd_grid grid; // whole; no nodes: a line without fields, of which not all is known
     double moes_M, moes_L, alpha_p_H;
     double hertz_pressure; // Pa
     size_t num_times;

@@ -251,12 +251,12 @@ static ehd_status resume(bool *resumed, runner *self, ehd_error *error) {
 static ehd_status create(runner *self, ehd_error *error) {
     const time_run_task *task = self->task;
     const march_solver *solver = &self->march.solver;
-    const char *inputs[NUM_VARY + 4]; // scene, model, tables, result to compare with, NULL
+    const char *inputs[NUM_VARY + 4]; // scene, model, tables, another file, NULL
     size_t num_inputs = inputs_add(inputs, 0, task->caller->arguments[0]);
 
     num_inputs = inputs_add(inputs, num_inputs, task->model);
     num_inputs = inputs_add_tables(inputs, num_inputs, task->given);
-    num_inputs = inputs_add(inputs, num_inputs, task->against);
+    num_inputs = inputs_add(inputs, num_inputs, task->input);
     inputs[num_inputs] = NULL;
     return time_result_create(&self->file, task->caller, task->reference, task->settings_text,
                               inputs, task->with_fields,

@@ -14,8 +14,8 @@ typedef struct time_run_task {
     const scene *given;
     const ehd_contact *reference;
     const char *settings_text;
-    const char *model;   // path of what the solver was made of beside the scene, NULL: nothing
-    const char *against; // path of what the result is compared with, NULL: nothing
+    const char *model; // path of what the solver was made of beside the scene, NULL: nothing
+    const char *input; // path of another file that was read, NULL: none
     march_solver solver;
     bool with_fields, resume, allow_untrusted;
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */

@@ -306,11 +306,13 @@ grid_extent grid_extent_of(const ehd_grid *grid) {
 
 bool grid_has(const ehd_grid *grid, const grid_extent *given) {
     const grid_extent found = grid_extent_of(grid);
+    const double trifle = 1e-9 * grid->step;
 
     return is_given_as(given->x_min, found.x_min, grid->step) &&
            is_given_as(given->x_max, found.x_max, grid->step) &&
            is_given_as(given->step, found.step, grid->step) &&
-           is_given_as(given->y_max, found.y_max, grid->step);
+           (isnan(given->y_max) || (found.y_max >= given->y_max - trifle &&
+                                    found.y_max < given->y_max + grid->step - trifle));
 }
 
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
@@ -388,7 +390,8 @@ bool contact_has_chosen_grid(const ehd_contact *contact) {
 }
 
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
-    const bool same_kind = (grid->inner_lines > 1) == (contact->kind->dimensions > 1);
+    const bool same_kind = (grid->inner_lines > 1) == (contact->kind->dimensions > 1) &&
+                           grid->half == contact->grid.half;
 
     if (!contact_has_chosen_grid(contact) || !same_kind ||
         grid->discretization != contact->grid.discretization ||

@@ -132,7 +132,8 @@ double grid_load_weight(const ehd_grid *grid, size_t node);
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 grid_extent grid_extent_of(const ehd_grid *grid);
-/* Whether a grid has the ends and the step that are given, to 1e-9 of a step; NaN: any. */
+/* Whether a grid has the ends and the step that are given, to 1e-9 of a step; NaN: any. Its sides
+ * may lie outwards by less than a step, as grid_choose puts them. */
 bool grid_has(const ehd_grid *grid, const grid_extent *given);
 
 /* The equation that closes the system: by_approach H0 + by_load int P = value. */
@@ -198,8 +199,8 @@ void contact_set_moes(ehd_contact *contact, double moes_M, double moes_L);
 /* Whether its scene leaves something of the grid to what the contact needs. */
 bool contact_has_chosen_grid(const ehd_contact *contact);
 
-/* Gives such a contact another grid of its kind and discretisation, as that of a model, where its scene
- * says nothing else of it. */
+/* Gives such a contact another grid of its kind and discretisation, half or whole like its own, as
+ * that of a model, where its scene says nothing else of it. */
 void contact_take_grid(ehd_contact *contact, const ehd_grid *grid);
 
 /* Checks the distance that a given approach is measured from. The deflection of a line contact

@@ -14,11 +14,17 @@ ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_e
     contact->grid =
         grid_choose(&contact->grid_given, needed, given->grid.half != 0, discretization);
     if (contact->grid.num_inner <= MAX_NODES) return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "grid: found %zu nodes from %g by %g, which M = %g and L = %g need, expected "
-                    "at most %d; grid.step of the scene sets another",
-                    contact->grid.num_inner, contact->grid.x_min, contact->grid.step,
-                    contact->moes_M, contact->moes_L, MAX_NODES);
+    return ehd_fail(
+        error, EHD_DATA,
+        "grid: found %zu nodes from %g by %g for M = %g and L = %g, expected at most %d, "
+        "as by another grid.step",
+        contact->grid.num_inner, contact->grid.x_min, contact->grid.step, contact->moes_M,
+        contact->moes_L, MAX_NODES);
+}
+
+ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error) {
+    return strcmp(given->closure, "approach") == 0 ? contact_check_approach(contact, error)
+                                                   : EHD_OK;
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {
@@ -48,5 +54,5 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     if (status) return status;
     const grid_extent needed = grid_extent_needed(contact);
     status = scene_set_grid(contact, given, &needed, error);
-    return status || !approach_given ? status : contact_check_approach(contact, error);
+    return status ? status : scene_check_approach(given, contact, error);
 }

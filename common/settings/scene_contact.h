@@ -21,4 +21,8 @@ ehd_status scene_contact(
 ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_extent *needed,
                           ehd_error *error);
 
+/* Again after another grid: EHD_DATA where the scene gives the approach and it is measured from too
+ * near (contact_check_approach). */
+ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error);
+
 #endif

@@ -75,7 +75,7 @@ static grid_extent common_extent(const plan *of) {
 static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
                               ehd_error *error) {
     const grid_extent needed = common_extent(of);
-    ehd_contact first = {0};
+    ehd_error cause = {""};
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < of->num_points && !status; i++) {
@@ -88,14 +88,10 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->num_dropped++;
             continue;
         }
-        status = scene_set_grid(&contact, given, &needed, error);
+        status = scene_set_grid(&contact, given, &needed, &cause);
+        if (status) status = ehd_fail(error, status, "%s: %s", plan_path, cause.text);
         if (status) break;
-        if (!set->kind) {
-            set->kind = contact.kind;
-            first = contact;
-        }
-        set->grid = first.grid;
-        status = check_grid(&first, &contact, plan_path, error);
+        if (!set->kind) set->kind = contact.kind;
         if (strcmp(given->regime, "transient") == 0) {
             set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
         } else {
@@ -109,6 +105,38 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
                           "%s: where: found all %zu points outside of the bounds, expected some "
                           "inside",
                           plan_path, of->num_points);
+    return status;
+}
+
+static size_t num_contacts(const training_set *set) {
+    return set->num_points + set->num_trajectories;
+}
+
+/* Stationary ones first. */
+static ehd_contact *contact_at(const training_set *set, size_t i) {
+    return i < set->num_points ? &set->contacts[i]
+                               : &set->trajectories[i - set->num_points].contact;
+}
+
+/* Where some scenes give their grid, the others take it. */
+static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_error *error) {
+    const ehd_contact *first = contact_at(set, 0);
+    ehd_error cause = {""};
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < num_contacts(set); i++)
+        if (!contact_has_chosen_grid(contact_at(set, i))) {
+            training_set_take_grid(set, &contact_at(set, i)->grid);
+            break;
+        }
+    set->grid = first->grid;
+    for (size_t i = 0; i < num_contacts(set) && !status; i++)
+        status = check_grid(first, contact_at(set, i), plan_path, error);
+    for (size_t t = 0; t < set->num_trajectories && !status; t++) {
+        const trajectory_scene *moving = &set->trajectories[t];
+        status = scene_check_approach(&moving->scene, &moving->contact, &cause);
+        if (status) status = ehd_fail(error, status, "%s: %s", plan_path, cause.text);
+    }
     return status;
 }
 
@@ -229,6 +257,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
+    if (!status) status = settle_grid(set, plan_path, error);
     size_t num_points = set->num_points, num_all = num_points + set->num_trajectories;
     if (!status && piece.total > num_all)
         status = ehd_fail(error, EHD_USAGE,
@@ -245,14 +274,9 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
 }
 
 void training_set_take_grid(training_set *set, const ehd_grid *grid) {
-    for (size_t i = 0; i < set->num_points; i++) {
-        contact_take_grid(&set->contacts[i], grid);
-        set->grid = set->contacts[i].grid;
-    }
-    for (size_t t = 0; t < set->num_trajectories; t++) {
-        contact_take_grid(&set->trajectories[t].contact, grid);
-        set->grid = set->trajectories[t].contact.grid;
-    }
+    for (size_t i = 0; i < num_contacts(set); i++)
+        contact_take_grid(contact_at(set, i), grid);
+    if (num_contacts(set) > 0) set->grid = contact_at(set, 0)->grid;
 }
 
 ehd_status training_set_add_text(training_set *set, const char *line, const char *plan_path,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/calibrate/against.h"
 
+#include "common/output/grid_file.h"
 #include "romrun/calibrate/time_compare.h"
 
 #include <math.h>
@@ -12,16 +13,94 @@ static void print_deviation(const char *name, double reduced, double full) {
                (reduced / full - 1) * 1e3);
 }
 
-/* Largest difference of a field at a grid's nodes from one at the whole grid's inner nodes. */
-static double field_difference(const double *nodes, const double *inner, const ehd_grid *grid) {
-    size_t num_inner = grid_whole(grid).num_inner;
+/* Values that one of a grid is interpolated from along an axis: up to four neighbours. */
+typedef struct stencil {
+    size_t first, count;
+    double weights[4];
+} stencil;
+
+/* Lagrange's polynomial through the nodes around `place`, in steps from the first of `num_nodes`. */
+static stencil stencil_at(double place, size_t num_nodes) {
+    const size_t count = num_nodes < 4 ? num_nodes : 4;
+    const double last = (double)(num_nodes - count);
+    stencil self = {.first = (size_t)fmin(fmax(floor(place) - 1, 0), last), .count = count};
+    const double x = place - (double)self.first;
+
+    for (size_t i = 0; i < count; i++) {
+        self.weights[i] = 1;
+        for (size_t j = 0; j < count; j++)
+            if (j != i) self.weights[i] *= (x - (double)j) / ((double)i - (double)j);
+    }
+    return self;
+}
+
+/* Steps from a grid's first node along an axis, to the node where there is one but for rounding. */
+static double place_of(double coordinate, double first, double step) {
+    const double place = (coordinate - first) / step, nearest = round(place);
+
+    return fabs(place - nearest) < 1e-6 ? nearest : place;
+}
+
+/* NaN outside of the grid. */
+static double field_at(const double *inner, const ehd_grid *grid, double x, double y) {
+    const double along = place_of(x, grid->x_min, grid->step);
+    const double across =
+        place_of(y, grid->inner_lines > 1 ? -grid_extent_of(grid).y_max : 0, grid->step);
+    double sum = 0;
+    if (!(along >= 0 && along <= (double)grid->inner_x - 1 && across >= 0 &&
+          across <= (double)grid->inner_lines - 1))
+        return NAN;
+
+    const stencil columns = stencil_at(along, grid->inner_x);
+    const stencil lines = stencil_at(across, grid->inner_lines);
+    for (size_t l = 0; l < lines.count; l++)
+        for (size_t c = 0; c < columns.count; c++)
+            sum += lines.weights[l] * columns.weights[c] *
+                   inner[(lines.first + l) * grid->inner_x + columns.first + c];
+    return sum;
+}
+
+double against_difference(const double *nodes, const ehd_grid *grid, const double *inner,
+                          const ehd_grid *other) {
+    const ehd_grid whole = grid_whole(grid);
     double largest = 0;
 
-    for (size_t i = 0; i < num_inner; i++) {
-        size_t node = grid_node_of_row(grid, grid_row_of_whole(grid, i));
-        largest = fmax(largest, fabs(nodes[node] - inner[i]));
+    for (size_t row = 0; row < whole.num_inner; row++) {
+        const size_t place = grid_node_of_row(&whole, row);
+        const size_t node = grid_node_of_row(grid, grid_row_of_whole(grid, row));
+        const double there = field_at(inner, other, grid_x(&whole, place), grid_y(&whole, place));
+        largest = fmax(largest, fabs(nodes[node] - there)); // which leaves NaN out
     }
     return largest;
+}
+
+/* Of a grid without nodes only its beginning and its step are known. */
+static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
+    const ehd_grid like_other =
+        grid_of(grid->x_min, grid->step, other->num_inner > 0 ? grid->inner_x : other->inner_x,
+                grid->inner_lines, grid->half, other->discretization);
+
+    return grid_same(&like_other, other);
+}
+
+/* Says where the other result was not solved as this one. */
+static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid *other) {
+    const ehd_grid whole = grid_whole(grid);
+    const bool moved = !same_nodes(&whole, other);
+    const bool discretized = grid->discretization != other->discretization;
+
+    printf("against %s", path);
+    if (moved) {
+        printf(" (another grid, ");
+        if (other->num_inner > 0)
+            grid_print_nodes(other);
+        else
+            printf("from %g by %g", other->x_min, other->step);
+    }
+    if (discretized)
+        printf("%sanother discretization, %s", moved ? ", " : " (",
+               discretization_name(other->discretization));
+    printf("%s:\n", moved || discretized ? ": what it does is in the deviations)" : "");
 }
 
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, const char *path,
@@ -42,26 +121,25 @@ ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure,
 
 void against_print(const run_result *result, const stored_result *stored, const char *path,
                    const ehd_contact *contact) {
-    const ehd_grid *grid = &contact->grid;
-    size_t num_inner = grid_whole(grid).num_inner;
+    const ehd_grid *grid = &contact->grid, other = result_grid(stored);
 
-    printf("against %s:\n", path);
+    print_heading(path, grid, &other);
     print_deviation("central film thickness", result->central_film_thickness,
                     stored->central_film_thickness);
     print_deviation("minimum film thickness", result->minimum_film_thickness,
                     stored->minimum_film_thickness);
     print_deviation("central pressure", result->central_pressure, stored->central_pressure);
     print_deviation("exit position", result->exit_position, stored->exit_position);
-    if (result->pressure && stored->pressure && stored->num_inner == num_inner)
+    if (result->pressure && stored->pressure)
         printf("  %-24s %.2e of the Hertz pressure\n", "largest pressure error",
-               field_difference(result->pressure, stored->pressure, grid));
-    if (result->film && stored->film && stored->num_inner == num_inner)
+               against_difference(result->pressure, grid, stored->pressure, &other));
+    if (result->film && stored->film)
         printf("  %-24s %.2e\n", "largest film error",
-               field_difference(result->film, stored->film, grid));
+               against_difference(result->film, grid, stored->film, &other));
 }
 
 ehd_status against_print_in_time(const time_trace *trace, const time_series *full, const char *path,
-                                 ehd_error *error) {
+                                 const ehd_grid *grid, ehd_error *error) {
     const struct {
         const char *name;
         const double *reduced, *full;
@@ -70,7 +148,7 @@ ehd_status against_print_in_time(const time_trace *trace, const time_series *ful
         {"central pressure", trace->central_pressure, full->central_pressure}};
     ehd_error cause = {""};
 
-    printf("against %s:\n", path);
+    print_heading(path, grid, &full->grid);
     for (size_t i = 0; i < sizeof quantities / sizeof *quantities; i++) {
         time_deviation deviation;
         ehd_status status =

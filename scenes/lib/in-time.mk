@@ -21,8 +21,9 @@ $(OUT)/snapshots.h5: $(TABLES)
 
 run_in_time = $(BIN)/$1 scene.yml -o $2 --force --quiet --set output.fields=false $(SET)
 
-$(OUT)/full.h5: scene.yml $(TABLES) $(BIN)/fullrun $(call options,fullrun,$(SET))
-	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) >$(OUT)/full.txt
+# On the grid of the training, to be compared on the same.
+$(OUT)/full.h5: scene.yml $(TABLES) $(OUT)/snapshots.h5 $(BIN)/fullrun $(call options,fullrun,$(SET))
+	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) --grid-of $(OUT)/snapshots.h5 >$(OUT)/full.txt
 
 # A result that is not to be trusted (exit code 4) is one all the same, and says so.
 $(OUT)/comparison.txt: scene.yml $(TABLES) $(OUT)/$(MODEL).h5 $(OUT)/full.h5 $(BIN)/romrun

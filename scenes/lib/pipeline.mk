@@ -37,12 +37,14 @@ names:
 # ---- Cases: $(OUT)/full/CASE.h5, $(OUT)/MODEL/CASE.h5
 
 # A case that did not converge (exit code 3) or lies outside of the trained range (4) has a result too,
-# and the tables show it.
+# and the tables show it. Full solutions are on the grid of the training, to be compared on the same.
 settings = $(SET) $(settings.$(notdir $*))
 outcome  = >/dev/null || [ $$? -eq 3 -o $$? -eq 4 ]
 
-$(CASES:%=$(OUT)/full/%.h5): $(OUT)/%.h5: scene.yml cases.csv $(BIN)/fullrun $(call options,case-fullrun,$(SET))
-	$(call quiet,fullrun   ,$@)mkdir -p $(@D) && $(BIN)/fullrun scene.yml -o $@ --force --quiet $(settings) $(outcome)
+$(CASES:%=$(OUT)/full/%.h5): $(OUT)/%.h5: scene.yml cases.csv $(OUT)/snapshots.h5 $(BIN)/fullrun \
+                            $(call options,case-fullrun,$(SET))
+	$(call quiet,fullrun   ,$@)mkdir -p $(@D) && $(BIN)/fullrun scene.yml -o $@ --force --quiet \
+	    --grid-of $(OUT)/snapshots.h5 $(settings) $(outcome)
 
 $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.yml cases.csv $(BIN)/romrun \
         $(call options,case-romrun,$(SET) $(REPEAT)) $(OUT)/$$(of_model).h5

@@ -23,7 +23,7 @@ regime: stationary
 lubricant:
   viscosity: {law: barus, alpha: 2.0e-8}
   density: {law: dowson-higginson}
-grid: {step: 0.02}
+grid: {x_min: -4, x_max: 2, step: 0.02}
 YAML
     { cat base.yml && echo 'moes: {M: 20, L: 5}'; } >scene.yml
     cat >plan.yml <<'YAML'

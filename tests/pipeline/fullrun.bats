@@ -80,9 +80,9 @@ YAML
 }
 
 @test "output.resolution false leaves the estimates out, and nothing else" {
-    run --separate-stderr fullrun scene.yml -o with.h5 --set grid.step=0.05 --set moes.M=200
+    run --separate-stderr fullrun scene.yml -o with.h5 --set grid.step=0.05 --set moes.M=100
     [[ $status == 0 && $stderr == *grid.step:* ]]
-    run --separate-stderr fullrun scene.yml -o without.h5 --set grid.step=0.05 --set moes.M=200 --set output.resolution=false
+    run --separate-stderr fullrun scene.yml -o without.h5 --set grid.step=0.05 --set moes.M=100 --set output.resolution=false
     [[ $status == 0 && $stderr != *grid.step:* ]]
     [ "$(h5dump -A 0 -y -d /central_film_thickness -m %.17g with.h5 | tail -n +2)" = \
         "$(h5dump -A 0 -y -d /central_film_thickness -m %.17g without.h5 | tail -n +2)" ]

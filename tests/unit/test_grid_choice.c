@@ -109,6 +109,22 @@ static void what_serves_both(void **state) {
     assert_true(isnan(all.y_max));
 }
 
+static void grids_have_an_end(void **state) {
+    (void)state;
+    scene given = sample_scene("barus", "incompressible", 100, 5);
+    ehd_contact contact;
+    ehd_error error;
+
+    given.grid = (grid_settings){NAN, NAN, 2e-6, NAN, -1};
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    assert_string_equal(error.text, "grid: found 2500001 nodes from -3 by 2e-06 for M = 100 and L "
+                                    "= 5, expected at most 2000000, as by another grid.step");
+    given.grid.step = 2.5e-6;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_DATA);
+    given.grid.x_min = -2;
+    assert_int_equal(scene_contact(&contact, &given, &error), EHD_OK);
+}
+
 /* A contact takes the grid of a model where its scene says nothing else. */
 static void grids_of_models(void **state) {
     (void)state;
@@ -133,6 +149,21 @@ static void grids_of_models(void **state) {
     contact = contact_of("point", "accurate", 100, 5);
     contact_take_grid(&contact, &model);
     assert_false(grid_same(&contact.grid, &model));
+
+    // whole or half as the scene says
+    const ehd_grid whole = grid_of(-3, 0.125, 41, 41, false, DISCRETIZATION_ACCURATE);
+    contact_take_grid(&contact, &whole);
+    assert_false(grid_same(&contact.grid, &whole));
+
+    // sides that are given lie outwards by less than a step
+    const ehd_grid of_point = grid_of(-3, 0.125, 41, 21, true, DISCRETIZATION_ACCURATE);
+    const double sides[] = {2.5, 2.4, 2.3, 2.51};
+    for (int i = 0; i < 4; i++) {
+        contact = contact_of("point", "accurate", 100, 5);
+        contact.grid_given.y_max = sides[i];
+        contact_take_grid(&contact, &of_point);
+        assert_int_equal(grid_same(&contact.grid, &of_point), i < 2);
+    }
 }
 
 int main(void) {
@@ -142,6 +173,7 @@ int main(void) {
         cmocka_unit_test(the_published_grid_is_one),
         cmocka_unit_test(parts_that_are_given_stay),
         cmocka_unit_test(what_serves_both),
+        cmocka_unit_test(grids_have_an_end),
         cmocka_unit_test(grids_of_models),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

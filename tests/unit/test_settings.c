@@ -56,6 +56,13 @@ static void refuses_grid(const char *grid, const char *part) {
     refuses_line(line, part);
 }
 
+/* With the grid of the paper where nothing else is given. */
+static void refuses_published(const char *grid, const char *part) {
+    char line[256];
+    snprintf(line, sizeof line, "discretization: published\ngrid: {%s}", grid);
+    refuses_line(line, part);
+}
+
 static void refuses_viscosity(const char *viscosity, const char *part) {
     char text[512];
     snprintf(text, sizeof text,
@@ -345,15 +352,24 @@ static void refuses_grids_that_do_not_fit(void **state) {
                  "to 2, such as with 0.0070011668611435");
     refuses_grid("step: 0.3", "grid.step: found 0.3, expected a number from 1e-06 to 0.25");
     refuses_grid("step: 0", "grid.step: found 0, expected a number");
-    refuses_grid("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
-    refuses_grid("x_max: 2.00001", "expected a whole number of steps");
+    refuses_grid("x_min: -4, x_max: 2, step: 0.000001",
+                 "grid.step: found 1e-06, which makes 6000001 nodes");
+    refuses_grid("x_min: -4, x_max: 2.00001, step: 0.005", "expected a whole number of steps");
+    // the published ends and step count as given
+    refuses_published("x_max: 2.00001", "expected a whole number of steps from -4 to 2.00001");
+    refuses_published("step: 0.007", "expected a whole number of steps from -4 to 2, such as");
+    refuses_published("step: 0.000001", "grid.step: found 1e-06, which makes 6000001 nodes");
     // the nearest whole number, 24, would make the step too wide
-    refuses_grid("x_max: 2.04, step: 0.25", "such as with 0.2416");
+    refuses_grid("x_min: -4, x_max: 2.04, step: 0.25", "such as with 0.2416");
     // in binary 5.6 is not exactly 2800 times 0.002, but within the tolerance
-    snprintf(text, sizeof text, "%sgrid: {x_max: 1.6, step: 0.002}\n", good);
+    snprintf(text, sizeof text, "%sgrid: {x_min: -4, x_max: 1.6, step: 0.002}\n", good);
     accepts(&of, text);
-    snprintf(text, sizeof text, "%sgrid: {step: 0.25}\n", good);
+    snprintf(text, sizeof text, "%sgrid: {x_min: -4, x_max: 2, step: 0.25}\n", good);
     accepts(&of, text);
+    // an end that is not given is chosen so that steps fit
+    snprintf(text, sizeof text, "%sgrid: {x_max: 2.00001, step: 0.007}\n", good);
+    accepts(&of, text);
+    assert_true(isnan(of.grid.x_min));
 }
 
 /* `change` is one --set of a good point contact. */
@@ -419,7 +435,7 @@ static void overrides_without_a_value_unset(void **state) {
     snprintf(text, sizeof text, "%sgrid.step: 0.01\n", good);
     assert_int_equal(scene_parse(&of, text, strlen(text), "s.yml", barus, 5, &error), EHD_OK);
     assert_string_equal(of.lubricant.viscosity.law, "barus");
-    check_close(of.grid.step, 0.005, 0, 0); // its default again
+    assert_true(isnan(of.grid.step)); // by M and L again
     accepts(&plain, "contact: line\nregime: stationary\nmoes: {M: 12, L: 12}\nlubricant:\n"
                     "  viscosity: {law: barus, alpha: 2e-8}\n  density: {law: dowson-higginson}\n");
     char *expected = scene_text(&plain), *found = scene_text(&of);
@@ -457,10 +473,21 @@ static void scene_set_sets_one_key(void **state) {
     assert_non_null(strstr(error.text, "here: moes.M: found x"));
     check_close(of.moes.M, 12, 0, 0);
     assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
-    of.grid.x_max = NAN;
+    of.grid.x_max = 1;
     assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
+    of.grid.x_max = NAN; // by M and L
+    assert_int_equal(scene_validate(&of, "here", &error), EHD_OK);
+    of.moes.L = NAN;
+    assert_int_equal(scene_validate(&of, "here", &error), EHD_DATA);
+    of.moes.L = 0;
     scene_complete(&of);
     check_close(viscosity(&of, "temperature")->number, 25, 0, 0);
+    assert_true(isnan(of.grid.x_min) && isnan(of.grid.x_max) && isnan(of.grid.step));
+    assert_int_equal(scene_set(&of, "discretization", "published", "here", &error), EHD_OK);
+    scene_complete(&of);
+    check_close(of.grid.x_min, -4, 0, 0);
+    check_close(of.grid.x_max, 2, 0, 0);
+    check_close(of.grid.step, 0.005, 0, 0);
 }
 
 static void text_round_trips(void **state) {
@@ -469,7 +496,7 @@ static void text_round_trips(void **state) {
     accepts(&of, "contact: line\nregime: stationary\n"
                  "physical: {load: 123456.78901234567, radius: 0.1, speed: 0.3333333333333333, "
                  "modulus: 2.3e11, viscosity: 4.000000000000001e-2}\n"
-                 "hertz_pressure: 0.70e9\noutput: {fields: true}\n"
+                 "hertz_pressure: 0.70e9\noutput: {fields: true}\ngrid: {step: 0.007}\n"
                  "lubricant: {viscosity: {law: roelands, alpha: 1.7e-8, eta0: 0.04}}\n");
     char *text = scene_text(&of);
     accepts(&again, text);
@@ -479,7 +506,8 @@ static void text_round_trips(void **state) {
     check_close(again.physical.speed, 0.3333333333333333, 0, 0);
     check_close(again.physical.viscosity, 4.000000000000001e-2, 0, 0);
     assert_non_null(strstr(text, "hertz_pressure: 700000000\n"));
-    assert_non_null(strstr(text, "grid.step: 0.005\n"));
+    assert_non_null(strstr(text, "grid.step: 0.007\n"));
+    assert_null(strstr(text, "grid.x")); // by M and L
     assert_non_null(strstr(text, "output.fields: true\n"));
     assert_null(strstr(text, "moes"));
     free(text);
@@ -720,10 +748,7 @@ static void stationary_text_knows_no_time(void **state) {
                                    "lubricant.viscosity.preset: no1\n"
                                    "lubricant.viscosity.temperature: 25\n"
                                    "lubricant.density.law: dowson-higginson\n"
-                                   "discretization: accurate\n"
-                                   "grid.x_min: -4\n"
-                                   "grid.x_max: 2\n"
-                                   "grid.step: 0.005\n";
+                                   "discretization: accurate\n";
     scene of;
     (void)state;
     accepts(&of, good);

@@ -206,11 +206,11 @@ static void check_result(size_t num_times, bool with_fields) {
     check_ok(artefact_check(path, &error));
     check_ok(time_series_read(&series, path, &contact_line, &error));
     check_series(&series, num_times);
-    assert_int_equal(series.num_inner, with_fields ? NUM_INNER : 0);
+    assert_int_equal(series.grid.num_inner, with_fields ? NUM_INNER : 0);
     check_close(series.moes_M, 20, 0, 0);
     check_close(series.moes_L, 5, 0, 0);
-    check_close(series.x_min, contact.grid.x_min, 0, 0);
-    check_close(series.step, contact.grid.step, 0, 0);
+    check_close(series.grid.x_min, contact.grid.x_min, 0, 0);
+    check_close(series.grid.step, contact.grid.step, 0, 0);
     check_close(series.alpha_p_H, contact.alpha_p_H, 0, 0);
     check_close(series.hertz_pressure, contact.hertz_pressure, 0, 0);
     time_series_free(&series);
@@ -612,10 +612,16 @@ static void resume_refuses_another_run(void **state) {
     restart_size = 0;
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA, "restart_entry");
     restart_size = RESTART_SIZE;
-    contact.grid.inner_x--;
+    const ehd_grid own = contact.grid;
+    // as many nodes, but elsewhere
+    contact.grid =
+        grid_of(own.x_min - own.step, own.step, own.inner_x, 1, false, own.discretization);
     check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
-                  "x: found 121 nodes, expected 120");
-    contact.grid.inner_x++;
+                  "x: found 121 nodes from -4 by 0.05, expected 121 from -4.05 by 0.05");
+    contact.grid = grid_of(own.x_min, own.step, own.inner_x - 1, 1, false, own.discretization);
+    check_refused(try_resume(&file, &num_entries, "scene"), EHD_DATA,
+                  "x: found 121 nodes from -4 by 0.05, expected 120");
+    contact.grid = own;
     assert_null(file);
     check_ok(try_resume(&file, &num_entries, "scene"));
     artefact_close(&file);

@@ -1,0 +1,313 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Grids of scenes that give none, or a part: chosen by M and L, one for all points of a plan, and taken from
+# snapshots, bases and models.
+
+load common
+
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    cat >base.yml <<'YAML'
+contact: line
+regime: stationary
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+    { cat base.yml && echo 'moes: {M: 18, L: 4}'; } >scene.yml
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 10, 12.5, 15, 17, 19, 21], moes.L: [3.2, 3.7, 4.3, 4.8]}
+YAML
+    cat >time.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 18, L: 4}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.5, fixed_step: 0.0078125}
+YAML
+    snapgen plan.yml -q -o s.h5 >s.txt && podbuild s.h5 -q -o b.h5 &&
+        snapgen plan.yml -q --basis b.h5 -o r.h5 >r.txt && deimselect r.h5 -q --basis b.h5 -o m.h5
+    fullrun scene.yml -q -o own.h5 >own.txt
+    fullrun scene.yml -q -o full.h5 --grid-of m.h5 >full.txt
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/*.{yml,h5,txt} .
+}
+
+# grid_of FILE: nodes, first node and step of a file.
+grid_of() {
+    /usr/bin/python3 - "$1" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as file:
+    print(len(file["x"]), f"{file.attrs['x_min']:g}", f"{file.attrs['step']:g}")
+PYTHON
+}
+
+# said FILE: the same from the line that a program printed, and what it was needed by.
+said() {
+    sed -nE 's/^grid +([0-9]+).* nodes from ([^ ]+) to [^ ]+ by ([^ ,]+)(, as wide and fine as needed by )?(.*)$/\1 \2 \3 \5/p' "$1"
+}
+
+# larger A B: A > B
+larger() {
+    awk -v a="$1" -v b="$2" 'BEGIN { exit !(a > b) }' || { echo "found $1, expected more than $2"; return 1; }
+}
+
+# deviation NAME: per mille, from the comparison in out.txt
+deviation() {
+    sed -n "s/^  $1 .* \([-+][0-9.]*\) permille/\1/p" out.txt
+}
+
+@test "a scene without grid gets one by its M and L, and fullrun says so" {
+    for moes in "2 5" "18 4" "200 5"; do
+        read -r M L <<<"$moes"
+        fullrun scene.yml -q --set "moes.M=$M" --set "moes.L=$L" -o "$M.h5" >"$M.txt"
+        [ "$(said "$M.txt")" = "$(grid_of "$M.h5") this M and L" ]
+        # what it is chosen for: little is left of step and inlet
+        larger 2e-3 "$(fullrun --print "$M.h5" inlet_effect | tail -n 1)"
+        step=$(fullrun --print "$M.h5" step_effect | tail -n 1)
+        larger 1e-3 "${step#-}"
+        # the settings leave it to the contact
+        run ! grep -q '^grid' <(fullrun --print "$M.h5" settings)
+    done
+    read -r _ thick _ <<<"$(grid_of 2.h5)"
+    read -r _ middle coarse <<<"$(grid_of 18.h5)"
+    read -r _ thin fine <<<"$(grid_of 200.h5)"
+    larger "$middle" "$thick"
+    larger "$thin" "$middle"
+    larger "$coarse" "$fine"
+}
+
+@test "what a scene gives of its grid stays, and the rest is chosen" {
+    read -r nodes start step <<<"$(grid_of own.h5)"
+    fullrun scene.yml --set grid.step=0.01 -q -o x.h5 >out.txt
+    [ "$(grid_of x.h5)" = "$((2 * nodes - 1)) $start 0.01" ]
+    [ "$(said out.txt)" = "$(grid_of x.h5) this M and L" ]
+    fullrun scene.yml --set grid.x_min=-5 -q -o x.h5 --force >out.txt
+    [ "$(grid_of x.h5)" = "351 -5 $step" ]
+    fullrun scene.yml --set grid.x_min=-5 --set grid.x_max=1.5 --set grid.step=0.05 -q -o x.h5 --force >out.txt
+    [ "$(said out.txt)" = "131 -5 0.05 " ]
+    # the paper has one grid
+    for M in 2 18 200; do
+        fullrun scene.yml --set discretization=published --set moes.M=$M -q >out.txt
+        [ "$(said out.txt)" = "1201 -4 0.005 " ]
+    done
+    # of a point contact the sides are chosen too
+    fullrun scene.yml --set contact=point --set moes.M=20 -q -o x.h5 --force >out.txt
+    [[ $(said out.txt) == *" this M and L" ]]
+    /usr/bin/python3 -c "
+import h5py
+f = h5py.File('x.h5')
+assert f['y'][-1] == -f['y'][0] == -0.75 * f['x'][0] and f['x'][1] - f['x'][0] == f['y'][1] - f['y'][0]"
+    refused 65 "scene.yml: grid: found [0-9]*01 nodes from .* by 1e-06 for M = 18 and L = 4, expected at most 2000000" \
+        fullrun scene.yml --set grid.step=1e-6 -o y.h5
+    [ ! -e y.h5 ]
+}
+
+@test "a plan has one grid that serves all its points, and snapgen says so" {
+    first=0 least=1
+    for M in 8 10 12.5 15 17 19 21; do
+        for L in 3.2 3.7 4.3 4.8; do
+            fullrun scene.yml -q --set moes.M=$M --set moes.L=$L -o point.h5 --force >out.txt
+            read -r _ x_min step <<<"$(grid_of point.h5)"
+            larger "$first" "$x_min" && first=$x_min
+            larger "$least" "$step" && least=$step
+        done
+    done
+    [ "$(said s.txt)" = "$(grid_of s.h5) all points" ]
+    read -r _ x_min step <<<"$(grid_of s.h5)"
+    [ "$x_min $step" = "$first $least" ]
+    # not only the first or the last of them
+    run ! diff <(grid_of s.h5) <(grid_of point.h5)
+    for file in b r m; do [ "$(grid_of $file.h5)" = "$(grid_of s.h5)" ]; done
+    # each piece has that of the whole
+    for piece in 1 2 3; do
+        snapgen plan.yml -q --shard $piece/3 -o piece-$piece.h5
+        [ "$(grid_of piece-$piece.h5)" = "$(grid_of s.h5)" ]
+    done
+    podbuild piece-*.h5 -q -o merged.h5
+}
+
+@test "scenes of a plan that leave the grid out take that of the others" {
+    cat >mixed.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 11], moes.L: [3]}
+  - scene: scene.yml
+    vary: {grid.x_min: [-5], grid.x_max: [2], grid.step: [0.05]}
+  - scene: time.yml
+YAML
+    snapgen mixed.yml -q -o x.h5 >out.txt
+    [ "$(grid_of x.h5)" = "141 -5 0.05" ]
+    [ "$(said out.txt)" = "141 -5 0.05 " ]
+    rm x.h5
+    # not where they say otherwise
+    echo 'grid: {step: 0.025}' >>base.yml
+    refuse 65 "mixed.yml: grid: found 141 nodes from -5 by 0.05 at point M=18 L=4, expected .* by 0.025 as at point M=8 L=3" \
+        snapgen mixed.yml -o x.h5
+}
+
+@test "romrun takes the grid of the model, and fullrun too with --grid-of" {
+    [ "$(grid_of own.h5)" != "$(grid_of m.h5)" ]
+    romrun scene.yml --model m.h5 -q -o rom.h5 --set output.fields=true --against full.h5 >out.txt
+    [ "$(grid_of rom.h5)" = "$(grid_of m.h5)" ]
+    [ "$(said out.txt)" = "$(grid_of m.h5) " ]
+    for file in s b m; do
+        fullrun scene.yml -q --grid-of $file.h5 -o x.h5 --force >x.txt
+        [ "$(said x.txt)" = "$(grid_of m.h5) " ]
+        same_data x.h5 full.h5
+        [[ $(h5dump -a input_2_path x.h5) == *$file.h5* ]]
+    done
+    grep -qx "against full.h5:" out.txt
+    awk -v off="$(deviation "central film thickness")" 'BEGIN { exit !(off != "" && off ^ 2 < 0.05 ^ 2) }'
+    # what a scene says itself has to agree
+    read -r _ x_min step <<<"$(grid_of m.h5)"
+    fullrun scene.yml -q --grid-of m.h5 --set "grid.x_min=$x_min" --set "grid.step=$step" -o x.h5 --force
+    same_data x.h5 full.h5
+}
+
+@test "a result on another grid is compared by interpolation, and called one" {
+    read -r nodes x_min step <<<"$(grid_of own.h5)"
+    romrun scene.yml --model m.h5 --set output.fields=true --against own.h5 >out.txt
+    grep -qx "against own.h5 (another grid, $nodes nodes from $x_min to 2 by $step: what it does is in the deviations):" out.txt
+    # the shorter inlet, as fullrun estimates it, within a fifth
+    inlet() { fullrun --print "$1" inlet_effect | tail -n 1; }
+    awk -v found="$(deviation "central film thickness")" -v own="$(inlet own.h5)" -v full="$(inlet full.h5)" \
+        'BEGIN { expected = 1000 * (own - full); exit !(found > 0.8 * expected && found < 1.2 * expected) }'
+    # between nodes of another step: the differences are those of films and of the pressure where it bends
+    read -r _ x_min _ <<<"$(grid_of m.h5)"
+    fullrun scene.yml -q --set grid.step=0.016 --set "grid.x_min=$x_min" --set grid.x_max=2 -o fine.h5
+    romrun scene.yml --model m.h5 --set output.fields=true --against fine.h5 >out.txt
+    grep -qx "against fine.h5 (another grid, .* nodes from $x_min to 2 by 0.016: what it does is in the deviations):" out.txt
+    largest() { sed -n "s/^  largest $1 error *\([0-9.e-]*\).*/\1/p" out.txt; }
+    larger "$(largest film)" 0
+    larger 5e-5 "$(largest film)"
+    larger 2e-3 "$(largest pressure)"
+    # other rows on the same nodes
+    fullrun scene.yml -q --set discretization=published --set "grid.x_min=$(grid_of m.h5 | cut -d' ' -f2)" \
+        --set grid.step=0.02 -o published.h5
+    romrun scene.yml --model m.h5 --against published.h5 >out.txt
+    grep -qx "against published.h5 (another discretization, published: what it does is in the deviations):" out.txt
+}
+
+@test "runs in time take the grid too, and go on only on their own" {
+    cat >moving.yml <<'YAML'
+groups:
+  - scene: plan-base.yml
+    vary: {moes.M: [8], moes.L: [5]}
+  - scene: time.yml
+    vary: {transient.load.period: [0.75, 1.5]}
+YAML
+    cp base.yml plan-base.yml
+    snapgen moving.yml -q -o ts.h5
+    podbuild ts.h5 -q -o tb.h5 --energy 1e-12
+    snapgen moving.yml -q --basis tb.h5 -o tr.h5
+    deimselect tr.h5 -q --basis tb.h5 -o tm.h5
+    fullrun time.yml -q -o town.h5 >out.txt
+    [[ $(said out.txt) == *" the reference's M and L" ]]
+    fullrun time.yml -q -o tfull.h5 --grid-of tm.h5 >out.txt
+    [ "$(said out.txt)" = "$(grid_of ts.h5) " ]
+    [ "$(grid_of town.h5)" != "$(grid_of tfull.h5)" ]
+    romrun time.yml -q --model tm.h5 -o tred.h5 --allow-untrusted --against tfull.h5 >out.txt
+    [ "$(said out.txt)" = "$(grid_of ts.h5) " ]
+    grep -qx "against tfull.h5:" out.txt
+    romrun time.yml -q --model tm.h5 -o tred.h5 --force --allow-untrusted --against town.h5 >out.txt
+    grep -q "^against town.h5 (another grid, .* nodes from .* to 2 by 0.02: " out.txt
+
+    # the settings of both are the same
+    sed -i 's/end_time: 0.5/end_time: 20/' time.yml
+    stop_when INT "len(time) > 100" x.h5 fullrun time.yml --grid-of tm.h5 -o x.h5 --quiet
+    [ "$code" -eq 130 ]
+    refused 65 "x.h5.partial: x: found .* nodes from .* by 0.02, expected .*, as in the scene" \
+        fullrun time.yml -o x.h5 --resume
+    sed -i 's/, end_time: 20//; s/fixed_step/end_time: 0.5, fixed_step/' time.yml
+}
+
+@test "an approach is measured from far enough on the grid that is taken" {
+    snapgen scene.yml --set moes.M=1 --set moes.L=25 -q -o long.h5
+    sed -i 's/load: {.*}, end_time/end_time/; s/^regime.*/&\nclosure: approach/' time.yml
+    fullrun time.yml -q -o good.h5
+    refuse 65 "approach_length: found 10, expected at least .*, half the grid's length" \
+        fullrun time.yml --grid-of long.h5 -o x.h5
+    cat >far.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [1], moes.L: [25]}
+  - scene: time.yml
+YAML
+    refuse 65 "far.yml: approach_length: found 10, expected at least .*, half the grid's length" \
+        snapgen far.yml -o x.h5
+}
+
+@test "an interrupted training goes on only on its own grid" {
+    sed -i 's/moes.M: .*\], /moes.M: [8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 20], /' plan.yml
+    stop_when INT 'states >= 3' x.h5 snapgen plan.yml -o x.h5 --quiet --jobs 1
+    [ "$code" -eq 130 ]
+    cp x.h5.partial kept
+    read -r nodes x_min _ <<<"$(grid_of kept)"
+    # as of a version that chooses otherwise: as many nodes, but elsewhere
+    patch x.h5.partial "f.attrs['x_min'] = f.attrs['x_min'] + 0.5"
+    mv bad.h5 x.h5.partial
+    refused 65 "x.h5.partial: x: found $nodes nodes from .*.5 by 0.02, expected $nodes from $x_min by 0.02, as in the plan" \
+        snapgen plan.yml -o x.h5 --resume
+    mv kept x.h5.partial
+    snapgen plan.yml -o x.h5 --resume --quiet
+}
+
+@test "what a basis or model is used with takes its grid" {
+    # alone each of these plans would have another one
+    cat >check.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [17, 19], moes.L: [3.5, 4.5]}
+YAML
+    [ "$(snapgen check.yml -q -o c.h5 >out.txt && grid_of c.h5)" != "$(grid_of m.h5)" ]
+    romrun --calibrate check.yml --model m.h5 -o calibrated.h5 -q
+    [ "$(grid_of calibrated.h5)" = "$(grid_of m.h5)" ]
+    cat >part.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [15, 17, 19], moes.L: [3.7, 4.8]}
+YAML
+    podbuild s.h5 -o weighted.h5 --weight row-norm --plan part.yml -q
+    snapgen part.yml --basis b.h5 -o x.h5 -q
+    [ "$(grid_of x.h5)" = "$(grid_of b.h5)" ]
+}
+
+@test "a scene that gives another grid is refused in one line" {
+    another=(--set grid.step=0.025)
+    read -r nodes x_min _ <<<"$(grid_of m.h5)"
+    model="$nodes nodes from $x_min by 0.02"
+    refuse 65 "grid: found a line contact with .* nodes from .* in steps of 0.025, expected .* in steps of 0.02 as in m.h5" \
+        romrun scene.yml --model m.h5 "${another[@]}" -o x.h5
+    refuse 65 "m.h5: x: found $model, expected .* by 0.025, as in the scene" \
+        fullrun scene.yml --grid-of m.h5 "${another[@]}" -o x.h5
+    refuse 65 "m.h5: x: found $model, expected 251 from -3 by 0.02, as in the scene" \
+        fullrun scene.yml --grid-of m.h5 --set grid.x_min=-3 -o x.h5
+    refuse 65 "b.h5: x: found $model, expected .* by 0.025, as in plan.yml" \
+        snapgen plan.yml --basis b.h5 "${another[@]}" -o x.h5
+    refuse 65 "plan.yml: x: found .* by 0.025, expected $nodes from $x_min by 0.02, as in m.h5" \
+        romrun --calibrate plan.yml --model m.h5 "${another[@]}" -o x.h5
+}
+
+@test "--grid-of something else is refused in one line" {
+    refuse 66 "none.h5: " fullrun scene.yml --grid-of none.h5 -o x.h5
+    refuse 65 "plan.yml: " fullrun scene.yml --grid-of plan.yml -o x.h5
+    refuse 65 "own.h5: schema_name: found ehdrom-result, expected ehdrom-snapshots or ehdrom-basis or ehdrom-model" fullrun scene.yml --grid-of own.h5 -o x.h5
+    refuse 65 "m.h5: discretization: found accurate, expected published, as in the scene" \
+        fullrun scene.yml --grid-of m.h5 --set discretization=published -o x.h5
+    refuse 65 "m.h5: contact: found line, expected point, as in the scene" \
+        fullrun scene.yml --grid-of m.h5 --set contact=point -o x.h5
+    patch m.h5 "f.attrs['step'] = 0.0"
+    refuse 65 "bad.h5: x: found -.* to -.* in steps of 0, expected" fullrun scene.yml --grid-of bad.h5 -o x.h5
+    patch m.h5 "del f.attrs['x_min']"
+    refuse 65 "bad.h5: found no .*x_min" fullrun scene.yml --grid-of bad.h5 -o x.h5
+    head -c 3000 m.h5 >bad.h5
+    refuse 65 "bad.h5: " fullrun scene.yml --grid-of bad.h5 -o x.h5
+}
