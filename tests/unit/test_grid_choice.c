@@ -10,17 +10,22 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Of a scene without a grid. */
+static ehd_contact contact_in(scene *given, const char *kind, const char *discretization) {
+    ehd_contact contact;
+
+    snprintf(given->contact, sizeof given->contact, "%s", kind);
+    snprintf(given->discretization, sizeof given->discretization, "%s", discretization);
+    given->grid = (grid_settings){NAN, NAN, NAN, NAN, strcmp(kind, "point") == 0 ? 1 : -1};
+    scene_complete(given);
+    assert_int_equal(scene_contact(&contact, given, NULL), EHD_OK);
+    return contact;
+}
+
 static ehd_contact contact_of(const char *kind, const char *discretization, double moes_M,
                               double moes_L) {
     scene given = sample_scene("barus", "incompressible", moes_M, moes_L);
-    ehd_contact contact;
-
-    snprintf(given.contact, sizeof given.contact, "%s", kind);
-    snprintf(given.discretization, sizeof given.discretization, "%s", discretization);
-    given.grid = (grid_settings){NAN, NAN, NAN, NAN, strcmp(kind, "point") == 0 ? 1 : -1};
-    scene_complete(&given);
-    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
-    return contact;
+    return contact_in(&given, kind, discretization);
 }
 
 /* Zero at the edge, rising with the power 3/2, and far away the undeformed gap less what grows
@@ -79,8 +84,8 @@ static double error_on(const ehd_contact *contact, double central, double smalle
 }
 
 /* Films of an inlet without beginning and steps without end (scenes/studies/default-grid). Where
- * the step is about to be halved, and where the inlet is the longest for its film, neither could be
- * less. */
+ * the step is about to be halved with M it could not be twice as long; the inlet's effect is largest
+ * at M = 1, where three quarters of it are too short. */
 static void grids_are_fine_and_wide_enough(void **state) {
     (void)state;
     static const struct {
@@ -98,6 +103,20 @@ static void grids_are_fine_and_wide_enough(void **state) {
         contact.grid = grid_choose(&less, &less, false, DISCRETIZATION_ACCURATE);
         assert_true(error_on(&contact, cases[i].central, cases[i].smallest) > 1);
     }
+}
+
+/* On the published grid, by the published rows, the film is driven to zero. */
+static void the_thinnest_film_starts_cold(void **state) {
+    (void)state;
+    const full_settings settings = full_default_settings();
+    scene given = sample_scene("roelands", "dowson-higginson", 2000, 10);
+    given.hertz_pressure = 1e9;
+    const ehd_contact contact = contact_in(&given, "line", "accurate");
+    problem found;
+
+    problem_solve_cold(&found, &contact, &settings);
+    assert_true(found.info.newton_iterations <= 6);
+    problem_free(&found);
 }
 
 static void the_published_grid_is_one(void **state) {
@@ -176,6 +195,7 @@ int main(void) {
         cmocka_unit_test(dry_gaps),
         cmocka_unit_test(grids_that_contacts_need),
         cmocka_unit_test(grids_are_fine_and_wide_enough),
+        cmocka_unit_test(the_thinnest_film_starts_cold),
         cmocka_unit_test(the_published_grid_is_one),
         cmocka_unit_test(parts_that_are_given_stay),
         cmocka_unit_test(what_serves_both),
