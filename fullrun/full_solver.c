@@ -604,13 +604,14 @@ static void list_unknowns(full_solver *self, const full_state *state) {
     }
 }
 
-// scaled residual of a point contact that rounding may leave: above 1e-12 on 513 by 513 nodes
+// scaled residual that rounding may leave: above 1e-12 on 513 by 513 nodes of a point contact, up
+// to 9e-12 on a line of step 0.000625 at M = 2000
 static const double MAX_ROUNDING = 1e-10;
 
 /* Whether the residual is below the tolerance or, on a grid too fine for that, has stalled. */
 static bool is_solved(const full_solver *self, double residual, double last_residual) {
     if (residual < self->settings.tolerance) return true;
-    return self->kind->dimensions > 1 && residual < MAX_ROUNDING && residual > 0.5 * last_residual;
+    return residual < MAX_ROUNDING && residual > 0.5 * last_residual;
 }
 
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,

@@ -99,8 +99,11 @@ static const ehd_contact *contact_of(const reduced_states *states, size_t s,
 static ehd_status visit_states(row_squares *squares, const ehd_contact *contacts,
                                size_t num_contacts, ehd_error *error) {
     const reduced_states *states = &squares->model->states;
-    const reduced_settings once = {
-        .max_iterations = 1, .solve_linear = add_squares, .linear_context = squares};
+    // at a node, so that the rows before the exit are Reynolds rows, all of them
+    const reduced_settings once = {.max_iterations = 1,
+                                   .exit_at_node = true,
+                                   .solve_linear = add_squares,
+                                   .linear_context = squares};
     reduced_state state = {0};
     ehd_status status = reduced_solver_create(&squares->solver, squares->model, &once, error);
 

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the full model converges, and what grid and inlet do (README.md):
 
-    study.py plan PLAN.yml LAW-DENSITY-REGION          writes the plan of a piece of the map
+    study.py plan PLAN.yml ROWS LAW-DENSITY-REGION     writes the plan of a piece of the map on its published grid
     study.py collect MAP.csv PIECE.h5...               the states of all pieces as a table
+    study.py own-grids MAP.csv FOLDER PUBLISHED.csv    the points of such a table again, each on the grid that it
+                                                       chooses itself
     study.py summary MAP.csv LEAST                     points that fail, and a line for each lubricant; exit code 1 when
                                                        one fails or there are fewer points
     study.py draw MAP.csv                              the picture
@@ -52,31 +54,62 @@ def numbers(file):
 # ---- The map
 
 
-def plan(file, piece):
+def plan(file, rows, piece):
     law, density, region = pieces(piece)
-    viscosity, highest = LAWS[law]
     M, step = REGIONS[region]
-    results.write_changed(file, f"""groups:
+    results.write_changed(file, plan_text(rows, law, density, M, ALL_L, f"grid: {{x_min: -4, x_max: 2, step: {step}}}"))
+
+
+def plan_text(rows, law, density, M, L, grid=""):
+    viscosity, highest = LAWS[law]
+    return f"""groups:
   - scene:
       contact: line
       regime: stationary
-      discretization: published
+      discretization: {rows}
       lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
-      grid: {{x_min: -4, x_max: 2, step: {step}}}
+      output: {{resolution: false}}
+      {grid}
     vary:
       moes.M: [{M}]
-      moes.L: [{ALL_L}]
+      moes.L: [{L}]
     where: {{alpha_p_H: [0, {highest}]}}
-""")
+"""
+
+
+def states(piece):
+    """Of all points of a piece, in the order of the columns."""
+    return [[f"{x:.12g}" for x in state] for state in zip(*results.printed(piece, *COLUMNS.values()).values())]
 
 
 def collect(file, *files):
     lines = []
     for piece in files:
         laws = pieces(os.path.splitext(os.path.basename(piece))[0])[:2]
-        states = zip(*results.printed(piece, *COLUMNS.values()).values())
-        lines += [[*laws, *(f"{x:.12g}" for x in state)] for state in states]
+        lines += [[*laws, *state] for state in states(piece)]
     results.write_csv(file, ["law", "density", *COLUMNS], lines)
+
+
+def own_grids(file, folder, published):
+    """A plan has one grid for all its points, so that each point is a plan of its own; two at a time. An interrupted
+    map goes on where it was."""
+    def line(point):
+        laws = point["law"], point["density"]
+        name = "{}/{}-{}-{:g}-{:g}".format(folder, *laws, point["M"], point["L"])
+
+        def solve():
+            results.write_changed(f"{name}.yml", plan_text("accurate", *laws, *(f"{point[x]:.12g}" for x in "ML")))
+            results.run("snapgen", "--cold", f"{name}.yml", "-o", f"{name}.h5", "--force", "--jobs", 1, "-q")
+            state = [f"{point[key]:.12g}" if key in ("M", "L", "alpha_p_H", "p_H") else "" for key in COLUMNS]
+            if os.path.exists(f"{name}.h5"):
+                [state] = states(f"{name}.h5")
+                os.remove(f"{name}.h5")
+            os.remove(f"{name}.yml")
+            return [*laws, *state]
+        return results.kept(f"{name}.json", solve, os.path.join(os.environ["BIN"], "snapgen"))
+    os.makedirs(folder, exist_ok=True)
+    with ThreadPoolExecutor(2) as two:
+        results.write_csv(file, ["law", "density", *COLUMNS], two.map(line, numbers(published)))
 
 
 def good(point):
@@ -200,4 +233,4 @@ def compare(file):
 
 
 if __name__ == "__main__":
-    results.commands(plan, collect, summary, draw, estimate, compare)
+    results.commands(plan, collect, own_grids, summary, draw, estimate, compare)
