@@ -43,7 +43,7 @@ with h5py.File("s.h5") as s, h5py.File("r.h5") as r:
     for name in ["moes_M", "moes_L", "alpha_p_H", "hertz_pressure"]:
         assert s[name][5] == r.attrs[name], name
     exit = s["exit_node"][5]
-    assert s["x"][exit] == s["exit_position"][5]
+    assert s["x"][exit - 1] <= s["exit_position"][5] <= s["x"][exit]
     assert (s["pressure"][5, exit:] == 0).all() and s["pressure"][5, exit - 1] > 0
 PYTHON
 }

@@ -39,11 +39,11 @@ YAML
     [[ $output == *"T = 0 to 1 in 50 steps"* ]]
     [ ! -e result.h5.partial ]
     fullrun --check result.h5
-    # the start is the stationary solution
+    # the start is the stationary solution, but that the exit is at a node in time
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
     fullrun still.yml -o still.h5
     close_to "$(number result.h5 central_film_thickness)" \
-        "$(number still.h5 central_film_thickness)" 1e-8
+        "$(number still.h5 central_film_thickness)" 1e-5
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
 with h5py.File("result.h5") as file:
@@ -320,20 +320,21 @@ bad_table() {
 of_formula() { sed -n "s/^formula $1 //p" <<<"$output" | tr -d '+%,-' | awk -v field="$2" '{ print $field }'; }
 
 @test "--formulas in time: of the contact at each time, as if it were stationary" {
+    # with the published rows, whose exit is at a node stationary too
     (cat base.yml && echo 'moes: {M: 14, L: 4}') >still.yml
-    run fullrun still.yml -o still.h5 --formulas
+    run fullrun still.yml -o still.h5 --set discretization=published --formulas
     local still=$(of_formula dowson-toyoda 3) name
     # under a constant load nothing moves, and all times deviate like the stationary contact
-    run fullrun scene.yml -o constant.h5 --formulas --quiet --set transient.load.amplitude=0
+    run fullrun scene.yml -o constant.h5 --set discretization=published --formulas --quiet --set transient.load.amplitude=0
     [ "$(grep -c '^formula ' <<<"$output")" -eq 6 ]
     for field in 3 5 7; do close_to "$(of_formula dowson-toyoda $field)" "$still" 1e-3; done
     # slowly, it goes between the stationary contacts of the smallest and largest load
-    run fullrun scene.yml -o slow.h5 --formulas --quiet --set transient.load.period=1e4 \
+    run fullrun scene.yml -o slow.h5 --set discretization=published --formulas --quiet --set transient.load.period=1e4 \
         --set transient.end_time=1e4 --set transient.fixed_step=100
     cp /dev/stdin slow <<<"$output"
-    run fullrun still.yml -o light.h5 --formulas --set moes.M=12.6
+    run fullrun still.yml -o light.h5 --set discretization=published --formulas --set moes.M=12.6
     local light=$(of_formula ertel-grubin 3) light_minimum=$(of_formula dowson-higginson 3)
-    run fullrun still.yml -o heavy.h5 --formulas --set moes.M=15.4
+    run fullrun still.yml -o heavy.h5 --set discretization=published --formulas --set moes.M=15.4
     local heavy=$(of_formula ertel-grubin 3) heavy_minimum=$(of_formula dowson-higginson 3)
     run cat slow
     close_to "$(of_formula ertel-grubin 3)" "$(printf '%s\n' "$light" "$heavy" | sort -g | tail -n 1)" 2e-3
