@@ -174,7 +174,7 @@ static void tolerance_holds(void **state) {
     (void)state;
     for (size_t i = 0; i < 2 * sizeof cases / sizeof *cases; i++) {
         const bool accurate = i % 2;
-        double error[2];
+        double error[2] = {0};
         for (int t = 2; t >= 0; t--) {
             marched *const self = t == 2 ? &third : &first;
             char transient[256];

@@ -351,7 +351,7 @@ static ehd_status keep_last_row(double *step, void *context, const double *matri
 static void the_cell_s_row_equals_finite_differences(void **state) {
     (void)state;
     trained accurate;
-    last_row row;
+    last_row row = {0};
     const reduced_settings once = {.max_iterations = 1,
                                    .tolerance = 1e-8,
                                    .solve_linear = keep_last_row,

@@ -104,7 +104,7 @@ def draw(out):
             axes.plot(seconds, worst, mark, color=colour, label=label)
         axes.set(xscale="log", yscale="log", xlabel="time of a solution / s", title=name, xlim=(1e-8, 1), ylim=(3e-5, 1))
     panels[0].set_ylabel("distance from the truth: worst scene (mark), median (end)")
-    panels[0].legend(loc="lower left", frameon=False)
+    panels[1].legend(loc="lower left", frameon=False, fontsize=9)
     pictures.save(figure, f"{out}/truth.png")
 
 
