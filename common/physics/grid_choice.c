@@ -15,9 +15,9 @@ typedef struct grid_rule {
 /* Measured at 192 lines, M 1 to 2000, L 0 to 25, Barus incompressible and Roelands compressible,
  * against long inlets and steps without end (scenes/studies/default-grid): H_c is within 0.9 %
  * and H_m within 1.2 %, 0.4 and 0.7 % from M = 2 on, where 1 and 3 % are wanted. With twice the
- * step H_m is off by 3.6 % (L = 0, before the step is halved), with the next shorter inlet H_c
- * by 1.6 % (M = 1) and 0.96 % (M = 70). Up to M = 10 twice the coarsest step would do, with 0.88
- * % at M = 2.
+ * step H_m is within 1.7 %, with four times it is not within 3 % (M = 240, L = 0); with the next
+ * shorter inlet H_c is off by 1.6 % (M = 1) and 0.96 % (M = 70). Up to M = 10 twice the coarsest
+ * step would do, with 0.88 % at M = 2.
  * Point contacts (the same, M 20 to 300): within 0.7 and 2 %, with twice the step 10 % of H_m (M
  * = 20, L = 0); at M = 10 and 5, L = 0, H_c is off by 1.5 and 6 %, where longer domains cost
  * much. Exits far from the middle lie at 0.21 of y_max. */
