@@ -439,16 +439,11 @@ static ehd_status check_usage(const program *self, const fullrun_options *option
 /* The grid of --grid-of. */
 static ehd_status take_grid(ehd_contact *contact, const scene *given, const char *path,
                             ehd_error *error) {
-    static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,
-                                                     &schema_model, NULL};
     const contact_kind *kind;
-    artefact *file = NULL;
     ehd_grid grid;
     if (!path) return EHD_OK;
-    ehd_status status = artefact_open(&file, path, schemas, error);
+    ehd_status status = grid_of_file(&grid, &kind, path, error);
 
-    if (!status) status = grid_read(&grid, &kind, file, error);
-    artefact_close(&file);
     if (status) return status;
     if (kind != contact->kind)
         return ehd_fail(error, EHD_DATA, "%s: contact: found %s, expected %s, as in the scene",

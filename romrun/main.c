@@ -12,7 +12,6 @@
 #include "romrun/calibrate/against.h"
 #include "romrun/calibrate/calibrate.h"
 #include "romrun/calibrate/verify.h"
-#include "romrun/model/model_file.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/ehdrom.h"
 
@@ -454,6 +453,7 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
     romrun_options options = *given_options;
+    const contact_kind *kind;
     ehd_grid of_model;
     ehd_contact contact;
     scene given;
@@ -462,7 +462,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
-    if (!status) status = model_read_grid(&of_model, options.model, error);
+    if (!status) status = grid_of_file(&of_model, &kind, options.model, error);
     if (!status) contact_take_grid(&contact, &of_model);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
     if (!status)

@@ -147,6 +147,18 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     return EHD_OK;
 }
 
+ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
+                        ehd_error *error) {
+    static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,
+                                                     &schema_model, NULL};
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, schemas, error);
+
+    if (!status) status = grid_read(grid, kind, file, error);
+    artefact_close(&file);
+    return status;
+}
+
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error) {
     if (grid_same(grid, expected)) return EHD_OK;

@@ -43,6 +43,10 @@ ehd_status grid_read_discretization(ehd_discretization *discretization, artefact
  * the kind is not known. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
+/* The grid of a file of snapshots, a basis or a model. Errors as artefact_open. */
+ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
+                        ehd_error *error);
+
 /* EHD_DATA naming `path` when its grid differs from the one of `expected_path`. */
 ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *expected,
                       const char *expected_path, ehd_error *error);

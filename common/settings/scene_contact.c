@@ -4,15 +4,9 @@
 #include <math.h>
 #include <string.h>
 
-ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_extent *needed,
-                          ehd_error *error) {
-    ehd_discretization discretization = DISCRETIZATION_ACCURATE;
-
-    discretization_find(&discretization, given->discretization); // of the table's choices
-    contact->grid_given =
-        (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
+ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error) {
     contact->grid =
-        grid_choose(&contact->grid_given, needed, given->grid.half != 0, discretization);
+        grid_choose(&contact->grid_given, needed, contact->grid.half, contact->grid.discretization);
     if (contact->grid.num_inner <= MAX_NODES) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,
@@ -52,7 +46,12 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     };
     ehd_status status = contact_init(contact, &settings, error);
     if (status) return status;
-    const grid_extent needed = grid_extent_needed(contact);
-    status = scene_set_grid(contact, given, &needed, error);
+    contact->grid.half = given->grid.half != 0;
+    discretization_find(&contact->grid.discretization, given->discretization); // a choice
+    contact->grid_given =
+        (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
+    const grid_extent needed =
+        contact_has_chosen_grid(contact) ? grid_extent_needed(contact) : contact->grid_given;
+    status = scene_set_grid(contact, &needed, error);
     return status ? status : scene_check_approach(given, contact, error);
 }

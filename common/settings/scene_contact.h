@@ -16,10 +16,9 @@ ehd_status scene_contact(
     // input:
     const scene *given, ehd_error *error);
 
-/* Puts another grid in place of a contact's: `needed` where the scene does not say. EHD_DATA: too
- * many nodes. */
-ehd_status scene_set_grid(ehd_contact *contact, const scene *given, const grid_extent *needed,
-                          ehd_error *error);
+/* Puts another grid in place of the one of scene_contact: `needed` where the scene does not say.
+ * EHD_DATA: too many nodes. */
+ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error);
 
 /* Again after another grid: EHD_DATA where the scene gives the approach and it is measured from too
  * near (contact_check_approach). */

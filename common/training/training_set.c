@@ -41,11 +41,14 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
     const ehd_grid *expected = &first->grid, *found = &other->grid;
     char first_name[POINT_NAME], other_name[POINT_NAME];
 
-    if (found->x_min == expected->x_min && found->step == expected->step &&
-        found->num_inner == expected->num_inner && found->half == expected->half)
-        return EHD_OK;
+    if (grid_same(found, expected)) return EHD_OK;
     training_point_name(first_name, first);
     training_point_name(other_name, other);
+    if (found->discretization != expected->discretization)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: discretization: found %s at point %s, expected %s as at point %s",
+                        plan_path, discretization_name(found->discretization), other_name,
+                        discretization_name(expected->discretization), first_name);
     return ehd_fail(error, EHD_DATA,
                     "%s: grid: found %zu nodes from %g by %g at point %s, expected %zu from %g by "
                     "%g as at point %s",
@@ -53,29 +56,8 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
-/* What all points need together that the plan's bounds do not leave out. */
-static grid_extent common_extent(const plan *of) {
-    grid_extent all = {0};
-    bool any = false;
-
-    for (size_t i = 0; i < of->num_points; i++) {
-        ehd_contact contact;
-        bool inside;
-        if (make_contact(&contact, &inside, of, i, "", NULL) || !inside) continue;
-        const grid_extent needed = grid_extent_needed(&contact);
-        if (any)
-            grid_extent_join(&all, &needed);
-        else
-            all = needed;
-        any = true;
-    }
-    return all;
-}
-
 static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
                               ehd_error *error) {
-    const grid_extent needed = common_extent(of);
-    ehd_error cause = {""};
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < of->num_points && !status; i++) {
@@ -88,10 +70,12 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             set->num_dropped++;
             continue;
         }
-        status = scene_set_grid(&contact, given, &needed, &cause);
-        if (status) status = ehd_fail(error, status, "%s: %s", plan_path, cause.text);
-        if (status) break;
         if (!set->kind) set->kind = contact.kind;
+        if (contact.kind != set->kind) {
+            status = ehd_fail(error, EHD_DATA, "%s: contact: found %s and %s, expected one of them",
+                              plan_path, set->kind->name, contact.kind->name);
+            break;
+        }
         if (strcmp(given->regime, "transient") == 0) {
             set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
         } else {
@@ -118,17 +102,35 @@ static ehd_contact *contact_at(const training_set *set, size_t i) {
                                : &set->trajectories[i - set->num_points].contact;
 }
 
-/* Where some scenes give their grid, the others take it. */
-static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_error *error) {
-    const ehd_contact *first = contact_at(set, 0);
-    ehd_error cause = {""};
+/* Puts all contacts on what they need together, as far as their scenes do not say. */
+static ehd_status set_common_grid(training_set *set, ehd_error *error) {
+    grid_extent needed = grid_extent_needed(contact_at(set, 0));
     ehd_status status = EHD_OK;
 
+    for (size_t i = 1; i < num_contacts(set); i++) {
+        const grid_extent other = grid_extent_needed(contact_at(set, i));
+        grid_extent_join(&needed, &other);
+    }
+    for (size_t i = 0; i < num_contacts(set) && !status; i++)
+        status = scene_set_grid(contact_at(set, i), &needed, error);
+    return status;
+}
+
+/* The first contact whose scene leaves its grid open, or gives all of it; NULL: none. */
+static const ehd_contact *find_contact(const training_set *set, bool open) {
     for (size_t i = 0; i < num_contacts(set); i++)
-        if (!contact_has_chosen_grid(contact_at(set, i))) {
-            training_set_take_grid(set, &contact_at(set, i)->grid);
-            break;
-        }
+        if (contact_has_chosen_grid(contact_at(set, i)) == open) return contact_at(set, i);
+    return NULL;
+}
+
+/* One grid for all: where some scenes give it, the others take that, and else what all need. */
+static ehd_status settle_grid(training_set *set, const char *plan_path, ehd_error *error) {
+    const ehd_contact *first = contact_at(set, 0), *given = find_contact(set, false);
+    ehd_error cause = {""};
+    ehd_status status = find_contact(set, true) ? set_common_grid(set, &cause) : EHD_OK;
+
+    if (status) return ehd_fail(error, status, "%s: %s", plan_path, cause.text);
+    if (given) training_set_take_grid(set, &given->grid);
     set->grid = first->grid;
     for (size_t i = 0; i < num_contacts(set) && !status; i++)
         status = check_grid(first, contact_at(set, i), plan_path, error);

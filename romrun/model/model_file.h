@@ -36,9 +36,6 @@ ehd_status model_read(
     // input:
     const char *path, const ehdrom_sizes *sizes, ehd_error *error);
 
-/* The grid of a model alone. */
-ehd_status model_read_grid(ehd_grid *grid, const char *path, ehd_error *error);
-
 /* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and,
  * of an independent basis, [num_nodes, num_deformation] (else NULL). */
 ehd_status model_read_modes(

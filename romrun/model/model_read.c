@@ -439,17 +439,6 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
     return status;
 }
 
-ehd_status model_read_grid(ehd_grid *grid, const char *path, ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    const contact_kind *kind;
-    artefact *file = NULL;
-    ehd_status status = artefact_open(&file, path, kinds, error);
-
-    if (!status) status = grid_read(grid, &kind, file, error);
-    artefact_close(&file);
-    return status;
-}
-
 /* The first `wanted` of the stored modes. */
 static ehd_status read_modes(double **modes, artefact *file, const char *field,
                              const char *mode_axis, size_t wanted, const ehd_grid *grid, bool inner,

@@ -152,15 +152,27 @@ void nodes_expand_runs(node_state *self, const double *z) {
         nodes_expand_range(self, z, self->runs[r].first, self->runs[r].count);
 }
 
+/* What the films from a node of the band on are made of, [nodes, *width], but for runs of a coupled
+ * basis. */
+static const double *band_film_modes(size_t *width, const node_state *self, size_t node) {
+    const reduced_model *model = self->model;
+    const bool coupled = model->deformation == DEFORMATION_COUPLED;
+    const double *modes = coupled
+                              ? model->checkpoints.band +
+                                    self->checkpoint * model->band.num_nodes * model->num_pressure
+                              : model->band.film;
+
+    *width = coupled ? model->num_pressure : model->num_deformation;
+    return modes + reduced_model_band_index(model, node) * *width;
+}
+
 void nodes_band_films(double *film, const node_state *self, const double *z, size_t node,
                       size_t count) {
     const reduced_model *model = self->model;
-    size_t index = reduced_model_band_index(model, node), num_pressure = model->num_pressure;
-    bool coupled = model->deformation == DEFORMATION_COUPLED;
-    size_t width = coupled ? num_pressure : model->num_deformation;
-    const double *checkpoint =
-        model->checkpoints.band + self->checkpoint * model->band.num_nodes * num_pressure;
-    const double *basis = (coupled ? checkpoint : model->band.film) + index * width;
+    const size_t num_pressure = model->num_pressure;
+    const bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width;
+    const double *basis = band_film_modes(&width, self, node);
     const grid_position at = reduced_model_position(model, node);
 
     for (size_t i = 0; i < count; i++)
@@ -183,12 +195,10 @@ double nodes_band_film(const node_state *self, const double *z, size_t node) {
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count) {
     const reduced_model *model = self->model;
-    size_t index = reduced_model_band_index(model, node), num_pressure = model->num_pressure;
-    bool coupled = model->deformation == DEFORMATION_COUPLED;
-    size_t width = coupled ? num_pressure : model->num_deformation;
-    const double *checkpoint =
-        model->checkpoints.band + self->checkpoint * model->band.num_nodes * num_pressure;
-    const double *basis = (coupled ? checkpoint : model->band.film) + index * width;
+    const size_t num_pressure = model->num_pressure;
+    const bool coupled = model->deformation == DEFORMATION_COUPLED;
+    size_t width;
+    const double *basis = band_film_modes(&width, self, node);
 
     for (size_t i = 0; i < count; i++)
         nodes_add_row(coupled ? target : target + num_pressure, factors[i], basis + i * width,

@@ -11,12 +11,12 @@
 typedef struct row_system {
     const reduced_model *model;
     reynolds_row *rows;   // [rows of the model] at the state
-    double *fluid_memory; // [4, num_needed]
+    double *fluid_memory; // [NUM_FLUID_ARRAYS, num_needed]
     size_t num_active;    // rows before the exit
     size_t num_cells;     // 1 where the exit lies within a node: its cell's row is the last one
     size_t *active;       // [rows of the model] these
-    double *matrix;       // [rows + num_deformation + 1, num_unknowns]
-    double *right;        // [rows + num_deformation + 1]
+    double *matrix;       // [system_max_rows, num_unknowns]
+    double *right;        // [system_max_rows]
     double *step;         // [num_unknowns]
     double *gradient;     // [num_unknowns] of the central film
     double *offset;       // [num_unknowns] by which a step moves the exit within its node

@@ -4,6 +4,18 @@
 bats_require_minimum_version 1.5.0
 PATH=$BIN:$PATH
 
+# base_scene [GRID]: base.yml, a line contact that lacks M and L, in the present folder.
+base_scene() {
+    cat >base.yml <<'YAML'
+contact: line
+regime: stationary
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+    [ $# -eq 0 ] || echo "grid: {$1}" >>base.yml
+}
+
 # Each test works in a folder of its own with a small scene (301 nodes) and a small plan (6 points).
 common_setup() {
     cd "$BATS_TEST_TMPDIR" || return

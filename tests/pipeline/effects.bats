@@ -17,14 +17,7 @@ train() {
 
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
-    cat >base.yml <<'YAML'
-contact: line
-regime: stationary
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-grid: {x_min: -4, x_max: 2, step: 0.02}
-YAML
+    base_scene 'x_min: -4, x_max: 2, step: 0.02'
     { cat base.yml && echo 'moes: {M: 20, L: 5}'; } >scene.yml
     cat >plan.yml <<'YAML'
 groups:

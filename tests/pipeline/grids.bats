@@ -7,13 +7,7 @@ load common
 
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
-    cat >base.yml <<'YAML'
-contact: line
-regime: stationary
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
+    base_scene
     { cat base.yml && echo 'moes: {M: 18, L: 4}'; } >scene.yml
     cat >plan.yml <<'YAML'
 groups:
@@ -310,4 +304,24 @@ YAML
     refuse 65 "bad.h5: found no .*x_min" fullrun scene.yml --grid-of bad.h5 -o x.h5
     head -c 3000 m.h5 >bad.h5
     refuse 65 "bad.h5: " fullrun scene.yml --grid-of bad.h5 -o x.h5
+}
+
+@test "points of several discretisations are not one plan" {
+    cat >two.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [18], moes.L: [4], grid.x_min: [-4], grid.x_max: [2], grid.step: [0.02]}
+  - scene: base.yml
+    vary: {moes.M: [19], moes.L: [4], grid.x_min: [-4], grid.x_max: [2], grid.step: [0.02], discretization: [published]}
+YAML
+    refuse 65 "two.yml: discretization: found published at point M=19 L=4, expected accurate as at point M=18 L=4" \
+        snapgen two.yml -o x.h5
+}
+
+@test "lines and points are not one plan" {
+    { cat base.yml && echo 'moes: {M: 18, L: 4}'; } | sed 's/line/point/' >point.yml
+    printf 'groups:\n  - scene: %s.yml\n' scene >two.yml
+    echo '  - scene: point.yml' >>two.yml
+    refuse 65 "two.yml: contact: found line and point, expected one of them" \
+        snapgen two.yml --set grid.half= -o x.h5
 }

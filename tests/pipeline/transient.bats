@@ -6,14 +6,7 @@ load common
 # A scene of 121 nodes over one period of the load, and a plan with points and trajectories around it.
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
-    cat >base.yml <<'YAML'
-contact: line
-regime: stationary
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-grid: {step: 0.05}
-YAML
+    base_scene 'step: 0.05'
     (sed 's/stationary/transient/' base.yml && cat <<'YAML') >scene.yml
 moes: {M: 14, L: 4}
 transient:

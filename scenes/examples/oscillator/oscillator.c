@@ -8,10 +8,10 @@
  * It solves each of its own steps by trials, all of which the contact takes from its last accepted
  * state. With --full the same is done with the full model, and the largest deviations are
  * printed. */
+#include "common/output/grid_file.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "fullrun/full_march.h"
-#include "romrun/model/model_file.h"
 #include "romrun/online/ehdrom.h"
 
 #include <errno.h>
@@ -300,12 +300,13 @@ static ehd_status oscillate(const char *scene_path, const char *model_path,
                             const char *reduced_path, const char *full_path, ehd_error *error) {
     static trace reduced, full;
     ehd_contact reference;
+    const contact_kind *kind;
     ehd_grid grid; // of the model, and so of the full model that it is compared with
     scene given;
     ehd_status status = scene_read(&given, scene_path, NULL, 0, error);
 
     if (!status) status = scene_contact(&reference, &given, error);
-    if (!status) status = model_read_grid(&grid, model_path, error);
+    if (!status) status = grid_of_file(&grid, &kind, model_path, error);
     if (!status) contact_take_grid(&reference, &grid);
     if (!status) status = run_reduced(&reduced, model_path, &reference, error);
     if (!status) status = write_trace(&reduced, reduced_path, error);

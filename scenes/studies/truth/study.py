@@ -42,7 +42,7 @@ def solved(folder, name, program, settings, *options):
 def errors(records, truth, film):
     """Relative errors of the scenes that are solved."""
     return np.array([abs(record[film] / exact[film] - 1) for record, exact in zip(records, truth)
-                     if record["status"] != results.NOT_CONVERGED and record["status"] != 1])
+                     if record["status"] != 1])
 
 
 def measure(out, modes, steps):
