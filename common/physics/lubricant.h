@@ -8,6 +8,7 @@
 #define EHD_LUBRICANT_H
 
 #include "common/program/status.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 enum {
@@ -67,6 +68,7 @@ typedef struct lubricant_law {
     /* ln(eta(p)/eta(0)) or rho(p)/rho(0) at a pressure in Pa, and its derivative in 1/Pa. NULL: the
      * density is constant. */
     double (*evaluate)(const ehd_lubricant *self, double pressure, double *derivative);
+    bool exponential; // a viscosity whose logarithm is linear in the pressure
 } lubricant_law;
 
 extern const lubricant_law *const viscosity_laws[]; // both end with NULL

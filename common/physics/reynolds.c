@@ -55,11 +55,13 @@ reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_con
     const bool compressible = contact->lubricant.density != NULL;
     const bool accurate = contact->grid.discretization == DISCRETIZATION_ACCURATE;
 
-    return (reynolds_fluid){.mobility = memory,
-                            .mobility_slope = memory + num_nodes,
-                            .log_mobility = accurate ? memory + 2 * num_nodes : NULL,
-                            .density = compressible ? memory + 3 * num_nodes : NULL,
-                            .density_slope = compressible ? memory + 4 * num_nodes : NULL};
+    return (reynolds_fluid){
+        .mobility = memory,
+        .mobility_slope = memory + num_nodes,
+        .log_mobility = accurate ? memory + 2 * num_nodes : NULL,
+        .density = compressible ? memory + 3 * num_nodes : NULL,
+        .density_slope = compressible ? memory + 4 * num_nodes : NULL,
+        .between = accurate && !contact->lubricant.viscosity->exponential ? contact : NULL};
 }
 
 void reynolds_fluid_evaluate(reynolds_fluid *fluid, const ehd_contact *contact,
@@ -189,12 +191,25 @@ static void add_published_flux(reynolds_row *flux, double step, double entrainme
 
 // ---- the accurate discretisation
 
-static reynolds_link link_between(const row_nodes *at, int before, int after) {
+/* Mobility at a pressure, with what its means need of it. */
+typedef struct mobility {
+    double value, slope, logarithm, pressure;
+} mobility;
+
+static mobility mobility_at(const row_nodes *at, int a) {
     const reynolds_fluid *fluid = at->fluid;
-    const size_t i = at->stencil->node[before], j = at->stencil->node[after];
-    const double a = fluid->mobility[i], b = fluid->mobility[j];
-    const double logarithm = fluid->log_mobility[i] - fluid->log_mobility[j];
-    double drop = at->pressure[j] - at->pressure[i], mean, by_log_a, by_log_b;
+    const size_t node = at->stencil->node[a];
+
+    return (mobility){fluid->mobility[node], fluid->mobility_slope[node], fluid->log_mobility[node],
+                      at->pressure[node]};
+}
+
+/* By the logarithmic mean of the mobilities. */
+static reynolds_link exponential_link(const mobility *before, const mobility *after) {
+    const double a = before->value, b = after->value;
+    const double logarithm = before->logarithm - after->logarithm;
+    const double drop = after->pressure - before->pressure;
+    double mean, by_log_a, by_log_b;
 
     // a viscosity so large that the mobility is zero in floating point lets nothing through
     if (!(a > 0 && b > 0)) return (reynolds_link){0, 0, 0};
@@ -213,8 +228,40 @@ static reynolds_link link_between(const row_nodes *at, int before, int after) {
         by_log_a = (a - mean) / logarithm;
         by_log_b = (mean - b) / logarithm;
     }
-    return (reynolds_link){mean * drop, -mean + by_log_a / a * fluid->mobility_slope[i] * drop,
-                           mean + by_log_b / b * fluid->mobility_slope[j] * drop};
+    return (reynolds_link){mean * drop, -mean + by_log_a / a * before->slope * drop,
+                           mean + by_log_b / b * after->slope * drop};
+}
+
+/* By the law's mobility at the mean pressure as well: the two halves' and the whole link,
+ * extrapolated to fourth order. The halves of a falling mobility are more than half of the whole,
+ * so that the link is never against the pressures. */
+static reynolds_link link_with_middle(const mobility *before, const mobility *after,
+                                      const ehd_contact *contact) {
+    mobility middle = {.pressure = (before->pressure + after->pressure) / 2};
+    double memory[NUM_FLUID_ARRAYS];
+    reynolds_fluid fluid = reynolds_fluid_in(memory, 1, contact);
+
+    reynolds_fluid_evaluate(&fluid, contact, &middle.pressure, 1);
+    middle.value = *fluid.mobility;
+    middle.slope = *fluid.mobility_slope;
+    middle.logarithm = *fluid.log_mobility;
+    const reynolds_link whole = exponential_link(before, after);
+    const reynolds_link first = exponential_link(before, &middle);
+    const reynolds_link second = exponential_link(&middle, after);
+    const double by_middle = (first.by_after + second.by_before) / 2; // by either end
+
+    return (reynolds_link){
+        (4 * (first.value + second.value) - whole.value) / 3,
+        (4 * (first.by_before + by_middle) - whole.by_before) / 3,
+        (4 * (second.by_after + by_middle) - whole.by_after) / 3,
+    };
+}
+
+static reynolds_link link_between(const row_nodes *at, int before, int after) {
+    const mobility a = mobility_at(at, before), b = mobility_at(at, after);
+
+    return at->fluid->between ? link_with_middle(&a, &b, at->fluid->between)
+                              : exponential_link(&a, &b);
 }
 
 /* Stencil nodes around a half node: i - 2 … i + 2 about the one between i and i + 1. Across, where

@@ -47,11 +47,14 @@ typedef struct reynolds_fluid {
     double *log_mobility;   // ln mobility, but for a constant; NULL when not needed, as published
     double *density;        // NULL when incompressible
     double *density_slope;
+    const ehd_contact *between; // whose mobility is evaluated between two nodes too; NULL where the
+                                // mean of theirs is enough
 } reynolds_fluid;
 
 enum { NUM_FLUID_ARRAYS = 5 };
 
-/* The fluid's arrays in `memory` [NUM_FLUID_ARRAYS, num_nodes], which the caller owns. */
+/* The fluid's arrays in `memory` [NUM_FLUID_ARRAYS, num_nodes], which the caller owns, as it does
+ * the contact. */
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact);
 
 /* The BDF time derivative of rho H at the nodes of the rows: rate * rho H + previous. */
@@ -97,10 +100,11 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
                            const reynolds_stencil *stencil, const reynolds_fluid *fluid,
                            const double *pressure, const double *film);
 
-/* Change of the reduced pressure, int mobility dP, from one node to the next, exact where the
- * mobility is exponential in the pressure: the logarithmic mean of the mobilities times the
- * difference of the pressures (D. L. Scharfetter, H. K. Gummel, IEEE Trans. Electron Devices 16,
- * 1969). Of the accurate discretisation. */
+/* Change of the reduced pressure, int mobility dP, from one node to the next. Where the viscosity
+ * is exponential in the pressure: the logarithmic mean of the mobilities times the difference of
+ * the pressures, then exact (D. L. Scharfetter, H. K. Gummel, IEEE Trans. Electron Devices 16,
+ * 1969). Else with the mobility half way between as well, of fourth order in the difference. Of the
+ * accurate discretisation. */
 typedef struct reynolds_link {
     double value, by_before, by_after; // derivatives by the pressures
 } reynolds_link;

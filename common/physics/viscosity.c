@@ -34,8 +34,11 @@ static ehd_status barus_prepare(ehd_lubricant *self, const law_value *values, eh
     return check_alpha(values[BARUS_ALPHA].number, error);
 }
 
-const lubricant_law viscosity_barus = {
-    .name = "barus", .parameters = {ALPHA}, .prepare = barus_prepare, .evaluate = barus};
+const lubricant_law viscosity_barus = {.name = "barus",
+                                       .parameters = {ALPHA},
+                                       .prepare = barus_prepare,
+                                       .evaluate = barus,
+                                       .exponential = true};
 
 // ---- Roelands: ln eta = (ln eta0 + 9.67) [(1 + p/1.96e8)^z - 1]
 

@@ -164,6 +164,54 @@ static void order_of_a_constant_flux(void **state) {
     }
 }
 
+/* int mobility dP from one pressure to another, by `count` equal links. */
+static double reduced_change(const ehd_contact *contact, double before, double after,
+                             size_t count) {
+    const reynolds_stencil stencil = {.node = {[NODE_HERE] = 0, [NODE_AHEAD] = 1}};
+    double sum = 0;
+
+    for (size_t i = 0; i < count; i++) {
+        double memory[2 * NUM_FLUID_ARRAYS], pressure[2];
+        reynolds_fluid fluid = reynolds_fluid_in(memory, 2, contact);
+        for (size_t j = 0; j < 2; j++)
+            pressure[j] = before + (after - before) * (double)(i + j) / (double)count;
+        reynolds_fluid_evaluate(&fluid, contact, pressure, 2);
+        sum += reynolds_link_ahead(&stencil, &fluid, pressure).value;
+    }
+    return sum;
+}
+
+/* Links are exact where viscosity is exponential in the pressure, else of fourth order in the
+ * difference. A compressible one is of second, the density changing little. */
+static void order_of_the_reduced_pressure(void **state) {
+    (void)state;
+    for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        const ehd_contact contact =
+            sample_contact(sample_lubricants[l], "incompressible", 20, 10, 0.1);
+        const double exact = reduced_change(&contact, 0.1, 0.2, 256);
+        const double whole = fabs(reduced_change(&contact, 0.1, 0.2, 1) / exact - 1);
+        const double halves = fabs(reduced_change(&contact, 0.1, 0.2, 2) / exact - 1);
+        if (strcmp(sample_lubricants[l], "barus") == 0)
+            assert_true(whole < 1e-13 && halves < 1e-13);
+        else
+            assert_true(whole > 1e-8 && whole < 1e-2 && whole / halves > 11 && whole / halves < 20);
+    }
+}
+
+/* Whatever the pressures of an iterate: the flow is never against them. */
+static void flow_follows_the_pressures(void **state) {
+    (void)state;
+    for (size_t l = 0; l < NUM_SAMPLE_LUBRICANTS; l++) {
+        const ehd_contact contact =
+            sample_contact(sample_lubricants[l], "dowson-higginson", 20, 10, 0.1);
+        for (double before = -0.1; before < 2; before += 0.07)
+            for (double after = before + 0.01; after < 2; after += 0.07) {
+                assert_true(reduced_change(&contact, before, after, 1) > 0);
+                assert_true(reduced_change(&contact, after, before, 1) < 0);
+            }
+    }
+}
+
 static void first_row_has_no_second_node_back(void **state) {
     (void)state;
     ehd_grid grid = grid_of(-1, 0.1, NUM_NODES - 2, 1, false, DISCRETIZATION_PUBLISHED);
@@ -285,6 +333,8 @@ int main(void) {
         cmocka_unit_test(row_derivatives),
         cmocka_unit_test(rows_are_finite_at_any_viscosity),
         cmocka_unit_test(order_of_a_constant_flux),
+        cmocka_unit_test(order_of_the_reduced_pressure),
+        cmocka_unit_test(flow_follows_the_pressures),
         cmocka_unit_test(first_row_has_no_second_node_back),
         cmocka_unit_test(manufactured_rows),
         cmocka_unit_test(squeeze_derivatives),
