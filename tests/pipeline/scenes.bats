@@ -506,7 +506,7 @@ far" ]
 
 @test "a point contact in SI units: an example at a small size" {
     copy_scene examples/point
-    sed -i 's/step: 0.02/step: 0.125/' scene.yml
+    sed -i 's/step: 0.02/step: 0.1875/' scene.yml
     run_make
     echo "$output"
     [ "$status" -eq 0 ]
