@@ -541,9 +541,13 @@ static double complementarity(const full_solver *self, const full_state *state) 
     return worst;
 }
 
+// without a limit a cold start of those below cycles until the iteration limit (point, M = 464, L =
+// 0, 65 nodes a side, whose grid is too coarse): 143 iterations instead of 31
 static const unsigned char MAX_FLIPS = 4;
-// pressures (of p_H) and scaled multipliers below which a sign is not significant
-static const double IN_TIME_NOISE = 1e-7, POINT_NOISE = 1e-9;
+// in time, pressures (of p_H) and scaled multipliers below which a sign is not significant.
+// Stationary points need none: of 520 cold starts (M 1 to 1000, L 0 to 20, 33 and 65 nodes a side,
+// both discretisations) the same converge with 0 as with 1e-9, in the same iterations
+static const double IN_TIME_NOISE = 1e-7;
 
 /* Primal-dual active set: each node goes by the sign of its pressure or multiplier. For films that
  * vary in time or flow around the contact, whose flux is not one number and whose pressurised zone
@@ -584,8 +588,7 @@ static bool adapt_zone(exit_watch *watch, bool *settled, full_solver *self, full
     if (squeeze)
         return adapt_nodes(self, state, IN_TIME_NOISE,
                            self->kind->dimensions == 1 || residual < NEAR_SOLUTION);
-    if (self->kind->dimensions > 1)
-        return adapt_nodes(self, state, POINT_NOISE, residual < NEAR_SOLUTION);
+    if (self->kind->dimensions > 1) return adapt_nodes(self, state, 0, residual < NEAR_SOLUTION);
     if (*settled || !isnan(state->exit_offset)) return false;
     size_t exit = adapt_exit(self, state, contact->entrainment);
     *settled = exit_cycles(watch, exit);

@@ -26,30 +26,72 @@ static double minimum_of_five(const double *value) {
     return value[2] + t * (first + t * (second + t * (third + t * fourth)));
 }
 
-/* The same around a node of a line; NaN where there is none. */
-static double minimum_along(size_t node, double (*value)(const void *context, size_t node),
-                            const void *context) {
+/* The film that is interpolated. */
+typedef struct film {
+    double (*value)(const void *context, size_t node);
+    const void *context;
+    size_t width; // of a line
+} film;
+
+static double film_at(const film *self, size_t node) {
+    return self->value(self->context, node);
+}
+
+/* The node of its line towards which the film falls from a node, inside of the grid's ends. */
+static size_t lowest_along(const film *self, size_t node) {
+    const size_t first = node - node % self->width + 2, last = first + self->width - 5;
+
+    while (node < last && film_at(self, node + 1) < film_at(self, node))
+        node++;
+    while (node > first && film_at(self, node - 1) < film_at(self, node))
+        node--;
+    return node;
+}
+
+/* The minimum along the line around a node; NaN where there is none. */
+static double minimum_along(const film *self, size_t node) {
     double values[5];
 
     for (size_t i = 0; i < 5; i++)
-        values[i] = value(context, node - 2 + i);
+        values[i] = film_at(self, node - 2 + i);
     return minimum_of_five(values);
+}
+
+/* The minima of the lines around that of a node, each in the valley that goes through it. A line
+ * that is missing is NaN. */
+static void follow_valley(double minima[5], const film *self, const ehd_grid *grid, size_t node) {
+    const size_t lines = grid_lines(grid), line = node / self->width;
+
+    minima[2] = minimum_along(self, node);
+    for (int side = -1; side <= 1; side += 2) {
+        size_t at = node, here = line;
+        int towards = side; // turns at a mirror line
+        for (int apart = 1; apart <= 2; apart++) {
+            double *minimum = &minima[2 + side * apart];
+            *minimum = NAN;
+            if (here == 0 && towards < 0 && grid->half) towards = 1;
+            if ((here == 0 && towards < 0) || (here + 1 == lines && towards > 0)) continue;
+            here = towards > 0 ? here + 1 : here - 1;
+            at = towards > 0 ? at + self->width : at - self->width;
+            at = lowest_along(self, at);
+            *minimum = minimum_along(self, at);
+        }
+    }
 }
 
 double minimum_around(const ehd_grid *grid, size_t node,
                       double (*value)(const void *context, size_t node), const void *context) {
-    const size_t width = grid_width(grid), line = node / width, column = node % width;
+    const film self = {value, context, grid_width(grid)};
+    const size_t column = node % self.width;
     const double nodal = value(context, node);
+    double minima[5];
 
     if (grid->discretization == DISCRETIZATION_PUBLISHED) return nodal;
-    if (column < 2 || column + 2 >= width) return nodal;
-    const double here = minimum_along(node, value, context);
+    if (column < 2 || column + 2 >= self.width) return nodal;
+    const double here = minimum_along(&self, node);
     if (isnan(here)) return nodal;
     if (grid->inner_lines == 1) return here;
-    if (line + 1 >= grid_lines(grid) || (line == 0 && !grid->half)) return here;
-    const double right = minimum_along(node + width, value, context);
-    const double left = minimum_along(line == 0 ? node + width : node - width, value, context);
-    const double curvature = left - 2 * here + right, slope = (right - left) / 2;
-    const bool inside = curvature > 0 && fabs(slope) <= curvature; // within a line of this one
-    return inside ? here - slope * slope / (2 * curvature) : here;
+    follow_valley(minima, &self, grid, node);
+    const double across = minimum_of_five(minima);
+    return isnan(across) ? here : across;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The minimum of a film between the nodes: exact for quartics along and parabolas across. */
+/* The minimum of a film between the nodes: exact for quartics along and across a valley. */
 #include "common/physics/minimum.h"
 #include "tests/unit/check.h"
 
@@ -9,6 +9,7 @@
 typedef struct valley {
     ehd_grid grid;
     double along, across, third, fourth;
+    double slant;   // by which the valley moves along from one line to the next
     size_t missing; // node without a value
 } valley;
 
@@ -20,6 +21,7 @@ static valley valley_at(double along, double across, bool point) {
                    across,
                    0.05,
                    0.01,
+                   0,
                    0};
 
     self.grid.discretization = DISCRETIZATION_ACCURATE;
@@ -29,12 +31,13 @@ static valley valley_at(double along, double across, bool point) {
 static double value_at(const void *context, size_t node) {
     const valley *self = context;
     const size_t width = grid_width(&self->grid);
-    double x = (double)(node % width) - (double)COLUMN - self->along;
     double y =
         self->grid.inner_lines > 1 ? (double)(node / width) - (double)LINE - self->across : 0;
+    double x = (double)(node % width) - (double)COLUMN - self->along - self->slant * y;
 
     if (node == self->missing) return NAN;
-    return 0.3 + x * x * (1 + x * (self->third + x * self->fourth)) + 2 * y * y;
+    return 0.3 + x * x * (1 + x * (self->third + x * self->fourth)) +
+           2 * y * y * (1 + y * (self->third + y * self->fourth));
 }
 
 static double minimum_of(const valley *self) {
@@ -42,7 +45,7 @@ static double minimum_of(const valley *self) {
     return minimum_around(&self->grid, line * grid_width(&self->grid) + COLUMN, value_at, self);
 }
 
-static void exact_for_quartics_and_parabolas(void **state) {
+static void exact_for_quartics(void **state) {
     (void)state;
     for (double along = -0.5; along <= 0.5; along += 0.125) {
         const valley line = valley_at(along, 0, false);
@@ -52,6 +55,28 @@ static void exact_for_quartics_and_parabolas(void **state) {
             check_close(minimum_of(&point), 0.3, 1e-13, 0);
         }
     }
+}
+
+/* As in the horseshoe of a point contact, whose valley crosses several nodes from line to line. */
+static void along_a_slanting_valley(void **state) {
+    (void)state;
+    for (double slant = -4; slant <= 4; slant += 0.5) {
+        valley point = valley_at(0.3, -0.4, true);
+        point.slant = slant;
+        const size_t column = COLUMN + (size_t)lround(0.3 + slant * 0.4 + 10) - 10;
+        const size_t node = LINE * grid_width(&point.grid) + column; // least of its line
+        check_close(minimum_around(&point.grid, node, value_at, &point), 0.3, 1e-13, 0);
+    }
+}
+
+static void of_the_line_where_those_beside_it_are_missing(void **state) {
+    (void)state;
+    valley point = valley_at(0.3, -0.4, true);
+    const double of_the_line = value_at(&point, LINE * grid_width(&point.grid) + COLUMN) -
+                               0.3 * 0.3 * (1 - 0.3 * (point.third - 0.3 * point.fourth));
+
+    point.missing = (LINE + 2) * grid_width(&point.grid) + COLUMN;
+    check_close(minimum_of(&point), of_the_line, 1e-13, 0);
 }
 
 static void on_the_mirror_line(void **state) {
@@ -79,7 +104,9 @@ static void nodal_where_it_cannot_be_interpolated(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exact_for_quartics_and_parabolas),
+        cmocka_unit_test(exact_for_quartics),
+        cmocka_unit_test(along_a_slanting_valley),
+        cmocka_unit_test(of_the_line_where_those_beside_it_are_missing),
         cmocka_unit_test(on_the_mirror_line),
         cmocka_unit_test(nodal_where_it_cannot_be_interpolated),
     };
