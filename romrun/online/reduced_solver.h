@@ -158,7 +158,8 @@ void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
 void reduced_drop_factors(reduced_solver *solver);
 
 /* Start from the trained solutions: a quadratic fit through those nearest in (ln M, ln(1 + alpha
- * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would. */
+ * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would;
+ * pressures are added spike upon spike (start_shift.h). */
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
                    double alpha_p_H);
 
