@@ -136,7 +136,7 @@ double reduced_remaining_residual(const reduced_solver *solver);
  * least_squares_solve. */
 double reduced_central_sensitivity(reduced_solver *solver);
 
-/* Values of a state and, identical to the last bit, of the last solution. */
+/* Values of a state and, identical to the last bit, of the last solution with `exit_at_node`. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
