@@ -7,11 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Half widths between those of a line contact. Solutions with 97 modes on a step of 0.005, and with
- * 90 modes on 0.002, take 233 and 219 us in the mean at a distance of 0.02, 228 and 211 at 0.01,
- * 226 and 207 at 0.005, 225 and 204 with all exits; whole models of 110 and 100 modes take 5 to 6
- * MB more at 0.01 than at 0.02, 14 MB more at 0.005. */
-static const double CHECKPOINT_DISTANCE = 0.01;
+/* Half widths between those of a line contact. A solution with 56 modes on 1201 nodes takes 0.107
+ * ms at distances up to 0.02, 0.115 at 0.04, 0.135 at 0.08, 0.17 at 0.16 and with one checkpoint;
+ * all exits instead of every fifth take 9 MB more. */
+static const double CHECKPOINT_DISTANCE = 0.02;
 
 /* Bound of a point contact's tables, bytes. A solution with 100 modes and 240 rows on 65 by 65
  * nodes takes 0.73 ms with one table, 0.45 with 5 MB of them, 0.41 with 20 to 110 MB, all 128 that
