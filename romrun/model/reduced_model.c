@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_cut.h"
+#include "romrun/model/start_shift.h"
 
 #include "common/physics/deflection.h"
 
@@ -191,7 +192,8 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
             index_in(model->rows.needed_node, model->rows.num_needed, centre[i]);
     if (model->deformation == DEFORMATION_COUPLED) fill_left_coupled(model);
     fill_left_load(model);
-    return reduced_model_make_checkpoints(model, error);
+    status = start_shift_build(model, error);
+    return status ? status : reduced_model_make_checkpoints(model, error);
 }
 
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error) {

@@ -130,6 +130,19 @@ typedef struct exit_checkpoints {
     double *control; // coupled: at the control rows' nodes [num, their num_needed, num_pressure]
 } exit_checkpoints;
 
+/* Pressures of the states behind X = 0, for starts (start_shift.h). */
+typedef struct start_shift {
+    size_t first, num_nodes; // the last of the needed nodes, which lie there; 0: there is no shift
+    double *x;               // [num_nodes]
+    double *pressure;        // [num_states, num_nodes] as the profiles have it
+    double *fit;    // [num_nodes, num_pressure] coordinates of a unit pressure at a node, by least
+                    // squares at all needed nodes
+    double *spike;  // [num_states] X of the spike
+    double spacing; // of the profiles, along the coordinate
+    size_t num_points;
+    double *profile; // [num_states, num_points, 2] pressure, and slope times the spacing
+} start_shift;
+
 /* What the online solver holds. Everything here is read-only while solving, so that several solvers
  * in several threads may share it. */
 typedef struct reduced_model {
@@ -148,6 +161,7 @@ typedef struct reduced_model {
     exit_cut cut;
     exit_checkpoints checkpoints;
     reduced_states states;
+    start_shift shift;
     arena memory; // of all arrays but the states'
 } reduced_model;
 

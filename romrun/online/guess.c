@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts from the trained solutions, and the trained range. */
+#include "romrun/model/start_shift.h"
 #include "romrun/online/reduced_solver.h"
 
 #include <lapacke.h>
@@ -131,11 +132,15 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
                    double alpha_p_H) {
     neighbour nearest[NUM_NEIGHBOURS];
     double here[2], weights[NUM_NEIGHBOURS];
+    size_t states[NUM_NEIGHBOURS];
 
     coordinates_of(here, moes_M, alpha_p_H);
     size_t count = nearest_states(nearest, &model->states, here, -1, ANY_EFFECT);
     count = best_weights(weights, nearest, count);
     combine_states(state, model, nearest, weights, count);
+    for (size_t i = 0; i < count; i++)
+        states[i] = nearest[i].state;
+    start_shift_apply(state->coordinates, model, states, weights, count);
 }
 
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,

@@ -441,21 +441,7 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
     return gauss_newton(info, state, self, contact, squeeze, error);
 }
 
-ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solver *solver,
-                         const ehd_contact *contact, const reduced_squeeze *squeeze,
-                         ehd_error *error) {
-    double start = program_seconds();
-
-    *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
-    ehd_status status = solve(info, state, solver, contact, squeeze, error);
-    if (!status) info->scalars = reduced_scalars(solver, state);
-    if (!status && info->status != EHD_NOT_CONVERGED && !(info->scalars.minimum_film_thickness > 0))
-        fail(info, "a film that is not positive");
-    info->seconds = program_seconds() - start;
-    return status;
-}
-
-// ---- quantities of a solution
+// ---- solving
 
 bool reduced_exit_divides(const reduced_state *state, const reduced_model *model) {
     return exit_is_within_node(&model->grid) && !isnan(state->exit_offset);
@@ -468,12 +454,14 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
+/* Scalars of a state whose values are known, or NULL. */
+static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
+                                  const reduced_values *known) {
     const reduced_model *model = self->model;
     node_state *nodes = &self->nodes;
 
     nodes_move_exit(nodes, reduced_state_exits(state));
-    nodes_expand_state(nodes, NULL, state->coordinates);
+    nodes_expand_state(nodes, known, state->coordinates);
     return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
                              .minimum_film_thickness =
@@ -481,6 +469,29 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
                              .rigid_approach = state->coordinates[model->num_unknowns - 1],
                              .exit_position = reduced_exit_position(state, model),
                              .load = nodes_load(nodes) / model->kind->load};
+}
+
+ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solver *solver,
+                         const ehd_contact *contact, const reduced_squeeze *squeeze,
+                         ehd_error *error) {
+    double start = program_seconds();
+
+    *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
+    ehd_status status = solve(info, state, solver, contact, squeeze, error);
+    // in time the values are those that reduced_values_of has, to the last bit
+    const bool in_time = squeeze || solver->settings.exit_at_node;
+    if (!status)
+        info->scalars = scalars_of(solver, state, in_time ? NULL : &solver->nodes.now.values);
+    if (!status && info->status != EHD_NOT_CONVERGED && !(info->scalars.minimum_film_thickness > 0))
+        fail(info, "a film that is not positive");
+    info->seconds = program_seconds() - start;
+    return status;
+}
+
+// ---- quantities of a solution
+
+contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
+    return scalars_of(self, state, NULL);
 }
 
 double reduced_remaining_residual(const reduced_solver *self) {

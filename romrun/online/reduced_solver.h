@@ -136,7 +136,7 @@ double reduced_remaining_residual(const reduced_solver *solver);
  * least_squares_solve. */
 double reduced_central_sensitivity(reduced_solver *solver);
 
-/* Values of a state and, identical to the last bit, of the last solution. */
+/* Values of a state and, identical to the last bit, of the last solution with `exit_at_node`. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
@@ -158,7 +158,8 @@ void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
 void reduced_drop_factors(reduced_solver *solver);
 
 /* Start from the trained solutions: a quadratic fit through those nearest in (ln M, ln(1 + alpha
- * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would. */
+ * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would;
+ * pressures are added spike upon spike (start_shift.h). */
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
                    double alpha_p_H);
 

@@ -26,7 +26,8 @@ static double another_iteration(const reduced_state *solution, const reduced_inf
     reduced_settings once = reduced_default_settings();
     reduced_solver *solver;
     reduced_state state = {.coordinates = malloc(model->num_unknowns * sizeof(double)),
-                           .exit = solution->exit};
+                           .exit = solution->exit,
+                           .exit_offset = solution->exit_offset};
     reduced_info more;
     ehd_error error;
 
@@ -127,7 +128,8 @@ int main(int argc, char **argv) {
     must(scene_contact(&contact, &given, &error), &error);
     must(model_read(&model, argv[1], &sizes, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
-    reduced_state state = {.coordinates = must_allocate(model.num_unknowns * sizeof(double))};
+    reduced_state state = {.coordinates = must_allocate(model.num_unknowns * sizeof(double)),
+                           .exit_offset = NAN};
     if (repeats == 0)
         solve_once(&state, &model, solver, &contact);
     else
