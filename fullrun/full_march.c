@@ -66,7 +66,7 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     full_settings in_time = *settings;
 
     *created = NULL;
-    in_time.exit_at_node = true; // of the start too: another place would set off a wave
+    in_time.exit_at_node = true; // of the start too: another exit would set off a wave
     if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
     arena *memory = &self->memory;
     self->reference = *reference;

@@ -617,6 +617,21 @@ static bool is_solved(const full_solver *self, double residual, double last_resi
     return residual < MAX_ROUNDING && residual > 0.5 * last_residual;
 }
 
+/* Where the exit of a solution with exits at nodes lies. */
+static double place_of_exit(const full_solver *self, double entrainment,
+                            const reynolds_squeeze *squeeze, const full_state *state) {
+    const size_t r = row_of_exit(state, &self->grid);
+    const reynolds_squeeze around =
+        squeeze ? (reynolds_squeeze){squeeze->rate, squeeze->previous + r - 1}
+                : (reynolds_squeeze){0, NULL};
+
+    if (!exit_is_within_node(&self->grid) || state->exit < 4 ||
+        state->exit + 1 >= self->grid.num_nodes)
+        return NAN;
+    return exit_place(&self->grid, entrainment, squeeze ? &around : NULL, &self->stencils[r],
+                      &self->fluid, state->pressure, state->film);
+}
+
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
                          const ehd_contact *contact, const reynolds_squeeze *squeeze,
                          bool within_node, ehd_error *error) {
@@ -648,6 +663,8 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             info->status = EHD_OK;
             info->complementarity = complementarity(self, state);
             info->reason = "";
+            if (self->settings.exit_at_node)
+                state->exit_offset = place_of_exit(self, contact->entrainment, squeeze, state);
             return EHD_OK;
         }
         if (self->settings.watcher)

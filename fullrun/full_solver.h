@@ -18,7 +18,8 @@ typedef struct full_state {
     double rigid_approach;
     size_t exit; // node where the film ruptures: behind it none has pressure, at most num_nodes - 1
     // where the exit lies within a node (common/physics/README.md): its distance from the last node
-    // with pressure, exit - 1, in steps, 0 to 1; NaN: at a node, or not known yet
+    // with pressure, exit - 1, in steps, 0 to 1, in time as exit_place has it; NaN: at a node, or
+    // not known yet
     double exit_offset;
     // [num_nodes] nodes before `exit` without pressure: of a line contact only in time, where it
     // shrinks faster than it entrains; of a point contact all, boundary nodes included

@@ -179,3 +179,57 @@ void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux) {
         rows[i]->residual = residual;
     }
 }
+
+// ---- the place of an exit at a node
+
+/* A value and its derivative by the offset. */
+typedef struct flow {
+    double value, slope;
+} flow;
+
+/* U rho H at an offset behind the node, where there is no pressure. */
+static flow carried_at(double offset, double entrainment, const reynolds_stencil *stencil,
+                       const reynolds_fluid *fluid, const double *film) {
+    const quantity at_exit = film_behind(offset, 1, stencil, film);
+    const double density = fluid->density ? fluid->density[stencil->node[NODE_AHEAD]] : 1;
+
+    return (flow){entrainment * density * at_exit.row.residual,
+                  entrainment * density * at_exit.by_offset};
+}
+
+/* What the cell takes in time from the half node before up to an offset, over the step: the
+ * midpoint rule on whole cells and a line beyond, through BACK and HERE where the exit is at the
+ * node, HERE and AHEAD where it is at the next one, so that nothing jumps as it passes a node. */
+static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
+                        const reynolds_fluid *fluid, const double *film) {
+    double rate[3]; // d(rho H)/dT at BACK, HERE and AHEAD
+
+    for (int i = 0; i < 3; i++) {
+        const size_t node = stencil->node[NODE_BACK + i];
+        const double density = fluid->density ? fluid->density[node] : 1;
+        rate[i] = squeeze->rate * density * film[node] + squeeze->previous[i];
+    }
+    const double part = (t * t - 0.25) / 2, back = rate[1] - rate[0], ahead = rate[2] - rate[1];
+    return (flow){(t + 0.5) * rate[1] + part * ((1 - t) * back + t * ahead),
+                  rate[1] + t * ((1 - t) * back + t * ahead) + part * (ahead - back)};
+}
+
+double exit_place(const ehd_grid *grid, double entrainment, const reynolds_squeeze *squeeze,
+                  const reynolds_stencil *stencil, const reynolds_fluid *fluid,
+                  const double *pressure, const double *film) {
+    const int num_steps = 6; // of Newton, for the zero of nearly a line
+    const double flux = reynolds_flux(grid, entrainment, stencil, fluid, pressure, film).residual;
+    double place = 0.5;
+
+    for (int i = 0; i < num_steps; i++) {
+        flow leaving = carried_at(place, entrainment, stencil, fluid, film);
+        if (squeeze) {
+            const flow taken = taken_up_to(place, squeeze, stencil, fluid, film);
+            leaving.value += grid->step * taken.value;
+            leaving.slope += grid->step * taken.slope;
+        }
+        if (!(leaving.slope > 0)) return NAN;
+        place = fmin(fmax(place + (flux - leaving.value) / leaving.slope, -0.5), 1.5);
+    }
+    return place;
+}

@@ -67,4 +67,14 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
  * the cell: reynolds_flux of its stencil. */
 void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
+/* By how many steps behind the HERE of a stencil the exit lies, where a solution has exits at nodes
+ * and that is the last one with pressure: where an unpressurised film carries what flows through
+ * the half node before, but for what the cell takes in time. That is 0 to 1 but for what is left by
+ * an exit at a node, and at most a half beyond. NaN where the film does not rise there. */
+double exit_place(
+    const ehd_grid *grid, double entrainment,
+    const reynolds_squeeze *squeeze, // with the previous of BACK, HERE, AHEAD; NULL when stationary
+    const reynolds_stencil *stencil, const reynolds_fluid *fluid, const double *pressure,
+    const double *film);
+
 #endif

@@ -305,6 +305,24 @@ bool exits_find_cell(exit_search *self, node_state *nodes, reduced_state *state,
     return false;
 }
 
+double exits_place(exit_search *self, node_state *nodes, const reduced_state *state,
+                   const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    const exit_query query = {
+        .search = self, .nodes = nodes, .z = state->coordinates, .contact = contact};
+    const reduced_model *model = self->model;
+    const size_t node = state->exit - 1;
+    double previous[3];
+    band_stencil around;
+
+    if (!exit_is_within_node(&model->grid) || state->exit < first_exit(model)) return NAN;
+    expand_cell(&around, &query, node);
+    for (size_t i = 0; squeeze && i < 3; i++)
+        previous[i] = squeeze->previous_at(squeeze->context, node - 1 + i);
+    const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, previous};
+    return exit_place(&model->grid, contact->entrainment, squeeze ? &here : NULL, &around.stencil,
+                      &around.fluid, around.pressure, around.film);
+}
+
 bool exits_move_cell(reduced_state *state, const reduced_model *model, double change) {
     const band_line *band = &model->band.lines[0];
     const double limit = (double)window_nodes(model), first = (double)first_exit(model);

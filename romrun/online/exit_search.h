@@ -49,6 +49,10 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
 bool exits_find_cell(exit_search *self, node_state *nodes, reduced_state *state,
                      const ehd_contact *contact, double flux);
 
+/* exit_place of a solution whose exit is at a node, by the state that `nodes` holds. */
+double exits_place(exit_search *self, node_state *nodes, const reduced_state *state,
+                   const ehd_contact *contact, const reduced_squeeze *squeeze);
+
 /* Moves the exit of that cell by a number of steps. False: it is held at the end of the band. */
 bool exits_move_cell(reduced_state *state, const reduced_model *model, double change);
 

@@ -454,14 +454,17 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-/* Scalars of a state whose values are known, or NULL. */
-static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
-                                  const reduced_values *known) {
+/* Expands a state whose values are known, or NULL. */
+static void expand(reduced_solver *self, const reduced_state *state, const reduced_values *known) {
+    nodes_move_exit(&self->nodes, reduced_state_exits(state));
+    nodes_expand_state(&self->nodes, known, state->coordinates);
+}
+
+/* Scalars of the state that has been expanded. */
+static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state) {
     const reduced_model *model = self->model;
     node_state *nodes = &self->nodes;
 
-    nodes_move_exit(nodes, reduced_state_exits(state));
-    nodes_expand_state(nodes, known, state->coordinates);
     return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
                              .minimum_film_thickness =
@@ -480,8 +483,13 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
     // in time the values are those that reduced_values_of has, to the last bit
     const bool in_time = squeeze || solver->settings.exit_at_node;
-    if (!status)
-        info->scalars = scalars_of(solver, state, in_time ? NULL : &solver->nodes.now.values);
+    if (!status) {
+        expand(solver, state, in_time ? NULL : &solver->nodes.now.values);
+        if (in_time)
+            state->exit_offset =
+                exits_place(&solver->exits, &solver->nodes, state, contact, squeeze);
+        info->scalars = scalars_of(solver, state);
+    }
     if (!status && info->status != EHD_NOT_CONVERGED && !(info->scalars.minimum_film_thickness > 0))
         fail(info, "a film that is not positive");
     info->seconds = program_seconds() - start;
@@ -491,7 +499,8 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
 // ---- quantities of a solution
 
 contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
-    return scalars_of(self, state, NULL);
+    expand(self, state, NULL);
+    return scalars_of(self, state);
 }
 
 double reduced_remaining_residual(const reduced_solver *self) {

@@ -20,6 +20,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     self->pressure[index] = scalars.central_pressure;
     self->approach[index] = scalars.rigid_approach;
     self->load[index] = scalars.load;
+    self->exit[index] = scalars.exit_position;
     self->count++;
     return index > 0 && index == self->stop_at ? ehd_fail(error, EHD_INTERRUPTED, "stopped")
                                                : EHD_OK;

@@ -4,6 +4,7 @@
 #include "tests/unit/sample.h"
 
 #include <math.h>
+#include <string.h>
 
 static void violations_are_those_of_the_complementarity(void **state) {
     const reynolds_row row = {.residual = 3};
@@ -234,6 +235,64 @@ static void at_a_node_the_cell_s_equations_are_the_rows(void **state) {
     check_close(small.pressure[LAST], cell.curvature, 0.15, 0);
 }
 
+// ---- the place of an exit at a node
+
+enum { NUM_PLACED = 12 };
+
+/* A film that is carried along and squeezed, H = H0 + a x^2 - b T at the time zero, whose flow has
+ * left the pressure at the exit: F(x) = U H(x_e) - b (x_e - x). Returns by how far the exit that is
+ * found lies from x_e, in steps, counted from the node before it. */
+static double place_off(double exit, double rise, double fall, bool in_time) {
+    const double step = 0.1, entrainment = 0.8, rate = 20;
+    ehd_contact contact = sample_contact("barus", "incompressible", 5, 0, 0.1);
+    double memory[NUM_FLUID_ARRAYS * NUM_PLACED], pressure[NUM_PLACED], film[NUM_PLACED];
+    double previous[3];
+
+    contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    contact.grid = grid_like(&contact.grid, 1, step, NUM_PLACED - 2, 1);
+    contact.lambda = 1e-3;
+    const size_t last = (size_t)floor((exit - grid_x(&contact.grid, 0)) / step);
+    if (!in_time) fall = 0;
+    for (size_t k = 0; k < NUM_PLACED; k++) {
+        const double x = grid_x(&contact.grid, k) - 1;
+        film[k] = 0.5 + rise * x * x;
+    }
+    // the pressure of that flow from node to node, of an isoviscous fluid
+    memset(pressure, 0, sizeof pressure);
+    const double film_exit = 0.5 + rise * (exit - 1) * (exit - 1);
+    for (size_t k = last + 1; k-- > 0;) {
+        const double to = k == last ? exit : grid_x(&contact.grid, k + 1);
+        const double from = grid_x(&contact.grid, k);
+        for (int i = 0; i < 200; i++) {
+            const double x = from + (to - from) * (i + 0.5) / 200,
+                         h = 0.5 + rise * (x - 1) * (x - 1);
+            const double flow = entrainment * (h - film_exit) + fall * (exit - x);
+            pressure[k] -= contact.lambda * flow / (h * h * h) * (to - from) / 200;
+        }
+        pressure[k] += pressure[k + 1];
+    }
+    reynolds_fluid fluid = reynolds_fluid_in(memory, NUM_PLACED, &contact);
+    reynolds_fluid_evaluate(&fluid, &contact, pressure, NUM_PLACED);
+    for (size_t i = 0; i < 3; i++)
+        previous[i] = -fall - rate * film[last - 1 + i];
+    const reynolds_squeeze squeeze = {rate, previous};
+    const reynolds_stencil stencil = reynolds_stencil_at(&contact.grid, last);
+    const double place = exit_place(&contact.grid, entrainment, in_time ? &squeeze : NULL, &stencil,
+                                    &fluid, pressure, film);
+    return place - (exit - grid_x(&contact.grid, last)) / step;
+}
+
+static void an_exit_is_placed_by_what_flows(void **state) {
+    (void)state;
+    for (double exit = 1.5; exit < 1.7; exit += 0.013)
+        for (int in_time = 0; in_time < 2; in_time++) {
+            const double off = fabs(place_off(exit, 0.7, 0.2, in_time));
+            assert_true(off < (in_time ? 0.02 : 1e-4));
+        }
+    // a film that falls faster than it is entrained has no exit
+    assert_true(isnan(place_off(1.5, 0.01, 0.8, true)));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(violations_are_those_of_the_complementarity),
@@ -241,6 +300,7 @@ int main(void) {
         cmocka_unit_test(negative_pressure_brings_it_back_to_where_the_film_carries_the_flux),
         cmocka_unit_test(a_negative_multiplier_takes_it_on),
         cmocka_unit_test(the_cell_s_derivatives_are_those_of_its_residual),
+        cmocka_unit_test(an_exit_is_placed_by_what_flows),
         cmocka_unit_test(at_a_node_the_cell_s_equations_are_the_rows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

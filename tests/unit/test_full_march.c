@@ -194,6 +194,29 @@ static void tolerance_holds(void **state) {
     }
 }
 
+/* The exit lies within its node: where a grid of a quarter of the step has it, while the film
+ * follows its load through the contact. */
+static void the_exit_lies_within_its_node(void **state) {
+    static const char transient[] =
+        "end_time: 2, fixed_step: 0.02, load: {law: sine, amplitude: 0.1, period: 1}";
+    const double step = 0.05;
+    double largest = 0, moved = 0;
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        scene of = usual_scene(transient);
+        of.grid.step = i == 0 ? step : step / 4;
+        marched_all(i == 0 ? &first : &second, &of);
+    }
+    assert_int_equal(first.count, second.count);
+    for (size_t k = 0; k < first.count; k++) {
+        largest = fmax(largest, fabs(first.exit[k] - second.exit[k]));
+        moved = fmax(moved, fabs(first.exit[k] - first.exit[0]));
+    }
+    assert_true(moved > 0.9 * step && largest < step / 10);
+    marched_end(&first);
+    marched_end(&second);
+}
+
 /* rho H of the last four states at all nodes, newest first, and what was made of them. */
 typedef struct error_check {
     const marched *run;
@@ -598,6 +621,7 @@ int main(void) {
         cmocka_unit_test(start_is_the_stationary_contact),
         cmocka_unit_test(fixed_steps_are_of_second_order),
         cmocka_unit_test(fixed_steps_of_a_point_contact),
+        cmocka_unit_test(the_exit_lies_within_its_node),
         cmocka_unit_test(tolerance_holds),
         cmocka_unit_test(local_error_is_that_before_the_exit),
         cmocka_unit_test(sine_leads_to_a_periodic_state),
