@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Weights of the least squares with all Reynolds rows, none selected:
  *
- *     level_i BASIS.h5 PLAN.yml
+ *     level_i BASIS.h5 PLAN.yml [key=value ...]
  *
  * Solves the points of the plan inside of the trained range with the full model and with the
  * reduced one, weighted as the basis says (D), by nothing, by the norm of each row as it is (D = 1
@@ -287,9 +287,9 @@ int main(int argc, char **argv) {
     training_set set = {0};
     reduced_model model;
 
-    need(argc == 3, "arguments: expected BASIS.h5 PLAN.yml");
+    need(argc >= 3, "arguments: expected BASIS.h5 PLAN.yml");
     need(!basis_read(&basis, identity, argv[1], &error) &&
-             !plan_read(&given, argv[2], NULL, 0, &error) &&
+             !plan_read(&given, argv[2], (const char *const *)argv + 3, (size_t)argc - 3, &error) &&
              !training_set_init(&set, &given, argv[2], (shard){1, 1}, &error) &&
              !reduced_model_build(&model, &basis, NULL, 0, &error),
          error.text);
