@@ -13,7 +13,7 @@ ACCURATE ?=
 
 # $(call accurate,FOLDER): those of another folder, none where the scene has accurate rows as it is; where their results
 # are; and make there.
-accurate      = $(shell sed -n 's/^ACCURATE *= *//p' $1/Makefile)
+accurate      = $(if $(wildcard $1/Makefile),$(shell sed -n 's/^ACCURATE *= *//p' $1/Makefile))
 accurate_out  = $1/out$(if $(call accurate,$1),-accurate)
 accurate_make = $(MAKE) -C $1 OUT=$(notdir $(call accurate_out,$1)) SET='$(call accurate,$1)' BIN=$(abspath $(BIN))
 

@@ -20,6 +20,7 @@
 #include "romrun/model/basis_file.h"
 #include "romrun/online/least_squares.h"
 #include "romrun/online/reduced_solver.h"
+#include "romrun/online/row_system.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -234,7 +235,7 @@ static ehd_status solve_changed(double *step, void *context, const double *matri
 
 static void measure(const variant *way, const reduced_model *model, const training_set *set,
                     const bool *inside, const double *film) {
-    const size_t max_rows = model->rows.num_rows + 1;
+    const size_t max_rows = system_max_rows(model);
     changed_rows rows = {.way = way,
                          .workspace = least_squares_create(max_rows, model->num_unknowns),
                          .matrix = claim(max_rows * model->num_unknowns),
