@@ -146,9 +146,10 @@ def model_films(way, files, model):
     return records
 
 
-def truths(own, wide, coarse, fine):
-    """The truth of each scene by its films on four grids, steps as of second order; empty where one has no solution."""
-    return [{film: (d[film] + (d[film] - c[film]) / 3) * b[film] / a[film] for film in ("H_c", "H_min")}
+def truths(own, wide, coarse, fine, ratio):
+    """The truth of each scene by its films on four grids, empty where one has no solution. Steps, of which the coarse one
+    is so many times the fine one, are extrapolated as of second order."""
+    return [{film: (d[film] + (d[film] - c[film]) / (ratio**2 - 1)) * b[film] / a[film] for film in ("H_c", "H_min")}
             if {a["status"], b["status"], c["status"], d["status"]} == {0} else {}
             for a, b, c, d in zip(own, wide, coarse, fine)]
 
@@ -362,7 +363,7 @@ def measure(out, regime, stretches, tolerances, steps, truth, repeat):
         grids = [films[ways[0]], *(measured(folder, ("truth", *grid), lambda way, work:
                                             truth_films(way, scenes, files, work), newer_than)
                                    for grid in [(longer, 1.0), *((1.0, stretch) for stretch in finer)])]
-        exact = truths(*grids)
+        exact = truths(*grids, finer[0] / finer[1])
         failures = results.printed(model, "position_failures")["position_failures"]
         sizes = {size: measured(folder, ("model", *size), lambda way, work: model_films(way, files, model), newer_than)
                  for size, failed in zip(calibrated_sizes(model), failures) if not failed}
