@@ -428,7 +428,8 @@ def draw(out, regime, width):
     half = -(-len(handles) // len(panels))
     for i, axes in enumerate(panels):
         part = slice(i * half, (i + 1) * half)
-        axes.legend(handles[part], labels[part], loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=2, frameon=False)
+        axes.legend(handles[part], labels[part], loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=2, frameon=False,
+                    fontsize=9)
     pictures.save(figure, f"{out}/trade.png")
 
 
