@@ -11,7 +11,7 @@ TRADE_TOLERANCES ?= 1e-4 1e-2 1e-1
 TRADE_REPEAT     ?= 3
 
 # Of stationary scenes: the truth is extrapolated from two grids of so many times the step (the last two), and has the
-# effect of so many times the inlet (and width).
+# effect of a domain so many times as long and wide (the first).
 TRADE_TRUTH ?= 4 0.5 0.25
 
 # In time: tolerances and fixed lengths of the steps, and stationary solutions at so many times. The reference has the

@@ -81,8 +81,9 @@ def calibrated_sizes(model):
 
 
 def stretched(scene, stretch, longer=1):
-    """Settings of a grid of so many times the step, before and beside the contact so many times as long."""
-    times = {"grid.step": stretch, "grid.x_min": longer, "grid.y_max": longer}
+    """Settings of a grid of so many times the step, on a domain so many times as long and wide: behind a point contact
+    too, since far from its middle the exit line goes back with the domain."""
+    times = {"grid.step": stretch, "grid.x_min": longer, "grid.x_max": longer, "grid.y_max": longer}
     return {key: f"{factor * float(scene[key]):.12g}" for key, factor in times.items() if key in scene and factor != 1}
 
 
