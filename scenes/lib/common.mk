@@ -7,6 +7,16 @@ OUT    ?= out
 SET    ?=
 V      ?= 0
 
+# Scenes that reproduce the paper ask for its rows and grid. A study that borrows the plan only takes the rows that a scene
+# has by default: ACCURATE in the Makefile of the scene, settings for that. What they lead to is in out-accurate.
+ACCURATE ?=
+
+# $(call accurate,FOLDER): those of another folder, none where the scene has accurate rows as it is; where their results
+# are; and make there.
+accurate      = $(if $(wildcard $1/Makefile),$(shell sed -n 's/^ACCURATE *= *//p' $1/Makefile))
+accurate_out  = $1/out$(if $(call accurate,$1),-accurate)
+accurate_make = $(MAKE) -C $1 OUT=$(notdir $(call accurate_out,$1)) SET='$(call accurate,$1)' BIN=$(abspath $(BIN))
+
 # The programs: those on the PATH, else those built here.
 ifeq ($(BIN),)
   BIN := $(or $(patsubst %/,%,$(dir $(shell command -v fullrun))),$(SHARED)../../build/release/bin)
@@ -34,7 +44,7 @@ options = $(OUT)/$1.options$(if $(call differs,$(OUT)/$1.options,$(strip $1 $2))
 differs = $(subst |$(file <$1)|,,|$2|)
 
 clean: ## remove what was made
-	rm -rf $(OUT)
+	rm -rf $(OUT) $(if $(ACCURATE),out-accurate)
 
 # Of the Makefile and of what it includes.
 help: ## this list

@@ -17,6 +17,7 @@
 #include "romrun/online/fields.h"
 #include "romrun/online/least_squares.h"
 #include "romrun/online/reduced_solver.h"
+#include "romrun/online/row_system.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/variant.h"
 
@@ -464,7 +465,7 @@ static void print(const measurement *results, const reduced_model *model, const 
 
 /* All solvers on one scene with one variant of a model. */
 static void measure(const problem *self, const char *variant) {
-    size_t n = self->model->num_unknowns, max_rows = self->model->rows.num_rows + 1;
+    size_t n = self->model->num_unknowns, max_rows = system_max_rows(self->model);
     measurement results[NUM_SOLVERS] = {0}, with_all;
     reduced_state state = {.coordinates = must_allocate(n * sizeof(double))};
     workspace work;

@@ -129,7 +129,8 @@ stop_when() {
     fi
 }
 
-# copy_scenes FOLDER...: examples/NAME or studies/NAME with what they share, as scenes/FOLDER.
+# copy_scenes FOLDER...: examples/NAME or studies/NAME with what they share, as scenes/FOLDER; those of the paper have its
+# grid with accurate rows too, which so is that of the scene.
 copy_scenes() {
     local root=$BATS_TEST_DIRNAME/../.. folder
     mkdir -p "$BATS_TEST_TMPDIR/scenes"
@@ -138,6 +139,7 @@ copy_scenes() {
     for folder in "$@" studies/trade studies/stationary-line; do
         mkdir -p "$folder"
         find "$root/scenes/$folder" -maxdepth 1 -type f -exec cp {} "$folder" \;
+        [ ! -e "$folder/Makefile" ] || sed -i 's/^ACCURATE *=.*/ACCURATE = --set discretization=accurate/' "$folder/Makefile"
     done
 }
 

@@ -342,10 +342,10 @@ small_oscillator() {
          END { exit !(total == 24 && outside == 12) }' out/table-3-24.txt
     # a seed draws the same again, another one does not
     study() { PYTHONPATH=../../lib BIN=$BIN /usr/bin/python3 -B study.py "$@"; }
-    study draw again 3 24 ../stationary-line/out/model.h5 ../stationary-line/scene.yml
+    study draw again 3 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     cmp <(sed 's/out.test-3-24/again/' out/test-3-24/scenes.json) again/scenes.json
     cmp out/test-3-24/plan.yml again/plan.yml
-    study draw again 4 24 ../stationary-line/out/model.h5 ../stationary-line/scene.yml
+    study draw again 4 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
     # a result that is off without a flag is one, however few they are
     printf '%s\n' promise,where,whose,code,reduced,full 1e-2,inside,own,0,1.02,1 1e-2,inside,other,4,1.5,1 \
@@ -356,7 +356,7 @@ small_oscillator() {
     run_make -n $small
     [[ $status == 0 && ! $output =~ romrun\ --calibrate ]]
     # another model draws anew, also one that is older than what was drawn for this one
-    cp ../stationary-line/out/model.h5 older.h5
+    cp ../stationary-line/out-accurate/model.h5 older.h5
     touch -d 2000-01-01 older.h5
     run_make -n $small MODEL=older.h5
     [[ $status == 0 && $output == *"study.py draw"*"romrun --calibrate"* ]]

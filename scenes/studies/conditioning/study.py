@@ -26,7 +26,12 @@ def assignments(case):
 # ---- Measurements
 
 
-def sweep(bench, region, folder, model, sizes, values, dependent=""):
+def words(settings):
+    """Settings KEY=VALUE of options --set KEY=VALUE."""
+    return [word for word in settings.split() if word != "--set"]
+
+
+def sweep(bench, region, folder, settings, model, sizes, values, dependent=""):
     """Prints lines of CSV: all solvers on all cases of a region (values: how far the last mode is apart from that
     before it, with `dependent` modes), or in time on steps of all rates (values). Rows 0 stand for all."""
     def solve(name, options, modes, rows, variant):
@@ -37,10 +42,10 @@ def sweep(bench, region, folder, model, sizes, values, dependent=""):
     if region == "time":
         for modes in sizes:
             for variant in ["stored", *(f"rate={rate}" for rate in values.split())]:
-                solve("scene", [], modes, 0, variant)
+                solve("scene", words(settings), modes, 0, variant)
         return
     for case in results.read_cases(f"{folder}/cases.csv"):
-        own = assignments(case)
+        own = [*words(settings), *assignments(case)]
         for modes in sizes:
             for variant in "stored", "without-D", "single":
                 solve(case.name, own, modes, 0, variant)
@@ -181,17 +186,18 @@ def file_size(model):
     print(f"model.h5: {total} bytes, {total - 4 * reals} with its reals in single precision")
 
 
-def precision(program, *folders):
-    """Prints what bases in single precision do to the models that scenes have made: all cases or, in time, a trajectory
-    of fixed steps; time of an iteration's kernels, which in time are others; size of the file."""
-    for folder in folders:
-        model, scene = f"{folder}/out/model.h5", f"{folder}/scene.yml"
+def precision(program, *studies):
+    """Prints what bases in single precision do to the models of studies (folder, model and settings of each): all cases
+    or, in time, a trajectory of fixed steps; time of an iteration's kernels, which in time are others; size of the file."""
+    for folder, model, settings in zip(*3 * [iter(studies)]):
+        scene = f"{folder}/scene.yml"
         print(f"\n{os.path.basename(folder)}")
         file_size(model)
         with open(scene) as file:
             in_time = "regime: transient" in file.read()
         cases = [] if in_time else results.read_cases(f"{folder}/cases.csv")
         for options in map(assignments, cases) if cases else [["transient.fixed_step=0.005"]]:
+            options = [*words(settings), *options]
             print(results.run(program, "results", model, scene, *options, outcomes=[0]).stdout, end="")
         if not in_time:
             print(results.run(program, "kernels", model, scene, *options, outcomes=[0]).stdout, end="")

@@ -23,7 +23,6 @@ EXPECTED = 0.1  # differences beyond are counted
 
 SCENE = """contact: point
 regime: stationary
-discretization: published
 lubricant: {{viscosity: {{law: roelands, eta0: 0.04, alpha: {alpha}}}, density: {{law: dowson-higginson}}}}
 grid: {{x_min: {x_min!r}, x_max: {x_max!r}, y_max: {y_max!r}{step}}}
 """

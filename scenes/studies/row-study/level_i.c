@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Weights of the least squares with all Reynolds rows, none selected:
  *
- *     level_i BASIS.h5 PLAN.yml
+ *     level_i BASIS.h5 PLAN.yml [key=value ...]
  *
  * Solves the points of the plan inside of the trained range with the full model and with the
  * reduced one, weighted as the basis says (D), by nothing, by the norm of each row as it is (D = 1
@@ -20,6 +20,7 @@
 #include "romrun/model/basis_file.h"
 #include "romrun/online/least_squares.h"
 #include "romrun/online/reduced_solver.h"
+#include "romrun/online/row_system.h"
 
 #include <cblas.h>
 #include <lapacke.h>
@@ -234,7 +235,7 @@ static ehd_status solve_changed(double *step, void *context, const double *matri
 
 static void measure(const variant *way, const reduced_model *model, const training_set *set,
                     const bool *inside, const double *film) {
-    const size_t max_rows = model->rows.num_rows + 1;
+    const size_t max_rows = system_max_rows(model);
     changed_rows rows = {.way = way,
                          .workspace = least_squares_create(max_rows, model->num_unknowns),
                          .matrix = claim(max_rows * model->num_unknowns),
@@ -287,9 +288,9 @@ int main(int argc, char **argv) {
     training_set set = {0};
     reduced_model model;
 
-    need(argc == 3, "arguments: expected BASIS.h5 PLAN.yml");
+    need(argc >= 3, "arguments: expected BASIS.h5 PLAN.yml");
     need(!basis_read(&basis, identity, argv[1], &error) &&
-             !plan_read(&given, argv[2], NULL, 0, &error) &&
+             !plan_read(&given, argv[2], (const char *const *)argv + 3, (size_t)argc - 3, &error) &&
              !training_set_init(&set, &given, argv[2], (shard){1, 1}, &error) &&
              !reduced_model_build(&model, &basis, NULL, 0, &error),
          error.text);

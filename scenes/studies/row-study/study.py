@@ -20,9 +20,10 @@ def header():
     print(",".join(COLUMNS))
 
 
-def measure(out, region, weight, modes, method, check, factors):
+def measure(out, region, weight, modes, method, check, settings, factors):
     """Prints the lines of study.csv of a method with a weight and a number of modes: for each kind of factors, and each
-    number of rows of the ladder of romrun --calibrate, what it deviates and how well posed the rows are."""
+    number of rows of the ladder of romrun --calibrate, what it deviates and how well posed the rows are. Settings: more
+    options of the calibration."""
     base = f"{out}/{region}/{weight}/{modes}"
     model, calibrated, posed = (f"{base}/{method}-{kind}.h5" for kind in ("model", "calibrated", "posed"))
     found = {}
@@ -40,7 +41,7 @@ def measure(out, region, weight, modes, method, check, factors):
     for kind in factors.split():
         choose(model, "--rows", 2 * int(modes), "--weights", kind)
         results.run("romrun", "--calibrate", check, "--model", model, "-o", calibrated, "--force", "--quiet",
-                    outcomes=[results.SOLVED])
+                    *settings.split(), outcomes=[results.SOLVED])
         text = results.run("romrun", "--trade", "--model", calibrated, outcomes=[results.SOLVED]).stdout
         for line in text.split("\nindicated")[0].splitlines():
             words = line.replace("*", " ").split()  # a mark of the best

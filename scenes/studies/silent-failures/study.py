@@ -3,7 +3,7 @@
 
     study.py draw FOLDER SEED COUNT MODEL.h5 SCENE.yml [own]    random scenes around the training points of the model,
                                                                 trained on SCENE.yml: FOLDER/plan.yml and more
-    study.py run FOLDER MODEL.h5 PROMISE...                     solves them with a calibrated model: FOLDER/runs.csv
+    study.py run FOLDER MODEL.h5 SETTINGS PROMISE...            solves them with a calibrated model: FOLDER/runs.csv
     study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise
 
 Half of the scenes lie inside of the hull of the training points in M and alpha p_H, half outside but within a rectangle
@@ -119,8 +119,9 @@ def draw(folder, seed, count, model, scene_file, own=""):
 # ---- Runs
 
 
-def run(folder, model, *promises):
-    """Solves the scenes with promises, two at a time: exit code of romrun, H_c reduced and full, or empty."""
+def run(folder, model, settings, *promises):
+    """Solves the scenes with promises, two at a time: exit code of romrun, H_c reduced and full, or empty. Settings: more
+    options of romrun."""
     with open(f"{folder}/scenes.json") as source:
         scenes = json.load(source)
     full = [repr(float(film)) if status == results.SOLVED else "" for status, film in
@@ -128,7 +129,7 @@ def run(folder, model, *promises):
 
     def solve(promise, scene):
         done = results.run("romrun", scene["scene"], "--model", model, "--accuracy", promise, "--quiet",
-                           *results.sets(scene["settings"]), outcomes=range(-255, 256))
+                           *settings.split(), *results.sets(scene["settings"]), outcomes=range(-255, 256))
         film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
         return done.returncode, film[1] if film else ""
 

@@ -6,24 +6,38 @@
 TRADE_REGIME ?= stationary
 
 # What the full model is measured with beside its best: times the step of the grid, Newton's tolerances.
-TRADE_STRETCHES  ?= 2 4 8 16
+TRADE_STRETCHES  ?= 2 4 8
 TRADE_TOLERANCES ?= 1e-4 1e-2 1e-1
 TRADE_REPEAT     ?= 3
+
+# Of stationary scenes: the truth is extrapolated from two grids of so many times the step (the last two), and has the
+# effect of a domain so many times as long and wide (the first).
+TRADE_TRUTH ?= 4 0.5 0.25
 
 # In time: tolerances and fixed lengths of the steps, and stationary solutions at so many times. The reference has the
 # first one.
 TRADE_STEPS ?= 1e-5 1e-4 1e-3 1e-2 fixed0.005 fixed0.02 still300
 
 # Of the picture, in pixels.
-TRADE_WIDTH ?= 1000
+TRADE_WIDTH ?= $(if $(filter stationary,$(TRADE_REGIME)),1500,1000)
 
 TRADE_SCRIPT  := $(dir $(lastword $(MAKEFILE_LIST)))trade.py
-TRADE_OPTIONS := $(TRADE_REGIME) '$(TRADE_STRETCHES)' '$(TRADE_TOLERANCES)' '$(TRADE_STEPS)' $(TRADE_REPEAT)
+TRADE_OPTIONS := $(TRADE_REGIME) '$(TRADE_STRETCHES)' '$(TRADE_TOLERANCES)' '$(TRADE_STEPS)' '$(TRADE_TRUTH)' $(TRADE_REPEAT)
+
+# Where the scene asks for published rows, all of this is with accurate ones: the same in a folder of its own.
+ifneq ($(and $(ACCURATE),$(if $(findstring discretization=,$(SET)),,published)),)
+
+trade:
+	@$(MAKE) trade OUT=out-accurate SET='$(strip $(ACCURATE) $(SET))'
+
+else
 
 trade: $(OUT)/trade.png ## deviation against time of the model's sizes and of the alternatives on check-plan.yml
 	@$(BIN)/romrun --trade --model $(OUT)/calibrated.h5
 	@$(if $(filter stationary,$(TRADE_REGIME)),cat $(OUT)/polish.txt)
 	@echo 'picture: $(abspath $<), .svg; numbers: $(abspath $(OUT)/trade.csv)'
+
+endif
 
 .PHONY: trade
 

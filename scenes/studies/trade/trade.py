@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Deviation against time of all that a user could do, on the scenes that a model was calibrated on:
 
-    trade.py measure OUT REGIME STRETCHES TOLERANCES STEPS REPEAT    leaves OUT/trade.csv, of stationary scenes also
-                                                                     polish.csv, .txt; lists are as in trade.mk
-    trade.py draw OUT REGIME WIDTH                                   draws OUT/trade.png, .svg
+    trade.py measure OUT REGIME STRETCHES TOLERANCES STEPS TRUTH REPEAT    leaves OUT/trade.csv, of stationary scenes
+                                                                           also polish.csv, .txt; lists as in trade.mk
+    trade.py draw OUT REGIME WIDTH                                         draws OUT/trade.png, .svg
 
 A way is a tuple, which also names the file of OUT/trade that its films are kept in:
 
     (cold | neighbour | reduced, STRETCH, TOLERANCE)     full model with STRETCH times the scene's step, started cold,
                                                          from the scene before, or from the reduced model's solution
+    (published,)                                         full model with rows and grid of scene.yml, where it asks for
+                                                         published ones
+    (truth, LONGER, STRETCH)                             full model with so many times the inlet and the scene's step
+    (model, MODES, DEFORMATION_MODES, ROWS)              reduced model of a size; deformation modes 0: coupled basis
     (full, STRETCH, STEPS)                               in time; STEPS is a tolerance, fixedLENGTH, or stillN: all goes
                                                          10^4 times as slowly in N steps, so that the contact is
                                                          stationary at each time (not where a history is a table)
-    (reduced, MODES, DEFORMATION_MODES, ROWS, STEPS)     in time; deformation modes 0: coupled basis
+    (reduced, MODES, DEFORMATION_MODES, ROWS, STEPS)     in time
 
-Films are kept, not deviations: any way can be the reference that the others are compared with.
+Films are kept, not deviations: any way can be the reference that the others are compared with. Of stationary scenes
+there are two: the full model on the scene's grid, and the truth, which is extrapolated from two finer steps, times what
+a longer inlet makes of the film on the scene's step.
 """
 import glob
 import os
@@ -27,7 +33,8 @@ import pictures
 import results
 from pictures import BLUE, GREEN, ORANGE, PINK, RED, SKY
 
-HEADER = "alternative,position,quantity,scenes,failures,worst,deviation_95,median,seconds".split(",")
+HEADER = ("alternative,position,quantity,scenes,failures,worst,deviation_95,median,seconds,"
+          "true_worst,true_95,true_median").split(",")
 FINEST = "1e-10"  # Newton's tolerance where no other is asked for
 SLOWER = 1e4      # times as slowly where each time is taken as stationary
 
@@ -73,8 +80,11 @@ def calibrated_sizes(model):
 # ---- Measurements: a record a scene
 
 
-def stretched(scene, stretch):
-    return {"grid.step": f"{stretch * float(scene['grid.step']):.12g}"}
+def stretched(scene, stretch, longer=1):
+    """Settings of a grid of so many times the step, on a domain so many times as long and wide: behind a point contact
+    too, since far from its middle the exit line goes back with the domain."""
+    times = {"grid.step": stretch, "grid.x_min": longer, "grid.x_max": longer, "grid.y_max": longer}
+    return {key: f"{factor * float(scene[key]):.12g}" for key, factor in times.items() if key in scene and factor != 1}
 
 
 def stationary_films(way, scenes, files, model, repeat, work):
@@ -102,6 +112,47 @@ def stationary_films(way, scenes, files, model, repeat, work):
         before = result if solved and start == "neighbour" else None
         records.append(record)
     return records
+
+
+def published_films(scenes, repeat, work):
+    """Solves stationary scenes with the discretisation and grid of scene.yml."""
+    records = []
+    for scene in scenes:
+        own = {key: value for key, value in scene.items() if not key.startswith(("discretization", "grid."))}
+        results.run("fullrun", "scene.yml", "-o", f"{work}/published.h5", "--force", "--quiet", "--repeat", repeat,
+                    *results.sets(own))
+        records.append(results.solution(f"{work}/published.h5"))
+    return records
+
+
+def truth_films(way, scenes, files, work):
+    """Solves stationary scenes on a finer or wider grid."""
+    records = []
+    for scene, file in zip(scenes, files):
+        results.run("fullrun", file, "-o", f"{work}/truth.h5", "--force", "--quiet", *results.sets({
+            **stretched(scene, way[2], way[1]), "output.fields": "false", "output.resolution": "false"}))
+        records.append(results.solution(f"{work}/truth.h5"))
+    return records
+
+
+def model_films(way, files, model):
+    """Solves stationary scenes with a size of the reduced model. The record of one has its central film, if it has."""
+    modes, more, rows = way[1:]
+    size = ["--pressure-modes", modes, "--rows", rows, *(["--deformation-modes", more] if more else [])]
+    records = []
+    for file in files:
+        done = results.run("romrun", file, "--model", model, "--quiet", *size)
+        film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
+        records.append({"H_c": float(film[1])} if film and done.returncode != results.NOT_CONVERGED else {})
+    return records
+
+
+def truths(own, wide, coarse, fine, ratio):
+    """The truth of each scene by its films on four grids, empty where one has no solution. Steps, of which the coarse one
+    is so many times the fine one, are extrapolated as of second order."""
+    return [{film: (d[film] + (d[film] - c[film]) / (ratio**2 - 1)) * b[film] / a[film] for film in ("H_c", "H_min")}
+            if {a["status"], b["status"], c["status"], d["status"]} == {0} else {}
+            for a, b, c, d in zip(own, wide, coarse, fine)]
 
 
 def transient_films(way, scenes, files, model, _repeat, work):
@@ -156,35 +207,43 @@ def quantiles(values, weights=None):
     return np.array(values)[[order[np.searchsorted(total, part * total[-1])] for part in (1, 0.95, 0.5)]]
 
 
-def row(name, count, failures, deviations, seconds=np.nan):
+def row(name, count, failures, deviations, seconds=np.nan, true=3 * [np.nan]):
     """A row of trade.csv; name: alternative, position, quantity. What the grid itself does has no time."""
-    return [*name, count, failures, *(f"{x:.4g}" for x in deviations), "" if np.isnan(seconds) else f"{seconds:.4g}"]
+    return [*name, count, failures, *("" if np.isnan(x) else f"{x:.4g}" for x in (*deviations, seconds, *true))]
 
 
-def stationary_rows(ways, reference):
-    """Rows of the full model in all ways, and of formulas, compared with one of the ways. Deviations are over scenes,
-    of the smallest film where a formula is for that, else of the central one; seconds are the scenes' median."""
+def distances(films, truth, film="H_c"):
+    """How far films (scene: value) are from the truth (quantiles)."""
+    return quantiles([abs(value / truth[i][film] - 1) for i, value in films.items() if truth[i]])
+
+
+def stationary_rows(ways, reference, truth):
+    """Rows of the full model in all ways, and of formulas, compared with one of them and with the truth. Deviations
+    are over scenes, of the smallest film where a formula is for that, else of the central one; seconds are the scenes'
+    median."""
     known = {i: record for i, record in enumerate(ways[reference]) if record["status"] != 1}
     formulas, effects = {}, {}
-    for record in known.values():
+    for i, record in known.items():
         for name, quantity, film, seconds in record.get("formulas", []):
             off = abs(film / record["H_min" if quantity == "minimum" else "H_c"] - 1)
-            formulas.setdefault((name, quantity), []).append((off, seconds))
+            formulas.setdefault((name, quantity), []).append((off, seconds, i, film))
         for name, effect in record.get("effects", {}).items():
             if not np.isnan(effect):  # of the inlet it is known of a line contact
                 effects.setdefault(name, []).append(abs(effect))
-    for name, pairs in formulas.items():
-        off, seconds = zip(*pairs)
-        yield row(("formula", *name), len(off), 0, quantiles(off), quantiles(seconds)[2])
-    for (start, stretch, tolerance), records in ways.items():
+    for name, found in formulas.items():
+        off, seconds, scenes, films = zip(*found)
+        yield row(("formula", *name), len(off), 0, quantiles(off), quantiles(seconds)[2],
+                  distances(dict(zip(scenes, films)), truth, "H_min" if name[1] == "minimum" else "H_c"))
+    for way, records in ways.items():
         solved = {i: record for i, record in enumerate(records) if record["status"] != 1}
         off = [abs(record["H_c"] / known[i]["H_c"] - 1) for i, record in solved.items() if i in known]
         # a start from the reduced model costs its solution too
         seconds = [record["seconds"] + record.get("start", {}).get("seconds", 0) for record in solved.values()]
         failures = len(records) - len(solved)
-        name = "full cold" if start == "cold" else f"full from {start}"
-        yield row((name, f"step {stretch:.3g} times tolerance {tolerance}", "central"), len(off) + failures, failures,
-                  quantiles(off), quantiles(seconds)[2])
+        name = f"full {way[0]}" if way[0] in ("cold", "published") else f"full from {way[0]}"
+        position = "step {:.3g} times tolerance {}".format(*way[1:]) if way[1:] else "as the scene says"
+        yield row((name, position, "central"), len(off) + failures, failures, quantiles(off), quantiles(seconds)[2],
+                  distances({i: record["H_c"] for i, record in solved.items()}, truth))
     for name, values in effects.items():
         yield row(("reference", name, "central"), len(values), 0, quantiles(values))
 
@@ -193,13 +252,16 @@ def size_name(modes, more, rows):
     return f"{modes} modes {f'and {more} ' if more else ''}{rows} rows"
 
 
-def calibration_rows(model):
-    """Rows of the sizes of a model, as its calibration found them against the full model on the same scenes."""
+def calibration_rows(model, films, truth):
+    """Rows of the sizes of a model, as its calibration found them against the full model on the same scenes, and how
+    far their films (records of sizes that solve all scenes) are from the truth."""
     failures, seconds = results.printed(model, "position_failures", "position_seconds").values()
     off = results.printed(model, "deviation_central_film_thickness")["deviation_central_film_thickness"].reshape(-1, 3)
     scenes = int(results.value(model, "calibration_scenes"))
     for i, size in enumerate(calibrated_sizes(model)):
-        yield row(("reduced", size_name(*size), "central"), scenes, int(failures[i]), off[i, ::-1], seconds[i])
+        solved = {k: record["H_c"] for k, record in enumerate(films.get(size, [])) if record}
+        yield row(("reduced", size_name(*size), "central"), scenes, int(failures[i]), off[i, ::-1], seconds[i],
+                  distances(solved, truth))
 
 
 def transient_rows(ways, reference, coarse):
@@ -271,7 +333,7 @@ def polish(cold, started, out):
     results.write_changed(f"{out}/polish.txt", "\n".join(lines) + "\n")
 
 
-def measure(out, regime, stretches, tolerances, steps, repeat):
+def measure(out, regime, stretches, tolerances, steps, truth, repeat):
     """Measures all ways on all scenes, and writes the tables."""
     folder, model = f"{out}/trade", f"{out}/calibrated.h5"
     stretches, tolerances, steps = [float(x) for x in stretches.split()], tolerances.split(), steps.split()
@@ -298,7 +360,22 @@ def measure(out, regime, stretches, tolerances, steps, repeat):
         return films_of(way, scenes, files, model, repeat, work)
     films = {way: measured(folder, way, measure_way, newer_than) for way in ways}
     if stationary:
-        rows = [*calibration_rows(model), *stationary_rows(films, ways[0])]
+        longer, *finer = (float(x) for x in truth.split())
+        grids = [films[ways[0]], *(measured(folder, ("truth", *grid), lambda way, work:
+                                            truth_films(way, scenes, files, work), newer_than)
+                                   for grid in [(longer, 1.0), *((1.0, stretch) for stretch in finer)])]
+        exact = truths(*grids, finer[0] / finer[1])
+        failures = results.printed(model, "position_failures")["position_failures"]
+        sizes = {size: measured(folder, ("model", *size), lambda way, work: model_films(way, files, model), newer_than)
+                 for size, failed in zip(calibrated_sizes(model), failures) if not failed}
+        with open("scene.yml") as source:
+            if "discretization: published" in source.read():
+                films["published",] = measured(folder, ("published",), lambda way, work:
+                                               published_films(scenes, repeat, work), [*newer_than, "scene.yml"])
+        rows = [*calibration_rows(model, sizes, exact), *stationary_rows(films, ways[0], exact)]
+        for record, name in zip(grids[1:], (f"inlet {longer:.3g} times", *(f"step {x:.3g} times" for x in finer))):
+            rows.append(row(("truth", name, "central"), len(exact), exact.count({}), 3 * [np.nan],
+                            true=distances({i: scene["H_c"] for i, scene in enumerate(record)}, exact)))
         polish(films[ways[0]], films[ways[-1]], out)
     else:
         rows = transient_rows(films, ways[0], ("full", 2, steps[0]))
@@ -319,6 +396,7 @@ SERIES = {
         ("full model, cold start, grids", "s", RED, f"full cold .* {FINEST}"),
         ("full model, cold start, looser tolerances", "(s)", RED, "full cold"),
         ("full model, failing on some scenes", "x", ORANGE, "failing full"),
+        ("full model, published rows and grid", "P", ORANGE, "full published"),
         ("full model from the reduced solution", "D", PINK, "full from reduced")],
     "transient": [
         ("film formulas at each time", "o", "black", "formula"),
@@ -334,18 +412,33 @@ GREY = "#444444"
 
 
 def draw(out, regime, width):
-    """The picture of trade.csv."""
+    """The picture of trade.csv: deviations from the full model, of stationary scenes beside them those from the
+    truth."""
     lines = [{**line, **{key: float(line[key] or "nan") for key in HEADER[3:]}}
              for line in results.read_csv(f"{out}/trade.csv")]
-    figure, axes = pictures.page(float(width), 0.8 * float(width))
-    panel(axes, lines, regime)
+    stationary = regime == "stationary"
+    figure, (panels,) = pictures.page(float(width), (0.6 if stationary else 0.8) * float(width), 1, 1 + stationary,
+                                      squeeze=False)
+    panel(panels[0], lines, regime)
+    if stationary:
+        panel(panels[1], [{**line, "worst": line["true_worst"], "median": line["true_median"]} for line in lines],
+              regime, 1e-5)
+        panels[0].set_title("from the full model on the same grid")
+        panels[1].set(title="from the truth", ylabel=None)
+    handles, labels = panels[0].get_legend_handles_labels()
+    half = -(-len(handles) // len(panels))
+    for i, axes in enumerate(panels):
+        part = slice(i * half, (i + 1) * half)
+        axes.legend(handles[part], labels[part], loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=2, frameon=False,
+                    fontsize=9)
     pictures.save(figure, f"{out}/trade.png")
 
 
-def panel(axes, lines, regime):
-    """Deviation of the central film against time, from the worst scene (mark) down to the median (end of the bar)."""
-    stationary = regime == "stationary"
-    lowest = 1e-9 if stationary else 1e-5  # where the reference is drawn, and what deviates even less
+def panel(axes, lines, regime, lowest=None):
+    """Deviation of the central film against time, from the worst scene (mark) down to the median (end of the bar), what
+    deviates less as the lowest. Without that deviations are from the full model, which is drawn at it."""
+    stationary, of_model = regime == "stationary", lowest is None
+    lowest = lowest or (1e-9 if stationary else 1e-5)
     shown = {series: [] for series in SERIES[regime]}
     for line in lines:
         name = "failing " * (line["failures"] > 0) + f"{line['alternative']} {line['position']}"
@@ -364,12 +457,15 @@ def panel(axes, lines, regime):
     def note(text, place, height, above):
         axes.annotate(text, (place, height), xycoords=("axes fraction", "data"), va="bottom" if above else "top",
                       color=GREY)
-    for line in lines:
-        if line["alternative"] == "reference" and line["position"] == "step":
-            for key, style in (("worst", "--"), ("median", ":")):
-                axes.axhline(line[key], linestyle=style, color=GREY)
-                note(f"the grid itself, {key}", 0.22 if stationary else 0.8, line[key], key == "worst")
-    note("none (or less): the reference", 0.012, lowest, True)
+    # what the grid does itself: of stationary scenes as measured, in time as estimated
+    kind, of_grid = ("full cold", ("true_worst", "true_median")) if stationary else ("reference", ("worst", "median"))
+    if of_model:
+        line = next(line for line in lines if line["alternative"] == kind)
+        for key, style in zip(of_grid, ("--", ":")):
+            axes.axhline(line[key], linestyle=style, color=GREY)
+            note(f"the grid itself, {'worst' if style == '--' else 'median'}", 0.22 if stationary else 0.8, line[key],
+                 style == "--")
+        note("none (or less): the reference", 0.012, lowest, True)
     formulas = sorted((line for line in lines if line["alternative"] == "formula"), key=lambda line: -line["worst"])
     names = [f"{re.sub('-central|-minimum', '', line['position'])} {100 * line['worst']:.0f} %"
              + ", minimum" * (line["quantity"] == "minimum") for line in formulas]
@@ -379,7 +475,6 @@ def panel(axes, lines, regime):
              ylabel="deviation of $H_c$: worst (mark), median (end of the bar)")
     for axis in axes.xaxis, axes.yaxis:
         axis.get_major_locator().set_params(numticks=12)  # every decade
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.1), ncol=2, frameon=False)
 
 
 if __name__ == "__main__":
