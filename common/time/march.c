@@ -44,12 +44,16 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
 
 contact_frame march_frame(const march_settings *settings, const contact_kind *kind,
                           const ehd_histories *histories, double time, double load) {
-    double values[NUM_VARY];
+    double values[NUM_VARY], approach = NAN;
 
     histories_at(values, histories, time);
-    if (!settings->approach_given) return frame_at(kind, time, values, NAN);
-    values[VARY_LOAD] = load;
-    return frame_at(kind, time, values, values[VARY_APPROACH] * settings->reference_approach);
+    if (settings->approach_given) {
+        values[VARY_LOAD] = load;
+        approach = values[VARY_APPROACH] * settings->reference_approach;
+    }
+    contact_frame frame = frame_at(kind, time, values, approach);
+    frame.path = histories_path(histories, time);
+    return frame;
 }
 
 static void watch_trust(march *self, const march_step *outcome) {
