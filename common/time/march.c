@@ -17,6 +17,11 @@ const double march_exit_margin = 0.1;
  * the power 2/3. */
 static const double PASSAGE = 30;
 
+/* Along the path errors are added up by the solver. What may be noise of it is accepted up to this
+ * many tolerances. */
+static const double PATH_NOISE = 3;
+static const double FIRST_OF_FIXED = 1. / 8; // a longer first-order step launches a front
+
 static const double MAX_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
 static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
@@ -28,8 +33,13 @@ static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums 
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
+    const bool path = strcmp(given->transport, transport_name(TRANSPORT_PATH)) == 0;
+    const double tolerance = given->transient.tolerance;
     march_settings settings = {.end_time = given->transient.end_time,
-                               .tolerance = given->transient.tolerance / PASSAGE,
+                               .tolerance = path ? tolerance : tolerance / PASSAGE,
+                               .most = path ? PATH_NOISE * tolerance : tolerance,
+                               .order = path ? 2 : 3,
+                               .gradual = path,
                                .fixed_step = given->transient.fixed_step,
                                .approach_given = strcmp(given->closure, "approach") == 0,
                                .reference_approach = reference_approach};
@@ -38,7 +48,7 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     settings.first_step =
         isnan(given->transient.fixed_step)
             ? fmin(sqrt(given->transient.tolerance / PASSAGE), 0.1) * fmin(shortest, 1)
-            : given->transient.fixed_step;
+            : (path ? FIRST_OF_FIXED : 1) * given->transient.fixed_step;
     return settings;
 }
 
@@ -156,23 +166,30 @@ static double min_step(const march *self) {
  * what all steps together are asked for. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
-    double error = outcome->local_error, tolerance = self->settings.tolerance;
+    double error = outcome->local_error;
     bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
 
-    if (state->rejected_step > 0 && hardly_less && error <= PASSAGE * tolerance)
+    if (state->rejected_step > 0 && hardly_less && error <= self->settings.most)
         state->noise = fmax(state->noise, error);
 }
 
 static double accepted_error(const march *self) {
     double tolerance = self->settings.tolerance;
 
-    return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
+    return fmin(fmax(tolerance, 2 * self->state.noise), self->settings.most);
+}
+
+/* The fixed step, or on the way to it twice the last one. */
+static double fixed_step_after(const march *self, const march_step *outcome) {
+    double fixed = self->settings.fixed_step;
+
+    return self->settings.gradual ? fmin(fixed, MAX_GROWTH * outcome->step) : fixed;
 }
 
 static double next_step(const march *self, const march_step *outcome) {
-    if (!isnan(self->settings.fixed_step)) return self->settings.fixed_step;
+    if (!isnan(self->settings.fixed_step)) return fixed_step_after(self, outcome);
     double relative = outcome->local_error / accepted_error(self);
-    double factor = relative > 0 ? SAFETY * pow(relative, -1. / 3) : MAX_GROWTH;
+    double factor = relative > 0 ? SAFETY * pow(relative, -1 / self->settings.order) : MAX_GROWTH;
     return outcome->step * fmin(fmax(factor, MIN_SHRINK), MAX_GROWTH);
 }
 
@@ -227,7 +244,7 @@ static double step_after(const march *self, const march_step *outcome) {
     const march_state *state = &self->state;
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
 
-    if (!is_adaptive(self)) return self->settings.fixed_step;
+    if (!is_adaptive(self)) return fixed_step_after(self, outcome);
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 
