@@ -374,13 +374,14 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
 /* Local error, relative to the central film, as the march takes it (march.h). */
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double entrainment, double step) {
-    const contact_scalars scalars = full_evaluate_scalars(state, contact);
+    const double central_film = full_evaluate_scalars(state, contact).central_film_thickness;
+    double error;
 
     if (!(formula->error > 0)) return 0;
     mark_noisy(self, state);
-    return formula->error / scalars.central_film_thickness *
-           (is_along_path(self) ? error_on_the_way(self, formula, state, contact, entrainment, step)
-                                : largest_error(self, formula, state, contact));
+    error = is_along_path(self) ? error_on_the_way(self, formula, state, contact, entrainment, step)
+                                : largest_error(self, formula, state, contact);
+    return formula->error * error / central_film;
 }
 
 /* Whether the grid's end cuts a pressure of consequence off. The pressure of a squeezed film may

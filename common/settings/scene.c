@@ -43,7 +43,7 @@ static void fill_published_grid(scene *of) {
 /* What follows from the way that films are carried. */
 static void fill_transient(scene *of) {
     if (!*of->transport) snprintf(of->transport, sizeof of->transport, "upwind");
-    fill_real(&of->transient.tolerance, strcmp(of->transport, "path") == 0 ? 2e-3 : 1e-4);
+    fill_real(&of->transient.tolerance, strcmp(of->transport, "path") == 0 ? 1.5e-3 : 1e-4);
 }
 
 void scene_complete(scene *of) {

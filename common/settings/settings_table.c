@@ -91,7 +91,7 @@ static const setting run_rows[] = {
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
     {"transient.tolerance", REAL(transient.tolerance), NULL, NULL, 1e-12, 0.1, "1",
      "Accuracy of the time steps, relative to the central film: with transport path the error of a "
-     "film on its way through the contact, default 2e-3; with upwind thirty times the local error of a "
+     "film on its way through the contact, default 1.5e-3; with upwind thirty times the local error of a "
      "step, default 1e-4", IN_TIME, false},
     {"transient.smoothing", REAL(transient.smoothing), NULL, NULL, 0, 1, "1",
      "Length below which waves of a film are damped on its path, in contact half widths; default "

@@ -22,6 +22,10 @@ static const double PASSAGE = 30;
 static const double PATH_NOISE = 3;
 static const double FIRST_OF_FIXED = 1. / 8; // a longer first-order step launches a front
 
+/* Of the grid's step: the path of a step that is not shortened for its error's sake. What is left
+ * of the error then is the grid's, by interpolation once a step. */
+static const double SHORTEST_PATH = 0.25;
+
 static const double MAX_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
 static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
@@ -37,7 +41,7 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     const double tolerance = given->transient.tolerance;
     march_settings settings = {.end_time = given->transient.end_time,
                                .tolerance = path ? tolerance : tolerance / PASSAGE,
-                               .most = path ? PATH_NOISE * tolerance : tolerance,
+                               .most = path ? PATH_NOISE : PASSAGE,
                                .order = path ? 2 : 3,
                                .gradual = path,
                                .fixed_step = given->transient.fixed_step,
@@ -166,17 +170,17 @@ static double min_step(const march *self) {
  * what all steps together are asked for. */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
-    double error = outcome->local_error;
+    double error = outcome->local_error, tolerance = self->settings.tolerance;
     bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
 
-    if (state->rejected_step > 0 && hardly_less && error <= self->settings.most)
+    if (state->rejected_step > 0 && hardly_less && error <= self->settings.most * tolerance)
         state->noise = fmax(state->noise, error);
 }
 
 static double accepted_error(const march *self) {
     double tolerance = self->settings.tolerance;
 
-    return fmin(fmax(tolerance, 2 * self->state.noise), self->settings.most);
+    return fmin(fmax(tolerance, 2 * self->state.noise), self->settings.most * tolerance);
 }
 
 /* The fixed step, or on the way to it twice the last one. */
@@ -217,9 +221,17 @@ static bool is_adaptive(const march *self) {
     return isnan(self->settings.fixed_step);
 }
 
+/* Along the path no step is shortened beyond it. */
+static double shortest_step(const march *self, const contact_frame *frame) {
+    return self->settings.gradual ? SHORTEST_PATH * self->reference->grid.step /
+                                        fmax(frame->speed / frame->half_width, 1)
+                                  : 0;
+}
+
 static bool is_rejected(const march *self, const march_step *outcome) {
     return outcome->status == EHD_NOT_CONVERGED ||
-           (is_adaptive(self) && !(outcome->local_error <= accepted_error(self)));
+           (is_adaptive(self) && outcome->step > shortest_step(self, &outcome->frame) &&
+            !(outcome->local_error <= accepted_error(self)));
 }
 
 /* A shorter step is tried next, or the march ends where there is none. */
