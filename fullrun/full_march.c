@@ -356,13 +356,18 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
                                const full_state *state, const ehd_contact *contact,
                                double entrainment, double step) {
     const ehd_grid *grid = &contact->grid;
-    double largest = 0, sum = 0, lowest = 0, highest = 0;
+    double largest = 0, sum = 0, lowest = 0, highest = 0, last = 0;
+    bool inside = false;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
-        if (r % grid->inner_x == 0) sum = lowest = highest = 0;
-        if (contact_gap(grid_x(grid, k), grid_y(grid, k)) > 0.5) continue;
-        sum += grid->step * missed_mass(self, formula, state, contact, r);
+        const bool before = inside && r % grid->inner_x > 0;
+        inside = contact_gap(grid_x(grid, k), grid_y(grid, k)) <= 0.5;
+        if (!inside) continue;
+        const double missed = missed_mass(self, formula, state, contact, r);
+        if (!before) sum = lowest = highest = 0;
+        if (before) sum += grid->step * (last + missed) / 2;
+        last = missed;
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
         if (grid_x(grid, k) < 0) continue;
