@@ -347,8 +347,8 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
     return largest;
 }
 
-/* What a film takes up of them on its way through the dry contact, from anywhere to anywhere behind
- * the centre: their sum along the grid's lines, where errors of both signs cancel and what passes a
+/* What a film takes up of them on its way through the dry contact, from anywhere to the centre: their
+ * sum along the grid's lines, where errors of both signs cancel and what passes a
  * node without being left in the film does not count. Before the dry contact the film is what the
  * pressure lets in: there errors fifty times as large do no harm. It is on its way for the time that
  * this takes, a unit of T at most. */
@@ -370,8 +370,8 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         last = missed;
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
-        if (grid_x(grid, k) < 0) continue;
-        largest = fmax(largest, fmax(sum - lowest, highest - sum));
+        if (fabs(grid_x(grid, k)) <= grid->step)
+            largest = fmax(largest, fmax(sum - lowest, highest - sum));
     }
     return largest / (step * fmax(entrainment, 1));
 }

@@ -472,7 +472,8 @@ static double largest_error(const reduced_march *self) {
     return largest;
 }
 
-/* What a film takes up of them on its way, as in the full model: linear between the rows. */
+/* What a film takes up of them on its way to the centre, as in the full model: linear between the
+ * rows. */
 static double error_on_the_way(const reduced_march *self, double step) {
     const row_set *rows = &self->model->rows;
     double largest = 0, sum = 0, lowest = 0, highest = 0, last_x = NAN, last = 0;
@@ -480,14 +481,15 @@ static double error_on_the_way(const reduced_march *self, double step) {
     for (size_t i = 0; i < rows->num_rows; i++) {
         const size_t r = self->previous.ascending[i];
         const double x = grid_x(&self->model->grid, rows->node[r]);
-        if (contact_gap(x, 0) > 0.5 || !is_before_exit(self, rows->node[r])) continue;
+        if (x > self->model->grid.step) break;
+        if (x < -1 || !is_before_exit(self, rows->node[r])) continue;
         const double missed = missed_mass(self, r);
         if (!isnan(last_x)) sum += (x - last_x) * (missed + last) / 2;
         last_x = x;
         last = missed;
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
-        if (x >= 0) largest = fmax(largest, fmax(sum - lowest, highest - sum));
+        largest = fmax(sum - lowest, highest - sum);
     }
     return largest / (step * fmax(self->entrainment, 1));
 }
