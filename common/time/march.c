@@ -183,6 +183,13 @@ static double accepted_error(const march *self) {
     return fmin(fmax(tolerance, 2 * self->state.noise), self->settings.most * tolerance);
 }
 
+/* Along the path no step is shortened beyond it. */
+static double shortest_step(const march *self, const contact_frame *frame) {
+    return self->settings.gradual ? SHORTEST_PATH * self->reference->grid.step /
+                                        fmax(frame->speed / frame->half_width, 1)
+                                  : 0;
+}
+
 /* The fixed step, or on the way to it twice the last one. */
 static double fixed_step_after(const march *self, const march_step *outcome) {
     double fixed = self->settings.fixed_step;
@@ -221,13 +228,6 @@ static bool is_adaptive(const march *self) {
     return isnan(self->settings.fixed_step);
 }
 
-/* Along the path no step is shortened beyond it. */
-static double shortest_step(const march *self, const contact_frame *frame) {
-    return self->settings.gradual ? SHORTEST_PATH * self->reference->grid.step /
-                                        fmax(frame->speed / frame->half_width, 1)
-                                  : 0;
-}
-
 static bool is_rejected(const march *self, const march_step *outcome) {
     return outcome->status == EHD_NOT_CONVERGED ||
            (is_adaptive(self) && outcome->step > shortest_step(self, &outcome->frame) &&
@@ -257,6 +257,8 @@ static double step_after(const march *self, const march_step *outcome) {
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
 
     if (!is_adaptive(self)) return fixed_step_after(self, outcome);
+    // its error, which is the grid's, says nothing about it either
+    if (outcome->step <= shortest_step(self, &outcome->frame)) return MAX_GROWTH * outcome->step;
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 
