@@ -92,12 +92,16 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     for (size_t k = 0; k < width; k++)
         self->nodes[k] = grid_x(grid, k);
     if (across) set_line_positions(self);
-    return EHD_OK;
+    if (reference->transport != TRANSPORT_PATH) return EHD_OK;
+    ehd_status status = path_filter_init(&self->filter, grid, reference->smoothing, error);
+    if (status) previous_carrier_free(self);
+    return status;
 }
 
 void previous_carrier_free(previous_carrier *self) {
     arena_free(&self->memory);
     if (self->across) gsl_spline_free(self->across);
+    path_filter_free(&self->filter);
     memset(self, 0, sizeof *self);
 }
 
@@ -111,14 +115,37 @@ static void fit_lines(gsl_spline **splines, const double *field, const previous_
         gsl_spline_init(splines[l], carrier->nodes, field + l * width, width);
 }
 
+void previous_set_base(previous_carrier *self, const previous_state *base) {
+    self->base = base;
+}
+
+/* Copies a field to carrier->values; along the path its difference from the base is filtered. */
+static void set_values(previous_carrier *self, const double *field, const double *base) {
+    const size_t width = grid_width(&self->reference.grid);
+    const size_t num_nodes = self->reference.grid.num_nodes;
+
+    memcpy(self->values, field, num_nodes * sizeof *field);
+    if (!self->base) return;
+    for (size_t k = 0; k < num_nodes; k++)
+        self->values[k] -= base[k];
+    for (size_t l = 0; l < self->filter.num_lines; l++)
+        path_filter_apply(&self->filter, self->values + l * width, l, 1);
+    for (size_t k = 0; k < num_nodes; k++)
+        self->values[k] += base[k];
+}
+
 void previous_prepare(previous_state *self, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
+    const full_state *base = carrier->base ? &carrier->base->state : &self->state;
 
+    set_values(carrier, self->state.film, base->film);
     // natural splines of the film without gap, whose curvature at the grid's ends is small
     for (size_t k = 0; k < grid->num_nodes; k++)
-        carrier->values[k] = self->state.film[k] - grid_gap(grid, k);
+        carrier->values[k] -= grid_gap(grid, k);
     fit_lines(self->deflection, carrier->values, carrier);
-    if (self->pressure) fit_lines(self->pressure, self->state.pressure, carrier);
+    if (!self->pressure) return;
+    set_values(carrier, self->state.pressure, base->pressure);
+    fit_lines(self->pressure, carrier->values, carrier);
 }
 
 static bool is_on_grid(const previous_carrier *self, double x, double y) {
@@ -129,8 +156,13 @@ static bool is_on_grid(const previous_carrier *self, double x, double y) {
     return !self->across || (y >= lines[0] && y <= lines[self->num_across - 1]);
 }
 
-/* Interpolates every line at the stretched X. */
-static void resample_along(double *along, gsl_spline *const *splines, double stretch,
+/* Where in a state's frame the fluid was that is now at X: stretch X - shift. */
+typedef struct origin {
+    double stretch, shift;
+} origin;
+
+/* Interpolates every line at the origin of X. */
+static void resample_along(double *along, gsl_spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid);
@@ -138,7 +170,7 @@ static void resample_along(double *along, gsl_spline *const *splines, double str
     for (size_t l = 0; l < num_lines; l++) {
         gsl_interp_accel accelerator = {0};
         for (size_t i = 0; i < grid->inner_x; i++) {
-            double x = stretch * self->nodes[i + 1];
+            double x = from.stretch * self->nodes[i + 1] - from.shift;
             if (is_on_grid(self, x, 0))
                 along[l * grid->inner_x + i] = gsl_spline_eval(splines[l], x, &accelerator);
         }
@@ -158,19 +190,19 @@ static void gather_column(previous_carrier *self, size_t i) {
 }
 
 /* A field at the current frame's inner nodes, as far as these lie on the state's grid. */
-static void resample(double *inner, gsl_spline *const *splines, double stretch,
+static void resample(double *inner, gsl_spline *const *splines, origin from,
                      previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
 
-    resample_along(self->across ? self->along : inner, splines, stretch, self);
+    resample_along(self->across ? self->along : inner, splines, from, self);
     for (size_t i = 0; self->across && i < grid->inner_x; i++) {
-        double x = stretch * self->nodes[i + 1];
+        double x = from.stretch * self->nodes[i + 1] - from.shift;
         gsl_interp_accel accelerator = {0};
         if (!is_on_grid(self, x, 0)) continue;
         gather_column(self, i);
         gsl_spline_init(self->across, self->lines, self->across_values, self->num_across);
         for (size_t r = i; r < grid->num_inner; r += grid->inner_x) {
-            double y = stretch * grid_y(grid, grid_node_of_row(grid, r));
+            double y = from.stretch * grid_y(grid, grid_node_of_row(grid, r));
             if (is_on_grid(self, x, y)) inner[r] = gsl_spline_eval(self->across, y, &accelerator);
         }
     }
@@ -194,23 +226,40 @@ static double deflection_beyond(const previous_state *self, const ehd_contact *r
     return sum;
 }
 
-void previous_mass(double *mass, const previous_state *self, const contact_frame *now,
-                   previous_carrier *carrier) {
+/* Adds `weight` times rho H of a state at the origins of the inner nodes. */
+static void add_mass(double *mass, double weight, const previous_state *self, origin from,
+                     previous_carrier *carrier) {
     const ehd_contact *reference = &carrier->reference;
     const ehd_grid *grid = &reference->grid;
     const lubricant_law *law = reference->lubricant.density;
-    double stretch = frame_stretch(now, &self->frame), ratio = frame_film_ratio(now, &self->frame);
     double hertz = reference->hertz_pressure * self->frame.hertz_pressure;
 
-    resample(carrier->film, self->deflection, stretch, carrier);
-    if (law) resample(carrier->pressure, self->pressure, stretch, carrier);
+    resample(carrier->film, self->deflection, from, carrier);
+    if (law) resample(carrier->pressure, self->pressure, from, carrier);
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        double x = stretch * grid_x(grid, k), y = stretch * grid_y(grid, k), density = 1;
+        double x = from.stretch * grid_x(grid, k) - from.shift, y = from.stretch * grid_y(grid, k);
         bool inside = is_on_grid(carrier, x, y);
         double film = inside ? carrier->film[r] : deflection_beyond(self, reference, x, y);
+        double density = 1;
         if (law && inside)
             density = lubricant_density(&reference->lubricant, carrier->pressure[r] * hertz);
-        mass[r] = density * (film + contact_gap(x, y)) * ratio;
+        mass[r] += weight * density * (film + contact_gap(x, y));
     }
+}
+
+void previous_mass(double *mass, const previous_state *self, const contact_frame *now,
+                   previous_carrier *carrier) {
+    const double ratio = frame_film_ratio(now, &self->frame);
+    const origin here = {frame_stretch(now, &self->frame), 0};
+    const origin before = {here.stretch, frame_shift(now, &self->frame)};
+
+    memset(mass, 0, carrier->reference.grid.num_inner * sizeof *mass);
+    if (!carrier->base) {
+        add_mass(mass, ratio, self, here, carrier);
+        return;
+    }
+    add_mass(mass, ratio, self, before, carrier);
+    add_mass(mass, -ratio, carrier->base, before, carrier);
+    add_mass(mass, ratio, carrier->base, here, carrier);
 }

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Previous states of the full model, carried over into the current frame (Maier et al. (2015),
  * eq. 15; common/time/README.md) by cubic splines along the grid's lines and, of a point contact,
- * from line to line. */
+ * from line to line; at fixed places, or along the path of the fluid. */
 #ifndef EHD_PREVIOUS_H
 #define EHD_PREVIOUS_H
 
 #include "common/program/arena.h"
 #include "common/time/frame.h"
+#include "common/time/path_filter.h"
 #include "fullrun/full_solver.h"
 
 #include <gsl/gsl_spline.h>
@@ -30,6 +31,9 @@ typedef struct previous_carrier {
     double *lines, *across_values; // [num_across] their Y, and scratch
     gsl_spline *across;            // NULL on a line contact
     arena memory;                  // of all arrays
+    // along the path:
+    path_filter filter;         // of what differs from the start
+    const previous_state *base; // the start, which is carried at fixed places; NULL: not along it
 } previous_carrier;
 
 /* EHD_MEMORY. */
@@ -44,11 +48,16 @@ void previous_free(previous_state *self);
 /* Bytes of a carrier and of num_states states. */
 double previous_bytes(const ehd_contact *reference, size_t num_states);
 
-/* Makes the splines of a state that is set. */
+/* From now on states are carried along the path of the fluid, but for what they have in common with
+ * `base`, which the caller keeps and has prepared: that the rows carry (common/time/README.md). */
+void previous_set_base(previous_carrier *self, const previous_state *base);
+
+/* Makes the splines of a state that is set. Along the path its film and pressure are filtered. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
-/* rho H of a previous state at the inner nodes of frame `now`. Beyond the state's grid,
- * where a contact that has grown has nodes, P is zero and gap and deflection are evaluated. */
+/* rho H of a previous state at the inner nodes of frame `now`, or where the fluid was that is there
+ * now. Beyond the state's grid, where a contact that has grown has nodes and where fluid comes from,
+ * P is zero and gap and deflection are evaluated. */
 void previous_mass(
     // output:
     double *mass, // [num_inner]

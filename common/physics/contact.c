@@ -172,6 +172,22 @@ bool discretization_find(ehd_discretization *discretization, const char *name) {
     return false;
 }
 
+static const char *const transports[] = {[TRANSPORT_UPWIND] = "upwind", [TRANSPORT_PATH] = "path"};
+enum { NUM_TRANSPORTS = sizeof transports / sizeof *transports };
+
+const char *transport_name(ehd_transport transport) {
+    return transports[transport];
+}
+
+bool transport_find(ehd_transport *transport, const char *name) {
+    for (size_t i = 0; i < NUM_TRANSPORTS; i++) {
+        if (strcmp(transports[i], name) != 0) continue;
+        *transport = (ehd_transport)i;
+        return true;
+    }
+    return false;
+}
+
 // ---- any contact
 
 double contact_gap(double x, double y) {

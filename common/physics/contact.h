@@ -46,6 +46,17 @@ const char *discretization_name(ehd_discretization discretization);
 /* Finds one by its name; false: there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
 
+/* How a film that varies in time is carried through the contact (common/time/README.md). */
+typedef enum ehd_transport {
+    TRANSPORT_UPWIND, // by the entrainment term of the rows, at fixed places of the grid
+    TRANSPORT_PATH    // along the path of the fluid
+} ehd_transport;
+
+/* The name of a transport in scenes. */
+const char *transport_name(ehd_transport transport);
+/* Finds one by its name; false: there is none. */
+bool transport_find(ehd_transport *transport, const char *name);
+
 /* Uniform grid of square cells, and the discretisation on it. The unknowns are at `num_inner` inner
  * nodes; boundary nodes, where the pressure is zero, lie one step outside. All nodes are numbered
  * together, along x first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
@@ -150,13 +161,15 @@ typedef struct ehd_contact {
     double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
     double entrainment; // 1, U there, not negative; 1 when stationary
     contact_closure closure;
-    double approach_length; // reference half widths; 1: the half width, as in eq. 4 there
-    double hertz_pressure;  // Pa
-    double moes_M, moes_L;  // 1
-    double alpha_p_H;       // 1
-    double half_width;      // m, NaN unless the scene is physical
-    double radius;          // m, NaN unless the scene is physical
-    double load;            // N/m or N, NaN unless the scene is physical
+    ehd_transport transport; // in time
+    double smoothing;        // half widths, of films carried along their paths: path_filter.h
+    double approach_length;  // reference half widths; 1: the half width, as in eq. 4 there
+    double hertz_pressure;   // Pa
+    double moes_M, moes_L;   // 1
+    double alpha_p_H;        // 1
+    double half_width;       // m, NaN unless the scene is physical
+    double radius;           // m, NaN unless the scene is physical
+    double load;             // N/m or N, NaN unless the scene is physical
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */

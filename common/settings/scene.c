@@ -4,6 +4,7 @@
 #include "common/program/text.h"
 #include "common/settings/scene_source.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,10 +40,17 @@ static void fill_published_grid(scene *of) {
     if (point) fill_real(&of->grid.y_max, 3);
 }
 
+/* What follows from the way that films are carried. */
+static void fill_transient(scene *of) {
+    if (!*of->transport) snprintf(of->transport, sizeof of->transport, "upwind");
+    fill_real(&of->transient.tolerance, strcmp(of->transport, "path") == 0 ? 1.5e-3 : 1e-4);
+}
+
 void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
     if (strcmp(of->discretization, "published") == 0) fill_published_grid(of);
+    if (strcmp(of->regime, "transient") == 0) fill_transient(of);
 }
 
 // ---- setting values
@@ -196,7 +204,8 @@ char *scene_text(const scene *of) {
 }
 
 bool scene_text_matches(const char *kept, const char *now) {
-    static const char key[] = "discretization:", published[] = "discretization: published\n";
+    static const char key[] = "discretization:";
+    static const char *const later[] = {"discretization: published\n", "transport: upwind\n"};
     size_t length = 0;
 
     for (const char *line = kept; *line; line += length + (line[length] == '\n')) {
@@ -204,7 +213,8 @@ bool scene_text_matches(const char *kept, const char *now) {
         if (strncmp(line, key, strlen(key)) == 0) return strcmp(kept, now) == 0;
     }
     for (; *now; now += length, kept += length) {
-        if (strncmp(now, published, strlen(published)) == 0) now += strlen(published);
+        for (size_t i = 0; i < sizeof later / sizeof *later; i++)
+            if (strncmp(now, later[i], strlen(later[i])) == 0) now += strlen(later[i]);
         length = strcspn(now, "\n");
         length += now[length] == '\n';
         if (strncmp(kept, now, length) != 0) return false;

@@ -57,7 +57,8 @@ typedef struct output_settings {
 
 typedef struct transient_settings {
     double end_time;   // T
-    double tolerance;  // 1, on the local error
+    double tolerance;  // 1, on the local error, or along the path on the film's
+    double smoothing;  // half widths, of films carried along their paths
     double fixed_step; // of T; NaN: step size control by the local error
     double start_film; // H at the start from rest
     history_settings vary[NUM_VARY];
@@ -69,6 +70,7 @@ typedef struct scene {
     char regime[16];         // stationary, transient
     char closure[16];        // load, approach
     char discretization[16]; // accurate, published
+    char transport[16];      // upwind, path
     double approach;         // H0 in the reference frame; NaN: that of the stationary solution
     double approach_length;  // a_ref; NaN: 10 with closure approach, else 1
     struct {

@@ -64,6 +64,9 @@ static const setting run_rows[] = {
     {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
      "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
+    {"transport", CHOICE(transport), NULL, "path|upwind", 0, 0, "1",
+     "How films that vary in time are carried through the contact: along the path of the fluid, or by "
+     "the rows at fixed places; default upwind", IN_TIME, false},
     {"grid.x_min", REAL(grid.x_min), NULL, NULL, -1e3, -1, "1",
      "First inner node, in contact half widths; below -1; default by M and L, -4 with published", ALWAYS, false},
     {"grid.x_max", REAL(grid.x_max), NULL, NULL, 1, 1e3, "1",
@@ -86,9 +89,13 @@ static const setting run_rows[] = {
      "romrun: interpolate it between the points of the training; default true", {{"regime", "stationary"}}, false},
     {"transient.end_time", REAL(transient.end_time), NULL, NULL, 1e-9, 1e12, "1",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
-    {"transient.tolerance", REAL(transient.tolerance), "1e-4", NULL, 1e-12, 0.1, "1",
-     "Accuracy of the time steps: thirty times the local error of one, relative to the central "
-     "film", IN_TIME, false},
+    {"transient.tolerance", REAL(transient.tolerance), NULL, NULL, 1e-12, 0.1, "1",
+     "Accuracy of the time steps, relative to the central film: with transport path the error of a "
+     "film on its way through the contact, default 1.5e-3; with upwind thirty times the local error of a "
+     "step, default 1e-4", IN_TIME, false},
+    {"transient.smoothing", REAL(transient.smoothing), NULL, NULL, 0, 1, "1",
+     "Length below which waves of a film are damped on its path, in contact half widths; default "
+     "0.014, or 1.4 steps of the grid where that is more", {{"transport", "path"}}, false},
     {"transient.fixed_step", REAL(transient.fixed_step), NULL, NULL, 1e-9, 1e12, "1",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(transient.start_film), NULL, NULL, 1e-9, 1, "1",

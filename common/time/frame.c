@@ -29,7 +29,10 @@ contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame
                                      [VARY_RADIUS] = frame->radius,
                                      [VARY_MODULUS] = frame->modulus};
 
-    return ratio == 1 ? *frame : frame_at(kind, frame->time, values, frame->approach);
+    contact_frame scaled = frame_at(kind, frame->time, values, frame->approach);
+
+    scaled.path = frame->path;
+    return ratio == 1 ? *frame : scaled;
 }
 
 static double approach_shift(const contact_frame *frame, const ehd_contact *reference) {
@@ -64,6 +67,10 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
 
 double frame_stretch(const contact_frame *now, const contact_frame *then) {
     return now->half_width / then->half_width;
+}
+
+double frame_shift(const contact_frame *now, const contact_frame *then) {
+    return (now->path - then->path) / then->half_width;
 }
 
 double frame_film_ratio(const contact_frame *now, const contact_frame *then) {

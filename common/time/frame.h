@@ -17,10 +17,11 @@ typedef struct contact_frame {
     double half_width;     // a / a_ref
     double hertz_pressure; // p_H / p_H,ref
     double film_scale;     // (a^2 / R) / (a_ref^2 / R_ref)
+    double path;           // int u/u_ref dT, how far the fluid has come, in reference half widths
 } contact_frame;
 
 /* `values`: load, speed, radius, modulus (VARY_… of scene.h) relative to the reference; `approach`
- * NaN where the load is given. */
+ * NaN where the load is given. The path is left at zero. */
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,
                        double approach);
 
@@ -36,6 +37,10 @@ void frame_contact(
  * one of `now`: the physical place and film are the same. */
 double frame_stretch(const contact_frame *now, const contact_frame *then);
 double frame_film_ratio(const contact_frame *now, const contact_frame *then);
+
+/* Where in frame `then`, behind its stretched place, the fluid was that is at a place of frame `now`:
+ * X' = stretch X - shift, by the path in between. */
+double frame_shift(const contact_frame *now, const contact_frame *then);
 
 /* The frame that belongs to a load `ratio` times the one that scales this frame: where the approach
  * is given, a frame is scaled by an expected load, and `ratio` is the solution's. */

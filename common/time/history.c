@@ -42,6 +42,7 @@ struct history_law {
     ehd_status (*prepare)(history *self, double end_time, ehd_error *error); // NULL: nothing to do
     double (*value)(const history *self, double time);
     minimum_value (*minimum)(const history *self, double end_time); // from 0 to end_time
+    double (*integral)(const history *self, double time);           // of the value, from 0
     /* The first kink or jump after `time`; NULL: it has none. */
     double (*next_kink)(const history *self, double time, bool *jump);
     double (*shortest_time)(const history *self); // NULL: it varies at once or not at all
@@ -67,11 +68,23 @@ static double constant_value(const history *self, double time) {
     return 1;
 }
 
+static double constant_integral(const history *self, double time) {
+    (void)self;
+    return time;
+}
+
 // ---- sine
 
 static double sine_value(const history *self, double time) {
     const history_settings *given = &self->given;
     return 1 + given->amplitude * sin(2 * M_PI * time / given->period + given->phase);
+}
+
+static double sine_integral(const history *self, double time) {
+    const history_settings *given = &self->given;
+    const double rate = 2 * M_PI / given->period, half = rate * time / 2;
+    // the difference of the cosines at both ends
+    return time + 2 * given->amplitude / rate * sin(half) * sin(half + given->phase);
 }
 
 static minimum_value sine_minimum(const history *self, double end_time) {
@@ -95,6 +108,19 @@ static double ramp_value(const history *self, double time) {
     return given->from * (1 - part) + given->to * part;
 }
 
+static double ramp_integral(const history *self, double time) {
+    const history_settings *given = &self->given;
+    const double duration = given->duration, change = given->to - given->from;
+    // of the part from start on and, backwards, of that before the start of time
+    const double ends[] = {-given->start, time - given->start};
+    double sum[2];
+    for (int i = 0; i < 2; i++) {
+        const double during = fmin(fmax(ends[i], 0), duration), after = fmax(ends[i] - duration, 0);
+        sum[i] = change * (during * during / (2 * duration) + after);
+    }
+    return given->from * time + (sum[1] - sum[0]);
+}
+
 static double ramp_next_kink(const history *self, double time, bool *jump) {
     const double start = self->given.start, end = start + self->given.duration;
     *jump = false;
@@ -110,6 +136,12 @@ static double ramp_shortest_time(const history *self) {
 
 static double step_value(const history *self, double time) {
     return time > self->given.at ? self->given.to : self->given.from;
+}
+
+static double step_integral(const history *self, double time) {
+    const history_settings *given = &self->given;
+    const double before = fmin(fmax(given->at, 0), time);
+    return given->from * before + given->to * (time - before);
 }
 
 static double step_next_kink(const history *self, double time, bool *jump) {
@@ -228,6 +260,23 @@ static minimum_value table_minimum(const history *self, double end_time) {
     return minimum;
 }
 
+/* From the first row on to a time within the table. */
+static double integral_of_rows(const history *self, double time) {
+    const size_t last = row_before(self, time);
+    double sum = 0;
+    if (self->spline) return gsl_spline_eval_integ(self->spline, self->time[0], time, NULL);
+    for (size_t i = 0; i < last; i++)
+        sum += (self->values[i] + self->values[i + 1]) / 2 * (self->time[i + 1] - self->time[i]);
+    return sum + (self->values[last] + line_value(self, time)) / 2 * (time - self->time[last]);
+}
+
+static double table_integral(const history *self, double time) {
+    const double first = self->time[0], end = self->time[self->count - 1];
+    const double within = fmin(fmax(time, first), end);
+    const double beyond = (time - within) * table_value(self, time);
+    return beyond + integral_of_rows(self, within) - integral_of_rows(self, 0);
+}
+
 /* Only lines have corners. */
 static double table_next_kink(const history *self, double time, bool *jump) {
     *jump = false;
@@ -245,11 +294,12 @@ static double table_shortest_time(const history *self) {
 // ---- the laws
 
 static const history_law laws[] = {
-    {"constant", NULL, constant_value, minimum_of_ends, NULL, NULL},
-    {"sine", NULL, sine_value, sine_minimum, NULL, sine_shortest_time},
-    {"ramp", NULL, ramp_value, minimum_of_ends, ramp_next_kink, ramp_shortest_time},
-    {"step", NULL, step_value, minimum_of_ends, step_next_kink, NULL},
-    {"table", prepare_table, table_value, table_minimum, table_next_kink, table_shortest_time}};
+    {"constant", NULL, constant_value, minimum_of_ends, constant_integral, NULL, NULL},
+    {"sine", NULL, sine_value, sine_minimum, sine_integral, NULL, sine_shortest_time},
+    {"ramp", NULL, ramp_value, minimum_of_ends, ramp_integral, ramp_next_kink, ramp_shortest_time},
+    {"step", NULL, step_value, minimum_of_ends, step_integral, step_next_kink, NULL},
+    {"table", prepare_table, table_value, table_minimum, table_integral, table_next_kink,
+     table_shortest_time}};
 
 /* What is given no law is constant. */
 static const history_law *find_law(const char *name) {
@@ -308,6 +358,11 @@ void histories_at(double value[NUM_VARY], const ehd_histories *self, double time
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
     value[VARY_SPEED] = fmax(value[VARY_SPEED], 0); // below only by rounding
+}
+
+double histories_path(const ehd_histories *self, double time) {
+    const history *speed = &self->of[VARY_SPEED];
+    return speed->law->integral(speed, time);
 }
 
 double histories_next_kink(const ehd_histories *self, double time, bool *jump) {

@@ -32,6 +32,9 @@ void histories_at(
     // input:
     const ehd_histories *self, double time);
 
+/* Integral of the speed from T = 0 to `time`: the path of the fluid, in reference half widths. */
+double histories_path(const ehd_histories *self, double time);
+
 /* The first time after `time` at which some history has a kink or jumps, INFINITY if none does. */
 double histories_next_kink(
     // input:

@@ -17,6 +17,15 @@ const double march_exit_margin = 0.1;
  * the power 2/3. */
 static const double PASSAGE = 30;
 
+/* Along the path errors are added up by the solver. What may be noise of it is accepted up to this
+ * many tolerances. */
+static const double PATH_NOISE = 3;
+static const double FIRST_OF_FIXED = 1. / 8; // a longer first-order step launches a front
+
+/* Of the grid's step: the path of a step that is not shortened for its error's sake. What is left
+ * of the error then is the grid's, by interpolation once a step. */
+static const double SHORTEST_PATH = 0.25;
+
 static const double MAX_GROWTH = 2; // below 1 + sqrt(2), up to which BDF2 is stable
 static const double MIN_SHRINK = 0.2;
 static const double FAILED_SHRINK = 0.25; // where Newton did not converge
@@ -28,8 +37,13 @@ static const double ROUNDING = 8 * DBL_EPSILON; // of a time, relative, by sums 
 
 march_settings march_settings_of(const scene *given, const ehd_histories *histories,
                                  double reference_approach) {
+    const bool path = strcmp(given->transport, transport_name(TRANSPORT_PATH)) == 0;
+    const double tolerance = given->transient.tolerance;
     march_settings settings = {.end_time = given->transient.end_time,
-                               .tolerance = given->transient.tolerance / PASSAGE,
+                               .tolerance = path ? tolerance : tolerance / PASSAGE,
+                               .most = path ? PATH_NOISE : PASSAGE,
+                               .order = path ? 2 : 3,
+                               .gradual = path,
                                .fixed_step = given->transient.fixed_step,
                                .approach_given = strcmp(given->closure, "approach") == 0,
                                .reference_approach = reference_approach};
@@ -38,18 +52,22 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     settings.first_step =
         isnan(given->transient.fixed_step)
             ? fmin(sqrt(given->transient.tolerance / PASSAGE), 0.1) * fmin(shortest, 1)
-            : given->transient.fixed_step;
+            : (path ? FIRST_OF_FIXED : 1) * given->transient.fixed_step;
     return settings;
 }
 
 contact_frame march_frame(const march_settings *settings, const contact_kind *kind,
                           const ehd_histories *histories, double time, double load) {
-    double values[NUM_VARY];
+    double values[NUM_VARY], approach = NAN;
 
     histories_at(values, histories, time);
-    if (!settings->approach_given) return frame_at(kind, time, values, NAN);
-    values[VARY_LOAD] = load;
-    return frame_at(kind, time, values, values[VARY_APPROACH] * settings->reference_approach);
+    if (settings->approach_given) {
+        values[VARY_LOAD] = load;
+        approach = values[VARY_APPROACH] * settings->reference_approach;
+    }
+    contact_frame frame = frame_at(kind, time, values, approach);
+    frame.path = histories_path(histories, time);
+    return frame;
 }
 
 static void watch_trust(march *self, const march_step *outcome) {
@@ -155,20 +173,34 @@ static void watch_noise(march *self, const march_step *outcome) {
     double error = outcome->local_error, tolerance = self->settings.tolerance;
     bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
 
-    if (state->rejected_step > 0 && hardly_less && error <= PASSAGE * tolerance)
+    if (state->rejected_step > 0 && hardly_less && error <= self->settings.most * tolerance)
         state->noise = fmax(state->noise, error);
 }
 
 static double accepted_error(const march *self) {
     double tolerance = self->settings.tolerance;
 
-    return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
+    return fmin(fmax(tolerance, 2 * self->state.noise), self->settings.most * tolerance);
+}
+
+/* Along the path no step is shortened beyond it. */
+static double shortest_step(const march *self, const contact_frame *frame) {
+    return self->settings.gradual ? SHORTEST_PATH * self->reference->grid.step /
+                                        fmax(frame->speed / frame->half_width, 1)
+                                  : 0;
+}
+
+/* The fixed step, or on the way to it twice the last one. */
+static double fixed_step_after(const march *self, const march_step *outcome) {
+    double fixed = self->settings.fixed_step;
+
+    return self->settings.gradual ? fmin(fixed, MAX_GROWTH * outcome->step) : fixed;
 }
 
 static double next_step(const march *self, const march_step *outcome) {
-    if (!isnan(self->settings.fixed_step)) return self->settings.fixed_step;
+    if (!isnan(self->settings.fixed_step)) return fixed_step_after(self, outcome);
     double relative = outcome->local_error / accepted_error(self);
-    double factor = relative > 0 ? SAFETY * pow(relative, -1. / 3) : MAX_GROWTH;
+    double factor = relative > 0 ? SAFETY * pow(relative, -1 / self->settings.order) : MAX_GROWTH;
     return outcome->step * fmin(fmax(factor, MIN_SHRINK), MAX_GROWTH);
 }
 
@@ -198,7 +230,8 @@ static bool is_adaptive(const march *self) {
 
 static bool is_rejected(const march *self, const march_step *outcome) {
     return outcome->status == EHD_NOT_CONVERGED ||
-           (is_adaptive(self) && !(outcome->local_error <= accepted_error(self)));
+           (is_adaptive(self) && outcome->step > shortest_step(self, &outcome->frame) &&
+            !(outcome->local_error <= accepted_error(self)));
 }
 
 /* A shorter step is tried next, or the march ends where there is none. */
@@ -223,7 +256,9 @@ static double step_after(const march *self, const march_step *outcome) {
     const march_state *state = &self->state;
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
 
-    if (!is_adaptive(self)) return self->settings.fixed_step;
+    if (!is_adaptive(self)) return fixed_step_after(self, outcome);
+    // its error, which is the grid's, says nothing about it either
+    if (outcome->step <= shortest_step(self, &outcome->frame)) return MAX_GROWTH * outcome->step;
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 

@@ -17,7 +17,8 @@ typedef struct march_step {
     const char *reason; // why it is not EHD_OK, or ""
     contact_frame frame;
     double step;             // 0 at the start
-    double local_error;      // largest of rho H, relative to the central film; 0: cannot be told
+    double local_error;      // largest of rho H, relative to the central film; along the path what
+                             // a film takes up on its way; 0: cannot be told
     contact_scalars scalars; // in the current frame
     size_t iterations;       // Newton
     double residual;
@@ -56,7 +57,11 @@ typedef struct march_solver {
 
 typedef struct march_settings {
     double end_time;
-    double tolerance;  // on the local error of one step; NaN with a fixed step
+    double tolerance;  // on the local error of one step, or on what a film takes up; NaN with a
+                       // fixed step
+    double most;       // tolerances above which nothing is accepted, by whatever noise
+    double order;      // in the step, of what the tolerance is on
+    bool gradual;      // the first steps, also fixed ones, grow from a short one
     double fixed_step; // NaN: steps by the local error
     double first_step; // after the start and after a jump
     bool approach_given;

@@ -240,6 +240,7 @@ struct ehdrom_transient {
     march_step last;        // solved
     double load, load_rate; // accepted; scale the next frame where the approach is given
     double time;            // accepted
+    double path, speed;     // of the fluid, accepted
 };
 
 ehd_status ehdrom_prepare_transient(ehdrom_model *self, ehd_error *error) {
@@ -324,7 +325,10 @@ static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditi
                                [VARY_RADIUS] = conditions->radius,
                                [VARY_MODULUS] = conditions->modulus};
 
-    return frame_at(self->reference.kind, self->time + step, values, conditions->approach);
+    contact_frame frame =
+        frame_at(self->reference.kind, self->time + step, values, conditions->approach);
+    frame.path = self->path + step * (self->speed + conditions->speed) / 2;
+    return frame;
 }
 
 static ehd_status check_conditions(const ehdrom_conditions *conditions,
@@ -363,6 +367,8 @@ ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
     self->time = 0;
     self->load = 1;
     self->load_rate = 0;
+    self->path = 0;
+    self->speed = conditions->speed;
     contact_frame frame = frame_of(self, conditions, 0);
     status = solver.start(&self->last, solver.self, &frame, error);
     if (status) return status;
@@ -405,6 +411,8 @@ void ehdrom_accept(ehdrom_transient *self) {
     self->load_rate = (load - self->load) / self->last.step;
     self->load = load;
     self->time = self->last.frame.time;
+    self->path = self->last.frame.path;
+    self->speed = self->last.frame.speed;
 }
 
 void ehdrom_restart(ehdrom_transient *self) {
@@ -442,6 +450,10 @@ ehd_status ehdrom_restore(ehdrom_transient *self, const double *saved, ehd_error
                           saved[0], saved[1], saved[2]);
     if (!status) status = solver.restore(solver.self, saved + NUM_OWN, error);
     if (status) return status;
+    contact_frame frame;
+    reduced_march_state(self->march, &frame);
+    self->path = frame.path;
+    self->speed = frame.speed;
     self->started = true;
     self->time = saved[0];
     self->load = saved[1];

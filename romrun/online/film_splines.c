@@ -3,6 +3,7 @@
 
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
+#include "common/time/path_filter.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -243,13 +244,58 @@ void film_splines_free(film_splines *self) {
     memset(self, 0, sizeof *self);
 }
 
+// ---- filtered modes
+
+/* A table whose values are those of another, filtered along the lines of its grid. */
+static ehd_status filter_table(double **filtered, const double *table, const spline_layout *layout,
+                               const ehd_grid *grid, double smoothing, ehd_error *error) {
+    path_filter filter;
+    ehd_status status = make_table(filtered, layout, error);
+
+    if (!status) status = path_filter_init(&filter, grid, smoothing, error);
+    if (status) return status;
+    memcpy(*filtered, table, layout->num_lines * layout->line * sizeof *table);
+    for (size_t l = 0; l < layout->num_lines; l++)
+        for (size_t j = 0; j < layout->width; j++)
+            path_filter_apply(&filter, *filtered + l * layout->line + j, l, layout->column);
+    path_filter_free(&filter);
+    for (size_t c = 0; c < layout->num_columns * layout->num_lines; c++)
+        memset(*filtered + c * layout->column + layout->x_curvature, 0,
+               (layout->column - layout->x_curvature) * sizeof **filtered);
+    return fill_curvatures(*filtered, layout, error);
+}
+
+ehd_status path_films_init(path_films *self, const film_splines *splines, double smoothing,
+                           bool compressible, ehd_error *error) {
+    // the grid of the pressures: without the nodes before it
+    const ehd_grid *wide = &splines->grid;
+    const ehd_grid own = grid_like(wide, wide->x_min + (double)splines->margin * wide->step,
+                                   wide->step, wide->inner_x - splines->margin, wide->inner_lines);
+    *self = (path_films){NULL};
+    ehd_status status =
+        filter_table(&self->film, splines->film, &splines->layout, wide, smoothing, error);
+
+    if (!status && compressible)
+        status = filter_table(&self->pressure, splines->pressure, &splines->pressure_layout, &own,
+                              smoothing, error);
+    if (status) path_films_free(self);
+    return status;
+}
+
+void path_films_free(path_films *self) {
+    free(self->film);
+    free(self->pressure);
+    memset(self, 0, sizeof *self);
+}
+
 // ---- a previous state
 
 ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error) {
     memset(self, 0, sizeof *self);
     self->runs = calloc(model->band.num_lines, sizeof *self->runs);
     self->cut_pressure = calloc(model->band.num_nodes, sizeof(double));
-    ehd_status status = self->runs && self->cut_pressure
+    self->difference = calloc(model->num_unknowns, sizeof(double));
+    ehd_status status = self->runs && self->cut_pressure && self->difference
                             ? reduced_state_init(&self->state, model, error)
                             : ehd_fail(error, EHD_MEMORY, "previous state: found no memory");
     if (!status) status = reduced_values_init(&self->values, model, error);
@@ -260,41 +306,46 @@ ehd_status previous_film_init(previous_film *self, const reduced_model *model, e
 void previous_film_free(previous_film *self) {
     free(self->runs);
     free(self->cut_pressure);
+    free(self->difference);
     reduced_state_free(&self->state);
     reduced_values_free(&self->values);
     memset(self, 0, sizeof *self);
 }
 
+/* Value, or at an offset curvature, of the pressure's modes at a node: along the path that of the
+ * filtered ones for the difference from the base. */
+static double sum_modes(const previous_film *self, const path_films *path,
+                        const film_splines *splines, size_t offset, size_t node) {
+    const int width = (int)splines->pressure_layout.width;
+    const size_t at = node * splines->pressure_layout.column + offset;
+
+    if (!path) return cblas_ddot(width, splines->pressure + at, 1, self->state.coordinates, 1);
+    return cblas_ddot(width, path->pressure + at, 1, self->difference, 1) +
+           cblas_ddot(width, splines->pressure + at, 1, path->base->state.coordinates, 1);
+}
+
 /* The pressure's spline near the exit of a line contact, from which on its values are zero; at the
  * window's first node its curvature is that of the modes. */
-static void prepare_window(previous_film *self, const reduced_model *model,
+static void prepare_window(previous_film *self, const path_films *path, const reduced_model *model,
                            const film_splines *splines) {
-    size_t num_pressure = model->num_pressure, num_nodes = model->grid.num_nodes;
+    size_t num_nodes = model->grid.num_nodes;
     size_t size = num_nodes < EXIT_WINDOW ? num_nodes : EXIT_WINDOW, exit = self->state.exit;
     size_t begin = exit > size * 2 / 3 ? exit - size * 2 / 3 : 0;
-    const double *z = self->state.coordinates;
     double factor[EXIT_WINDOW];
 
     if (begin + size > num_nodes) begin = num_nodes - size;
     self->window_begin = begin;
     self->window_size = size;
     for (size_t i = 0; i < size; i++)
-        self->window[i] =
-            begin + i < exit
-                ? cblas_ddot((int)num_pressure,
-                             splines->pressure + (begin + i) * splines->pressure_layout.column, 1,
-                             z, 1)
-                : 0;
+        self->window[i] = begin + i < exit ? sum_modes(self, path, splines, 0, begin + i) : 0;
     memset(self->curvature, 0, sizeof self->curvature);
-    self->curvature[0] = cblas_ddot((int)num_pressure,
-                                    splines->pressure + begin * splines->pressure_layout.column +
-                                        splines->pressure_layout.x_curvature,
-                                    1, z, 1);
+    self->curvature[0] =
+        sum_modes(self, path, splines, splines->pressure_layout.x_curvature, begin);
     solve_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
-void previous_film_prepare(previous_film *self, const reduced_model *model,
-                           const film_splines *splines, const ehd_contact *reference) {
+static void prepare_runs(previous_film *self, const reduced_model *model,
+                         const film_splines *splines) {
     self->num_runs = is_coupled(model) ? reduced_model_runs(self->runs, model, splines->cut_exits,
                                                             reduced_state_exits(&self->state))
                                        : 0;
@@ -304,7 +355,21 @@ void previous_film_prepare(previous_film *self, const reduced_model *model,
         reduced_band_pressure(pressure, model, self->state.coordinates, run->first, run->count);
         cblas_dscal((int)run->count, run->sign, pressure, 1);
     }
-    if (reference->lubricant.density && is_line(model)) prepare_window(self, model, splines);
+}
+
+void previous_film_prepare(previous_film *self, const reduced_model *model,
+                           const film_splines *splines, const ehd_contact *reference) {
+    prepare_runs(self, model, splines);
+    if (reference->lubricant.density && is_line(model)) prepare_window(self, NULL, model, splines);
+}
+
+void previous_film_prepare_path(previous_film *self, const path_films *path,
+                                const reduced_model *model, const film_splines *splines,
+                                const ehd_contact *reference) {
+    for (size_t j = 0; j < model->num_unknowns; j++)
+        self->difference[j] = self->state.coordinates[j] - path->base->state.coordinates[j];
+    prepare_runs(self, model, splines);
+    if (reference->lubricant.density) prepare_window(self, path, model, splines);
 }
 
 // ---- evaluation
@@ -508,18 +573,22 @@ static double cut_deflection_across(const previous_film *self, const spline_poin
     return total;
 }
 
-/* P of a line contact. */
+/* P of a line contact; along the path of filtered modes, where `path` is not NULL. */
 static double window_pressure(const previous_film *self, const spline_point *along,
-                              const film_splines *splines) {
+                              const film_splines *splines, const path_films *path) {
     const size_t margin = 4; // between the window's ends and where it is used
-    const double *coordinates = self->state.coordinates, *u = along->weight;
+    const double *u = along->weight;
     size_t node = along->node;
-    double sum;
 
     if (node + 1 < self->window_begin + margin) {
-        combine(&sum, along, 1, splines->pressure + node * splines->pressure_layout.column,
-                &splines->pressure_layout, &coordinates);
-        return sum;
+        const spline_layout *layout = &splines->pressure_layout;
+        const double *coordinates = (path ? path->base : self)->state.coordinates;
+        const double *difference = self->difference;
+        double sum, change = 0;
+        combine(&sum, along, 1, splines->pressure + node * layout->column, layout, &coordinates);
+        if (path)
+            combine(&change, along, 1, path->pressure + node * layout->column, layout, &difference);
+        return sum + change;
     }
     if (node + margin + 1 >= self->window_begin + self->window_size) return 0;
     size_t i = node - self->window_begin;
@@ -548,58 +617,162 @@ static double pressure_before_exit(const previous_film *self, const spline_point
 
 /* P at a point, zero beyond the model's grid. */
 static double pressure_at(const previous_film *self, const spline_point *along,
-                          const spline_point *across, const film_splines *splines) {
+                          const spline_point *across, const film_splines *splines,
+                          const path_films *path) {
     size_t num_lines = splines->pressure_layout.num_lines;
     spline_point u = *along;
 
     if (u.node < splines->margin) return 0;
     u.node -= splines->margin;
-    if (num_lines == 1) return window_pressure(self, &u, splines);
+    if (num_lines == 1) return window_pressure(self, &u, splines, path);
     spline_point v = *across;
     v.node -= splines->side; // wraps to a large number before the first line
     return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines) : 0;
 }
 
+/* The point X, Y of a state's frame in the splines' grid. */
+static void locate(spline_point *along, spline_point *across, double x, double y,
+                   const film_splines *splines) {
+    const ehd_grid *grid = &splines->grid;
+    const spline_layout *layout = &splines->layout;
+    const bool line = layout->num_lines == 1;
+    double column = (x - grid->x_min) / grid->step + 1;
+
+    *along = spline_at(line ? column : round_to_node(column), layout->num_columns);
+    across->node = 0;
+    if (!line)
+        *across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid->step), layout->num_lines);
+}
+
+/* Splines of a table of the film's modes at any points, those in the same cell together. */
+static void evaluate_all(double *sum, const spline_point *along, const spline_point *across,
+                         size_t num, const double *table, const spline_layout *layout,
+                         const double *const *coordinates) {
+    for (size_t i = 0, next; i < num; i = next) {
+        for (next = i + 1; next < num && along[next].node == along[i].node &&
+                           across[next].node == across[i].node;)
+            next++;
+        evaluate(sum + i, along + i, across + i, next - i, table, layout, coordinates + i);
+    }
+}
+
+static size_t film_offset(const reduced_model *model) {
+    return is_coupled(model) ? 0 : model->num_pressure;
+}
+
+/* Deflection by the pressures that the state's own exits cut. */
+static double own_cut(const previous_film *self, const spline_point *along,
+                      const spline_point *across, const film_splines *splines) {
+    if (self->num_runs == 0) return 0;
+    return splines->layout.num_lines == 1 ? cut_deflection(self, along, splines)
+                                          : cut_deflection_across(self, along, across, splines);
+}
+
+static double density_at(const previous_film *self, const spline_point *along,
+                         const spline_point *across, const film_splines *splines,
+                         const path_films *path, const ehd_contact *reference) {
+    if (!reference->lubricant.density) return 1;
+    double hertz = reference->hertz_pressure * self->frame.hertz_pressure;
+    double pressure = pressure_at(self, along, across, splines, path);
+    return lubricant_density(&reference->lubricant, pressure * hertz);
+}
+
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference) {
-    const ehd_grid *grid = &splines->grid;
-    size_t offset = is_coupled(model) ? 0 : model->num_pressure;
     double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
-    spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
-    bool line = is_line(model);
-    const double *coordinates[BDF_PREVIOUS];
+    spline_point along[BDF_PREVIOUS] = {{0}}, across[BDF_PREVIOUS] = {{0}};
+    const double *coordinates[BDF_PREVIOUS] = {NULL};
 
     for (size_t i = 0; i < num_films; i++) {
         double stretch = frame_stretch(now, &films[i]->frame);
         x[i] = stretch * grid_x(&model->grid, node);
-        y[i] = line ? 0 : stretch * grid_y(&model->grid, node);
-        double column = (x[i] - grid->x_min) / grid->step + 1;
-        along[i] = spline_at(line ? column : round_to_node(column), splines->layout.num_columns);
-        across[i].node = 0;
-        if (!line)
-            across[i] = spline_at(round_to_node((y[i] - grid_y(grid, 0)) / grid->step),
-                                  splines->layout.num_lines);
-        coordinates[i] = films[i]->state.coordinates + offset;
+        y[i] = is_line(model) ? 0 : stretch * grid_y(&model->grid, node);
+        locate(&along[i], &across[i], x[i], y[i], splines);
+        coordinates[i] = films[i]->state.coordinates + film_offset(model);
     }
-    for (size_t i = 0, next; i < num_films; i = next) {
-        for (next = i + 1; next < num_films && along[next].node == along[i].node &&
-                           across[next].node == across[i].node;)
-            next++;
-        evaluate(mass + i, along + i, across + i, next - i, splines->film, &splines->layout,
-                 coordinates + i);
-    }
+    evaluate_all(mass, along, across, num_films, splines->film, &splines->layout, coordinates);
     for (size_t i = 0; i < num_films; i++) {
         const previous_film *self = films[i];
         mass[i] += self->state.coordinates[model->num_unknowns - 1] + contact_gap(x[i], y[i]);
-        if (self->num_runs > 0)
-            mass[i] += line ? cut_deflection(self, &along[i], splines)
-                            : cut_deflection_across(self, &along[i], &across[i], splines);
+        mass[i] += own_cut(self, &along[i], &across[i], splines);
         mass[i] *= frame_film_ratio(now, &self->frame);
-        if (reference->lubricant.density) {
-            double hertz = reference->hertz_pressure * self->frame.hertz_pressure;
-            double pressure = pressure_at(self, &along[i], &across[i], splines);
-            mass[i] *= lubricant_density(&reference->lubricant, pressure * hertz);
-        }
+        mass[i] *= density_at(self, &along[i], &across[i], splines, NULL, reference);
     }
+}
+
+/* The states' origins of a node, and the base at both: `here` by the frame alone, `before` by the
+ * path too. */
+typedef struct path_points {
+    double x[BDF_PREVIOUS];
+    spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
+    double base[BDF_PREVIOUS]; // film of the base there, H0 and gap included
+} path_points;
+
+static void find_points(path_points *points, bool before, bool with_base,
+                        const previous_film *const *films, size_t num, double x,
+                        const contact_frame *now, const reduced_model *model,
+                        const film_splines *splines, const previous_film *base) {
+    const double *coordinates[BDF_PREVIOUS] = {NULL};
+
+    for (size_t i = 0; i < num; i++) {
+        const contact_frame *then = &films[i]->frame;
+        points->x[i] = frame_stretch(now, then) * x - (before ? frame_shift(now, then) : 0);
+        locate(&points->along[i], &points->across[i], points->x[i], 0, splines);
+        coordinates[i] = base->state.coordinates + film_offset(model);
+    }
+    if (!with_base) return;
+    evaluate_all(points->base, points->along, points->across, num, splines->film, &splines->layout,
+                 coordinates);
+    for (size_t i = 0; i < num; i++)
+        points->base[i] += base->state.coordinates[model->num_unknowns - 1] +
+                           contact_gap(points->x[i], 0) +
+                           own_cut(base, &points->along[i], &points->across[i], splines);
+}
+
+void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
+                      size_t node, const contact_frame *now, const reduced_model *model,
+                      const film_splines *splines, const path_films *path,
+                      const ehd_contact *reference) {
+    const previous_film *base = path->base;
+    const bool compressible = reference->lubricant.density != NULL;
+    const double x = grid_x(&model->grid, node);
+    const double *differences[BDF_PREVIOUS] = {NULL};
+    path_points before, here;
+
+    find_points(&before, true, compressible, films, num_films, x, now, model, splines, base);
+    find_points(&here, false, true, films, num_films, x, now, model, splines, base);
+    for (size_t i = 0; i < num_films; i++)
+        differences[i] = films[i]->difference + film_offset(model);
+    evaluate_all(mass, before.along, before.across, num_films, path->film, &splines->layout,
+                 differences);
+    for (size_t i = 0; i < num_films; i++) {
+        const previous_film *self = films[i];
+        const spline_point *along = &before.along[i], *across = &before.across[i];
+        double change = mass[i] + self->difference[model->num_unknowns - 1] +
+                        own_cut(self, along, across, splines) -
+                        own_cut(base, along, across, splines);
+        double stays = here.base[i];
+        if (compressible) { // the incompressible base's films before cancel
+            const double of_base = density_at(base, along, across, splines, NULL, reference);
+            const double own = density_at(self, along, across, splines, path, reference);
+            change = own * (change + before.base[i]) - of_base * before.base[i];
+            stays *= density_at(base, &here.along[i], &here.across[i], splines, NULL, reference);
+        }
+        mass[i] = (change + stays) * frame_film_ratio(now, &self->frame);
+    }
+}
+
+void previous_film_at(double *film, double *density, const previous_film *self, size_t node,
+                      const reduced_model *model, const film_splines *splines,
+                      const ehd_contact *reference) {
+    const double x = grid_x(&model->grid, node);
+    const double *coordinates = self->state.coordinates + film_offset(model);
+    spline_point along, across;
+
+    locate(&along, &across, x, grid_y(&model->grid, node), splines);
+    evaluate(film, &along, &across, 1, splines->film, &splines->layout, &coordinates);
+    *film += self->state.coordinates[model->num_unknowns - 1] + grid_gap(&model->grid, node) +
+             own_cut(self, &along, &across, splines);
+    *density = density_at(self, &along, &across, splines, NULL, reference);
 }

@@ -51,6 +51,24 @@ ehd_status film_splines_build(
     ehd_error *error);
 void film_splines_free(film_splines *splines);
 
+struct previous_film;
+
+/* What carrying films of a line contact along the path of the fluid needs besides
+ * (common/time/README.md). */
+typedef struct path_films {
+    double *film,
+        *pressure; // the splines' tables of the filtered modes; the second compressible only
+    const struct previous_film *base; // the start, the caller's, prepared
+} path_films;
+
+/* Filters the modes. Incompressible, `pressure` stays NULL. EHD_MEMORY. */
+ehd_status path_films_init(
+    // output:
+    path_films *self, // free with path_films_free; the caller sets the base
+    // input:
+    const film_splines *splines, double smoothing, bool compressible, ehd_error *error);
+void path_films_free(path_films *self);
+
 enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut
 
 /* An accepted state, prepared for evaluation. */
@@ -58,6 +76,7 @@ typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
     reduced_values values; // at the needed nodes
+    double *difference;    // [num_unknowns] along the path: coordinates less those of the base
     cut_run *runs;         // [num_lines] by which its exit line differs from cut_exits
     size_t num_runs;
     double *cut_pressure; // [nodes of the band] P of these runs, uncut, with their sign
@@ -74,10 +93,27 @@ void previous_film_free(previous_film *self);
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference);
 
+/* The same for carrying it along the path. */
+void previous_film_prepare_path(previous_film *self, const path_films *path,
+                                const reduced_model *model, const film_splines *splines,
+                                const ehd_contact *reference);
+
 /* rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The density
  * of a point contact is that of the uncut modes before the exit line, linear between grid lines. */
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
+
+/* The same of a line contact along the path, to the places of frame `now`: films prepared for it,
+ * at fixed places what they have in common with the base, where the fluid was all else. */
+void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
+                      size_t node, const contact_frame *now, const reduced_model *model,
+                      const film_splines *splines, const path_films *path,
+                      const ehd_contact *reference);
+
+/* Film and density of a state at a node of its own frame. */
+void previous_film_at(double *film, double *density, const previous_film *self, size_t node,
+                      const reduced_model *model, const film_splines *splines,
+                      const ehd_contact *reference);
 
 #endif

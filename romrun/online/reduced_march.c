@@ -44,6 +44,11 @@ struct reduced_march {
     bdf_ring ring;
     bdf_formula formula; // of the attempt
     previous_sums previous;
+    // along the path: the start and d/dX of its rho H, as the rows have it
+    path_films path;
+    previous_film base;
+    double *entrained, *band_entrained; // [num_rows], [nodes of the band]
+    double entrainment;                 // of the attempt
     error_estimate estimate;
     factors_origin factors;
     // frames scaled by the load of the solution, of the attempt and of the last accepted state:
@@ -60,6 +65,8 @@ reduced_march *reduced_march_free(reduced_march *self) {
     trained_range_free(self->range);
     for (size_t i = 0; i <= BDF_PREVIOUS; i++)
         previous_film_free(&self->states[i]);
+    previous_film_free(&self->base);
+    path_films_free(&self->path);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
     free(self);
@@ -94,6 +101,27 @@ static void allocate_arrays(reduced_march *self) {
     self->previous.band_attempt =
         arena_array(memory, num_band, sizeof *self->previous.band_attempt);
     self->previous.band_sum = arena_array(memory, num_band, sizeof(double));
+    self->entrained = arena_array(memory, num_rows, sizeof(double));
+    self->band_entrained = arena_array(memory, num_band, sizeof(double));
+}
+
+static bool is_along_path(const reduced_march *self) {
+    return self->reference.transport == TRANSPORT_PATH;
+}
+
+/* What films along the path need. A point contact's rows are scattered, so that what a film takes up
+ * on its way cannot be told from them. */
+static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
+    const ehd_contact *reference = &self->reference;
+
+    if (self->model->band.num_lines > 1)
+        return ehd_fail(
+            error, EHD_DATA,
+            "transport: found path with a point contact, expected upwind in the reduced "
+            "model");
+    ehd_status status = path_films_init(&self->path, self->splines, reference->smoothing,
+                                        reference->lubricant.density != NULL, error);
+    return status ? status : previous_film_init(&self->base, self->model, error);
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
@@ -118,6 +146,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
         status = previous_film_init(&self->states[i], model, error);
+    if (!status && is_along_path(self)) status = prepare_path(self, error);
     if (status)
         reduced_march_free(self);
     else
@@ -218,6 +247,42 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
+/* d/dX of the base's rho H at a node, as its row has it: what a unit of entrainment leaves of the row
+ * where no pressure flows. */
+static double entrain(const reduced_march *self, size_t node) {
+    const reduced_model *model = self->model;
+    reynolds_stencil stencil = reynolds_stencil_at(&model->grid, node);
+    double memory[NUM_FLUID_ARRAYS * NUM_STENCIL] = {0};
+    double film[NUM_STENCIL] = {0}, pressure[NUM_STENCIL] = {0};
+    reynolds_fluid fluid = reynolds_fluid_in(memory, NUM_STENCIL, &self->reference);
+    reynolds_row row;
+
+    for (size_t a = 0; a < NUM_STENCIL; a++) {
+        double density;
+        if (stencil.node[a] == NO_NODE) continue;
+        previous_film_at(&film[a], &density, &self->base, stencil.node[a], model, self->splines,
+                         &self->reference);
+        if (fluid.density) fluid.density[a] = density;
+        stencil.node[a] = a;
+    }
+    reynolds_rows(&row, &model->grid, 1, NULL, &stencil, 1, &fluid, pressure, film);
+    return -row.residual;
+}
+
+/* The base, once its state is set, is what previous states are told from. */
+static void use_base(reduced_march *self) {
+    const reduced_model *model = self->model;
+
+    self->path.base = &self->base;
+    previous_film_prepare(&self->base, model, self->splines, &self->reference);
+    for (size_t r = 0; r < model->rows.num_rows; r++)
+        self->entrained[r] = entrain(self, model->rows.node[r]);
+    const band_line *line = &model->band.lines[0]; // of a line contact
+    for (size_t k = line->begin; k < line->end; k++)
+        if (k > 0 && k + 1 < model->grid.num_nodes)
+            self->band_entrained[line->offset + k - line->begin] = entrain(self, k);
+}
+
 static void accept(void *solver);
 static void drop_factors(reduced_march *self);
 
@@ -254,6 +319,11 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     }
     self->formula.rate = 0;
     drop_factors(self);
+    if (is_along_path(self)) {
+        self->base.frame = first->frame;
+        reduced_state_copy(&self->base.state, &first->state, self->model);
+        use_base(self);
+    }
     accept(self);
     return EHD_OK;
 }
@@ -294,6 +364,17 @@ static void list_previous(const previous_film *films[BDF_PREVIOUS], reduced_marc
         films[i] = state_before(self, i + 1);
 }
 
+/* rho H of states at a node of the frame. */
+static void masses_at(double *mass, const previous_film *const *films, size_t num, size_t node,
+                      const contact_frame *frame, const reduced_march *self) {
+    if (is_along_path(self))
+        path_film_masses(mass, films, num, node, frame, self->model, self->splines, &self->path,
+                         &self->reference);
+    else
+        previous_film_masses(mass, films, num, node, frame, self->model, self->splines,
+                             &self->reference);
+}
+
 static void carry_over(reduced_march *self, const contact_frame *frame) {
     const reduced_model *model = self->model;
     const previous_film *films[BDF_PREVIOUS];
@@ -304,9 +385,9 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     for (size_t i = 0; i < model->rows.num_rows; i++) {
         size_t r = self->previous.ascending[i];
         double *mass = self->previous.mass + r * BDF_PREVIOUS;
-        previous_film_masses(mass, films, num, model->rows.node[r], frame, model, self->splines,
-                             &self->reference);
-        self->previous.sum[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1);
+        masses_at(mass, films, num, model->rows.node[r], frame, self);
+        self->previous.sum[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1) +
+                                self->entrainment * self->entrained[r];
     }
     self->effort.seconds_previous += program_seconds() - start;
 }
@@ -319,9 +400,9 @@ static double sum_at(reduced_march *self, size_t node) {
     size_t order = self->formula.order;
 
     list_previous(films, self);
-    previous_film_masses(mass, films, order, node, now, self->model, self->splines,
-                         &self->reference);
-    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
+    masses_at(mass, films, order, node, now, self);
+    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1) +
+           self->entrainment * self->band_entrained[reduced_model_band_index(self->model, node)];
 }
 
 /* The same, evaluated once an attempt. */
@@ -365,23 +446,60 @@ static void find_error_end(reduced_march *self) {
     }
 }
 
-/* Largest local error of rho H over the central film, at the rows' nodes away from the exit. */
-static double local_error(reduced_march *self, double central_film) {
-    const reduced_model *model = self->model;
-    const ehd_grid *grid = &model->grid;
+/* What a step misses of rho H at a row's node, but for the formula's factor. */
+static double missed_mass(const reduced_march *self, size_t r) {
+    double mass = self->estimate.mass[r];
+
+    for (size_t i = 0; i < self->ring.num_previous; i++)
+        mass -= self->formula.predictor[i] * self->previous.mass[r * BDF_PREVIOUS + i];
+    return mass;
+}
+
+static bool is_before_exit(const reduced_march *self, size_t node) {
+    const ehd_grid *grid = &self->model->grid;
+    double end = grid_x(grid, self->estimate.end[reduced_model_line(self->model, node)]);
+
+    return grid_x(grid, node) < end - exit_margin(grid);
+}
+
+/* Largest of these. */
+static double largest_error(const reduced_march *self) {
     double largest = 0;
 
-    find_error_end(self);
-    for (size_t r = 0; r < model->rows.num_rows; r++) {
-        const size_t node = model->rows.node[r];
-        double mass = self->estimate.mass[r];
-        double end = grid_x(grid, self->estimate.end[reduced_model_line(model, node)]);
-        if (grid_x(grid, node) >= end - exit_margin(grid)) continue;
-        for (size_t i = 0; i < self->ring.num_previous; i++)
-            mass -= self->formula.predictor[i] * self->previous.mass[r * BDF_PREVIOUS + i];
-        largest = fmax(largest, fabs(mass));
+    for (size_t r = 0; r < self->model->rows.num_rows; r++)
+        if (is_before_exit(self, self->model->rows.node[r]))
+            largest = fmax(largest, fabs(missed_mass(self, r)));
+    return largest;
+}
+
+/* What a film takes up of them on its way to the centre, as in the full model: linear between the
+ * rows. */
+static double error_on_the_way(const reduced_march *self, double step) {
+    const row_set *rows = &self->model->rows;
+    double largest = 0, sum = 0, lowest = 0, highest = 0, last_x = NAN, last = 0;
+
+    for (size_t i = 0; i < rows->num_rows; i++) {
+        const size_t r = self->previous.ascending[i];
+        const double x = grid_x(&self->model->grid, rows->node[r]);
+        if (x > self->model->grid.step) break;
+        if (x < -1 || !is_before_exit(self, rows->node[r])) continue;
+        const double missed = missed_mass(self, r);
+        if (!isnan(last_x)) sum += (x - last_x) * (missed + last) / 2;
+        last_x = x;
+        last = missed;
+        lowest = fmin(lowest, sum);
+        highest = fmax(highest, sum);
+        largest = fmax(sum - lowest, highest - sum);
     }
-    return self->formula.error * largest / central_film;
+    return largest / (step * fmax(self->entrainment, 1));
+}
+
+/* Local error, relative to the central film, as the march takes it (march.h), away from the exit. */
+static double local_error(reduced_march *self, double central_film, double step) {
+    find_error_end(self);
+    return self->formula.error *
+           (is_along_path(self) ? error_on_the_way(self, step) : largest_error(self)) /
+           central_film;
 }
 
 /* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
@@ -392,6 +510,15 @@ static bool shorter_may_settle(const reduced_march *self, double step) {
 
     return self->ring.num_previous > 1 &&
            step > much_shorter * (self->ring.time[index[1]] - self->ring.time[index[2]]);
+}
+
+/* The contact in a frame with the entrainment that is left for its rows in time: along the path
+ * none, the time derivative has it. */
+static void entrained_contact(ehd_contact *contact, double *entrainment, const contact_frame *frame,
+                              const reduced_march *self) {
+    frame_contact(contact, frame, &self->reference);
+    *entrainment = contact->entrainment;
+    if (is_along_path(self)) contact->entrainment = 0;
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
@@ -405,7 +532,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     self->formula = bdf_ring_formula(&self->ring, step);
     self->previous.attempt++;
     next->frame = *frame;
-    frame_contact(&contact, frame, &self->reference);
+    entrained_contact(&contact, &self->entrainment, frame, self);
     carry_over(self, frame);
     predict(self);
     const reduced_squeeze squeeze = {self->formula.rate, self->previous.sum, previous_at, self,
@@ -423,7 +550,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     if (info.status != EHD_NOT_CONVERGED) {
         reduced_row_values(self->estimate.pressure, self->estimate.mass, self->solver, &contact);
         if (self->formula.error > 0)
-            outcome->local_error = local_error(self, info.scalars.central_film_thickness);
+            outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
         judge(outcome, self, &next->state, frame);
     }
     self->effort.seconds += program_seconds() - start;
@@ -435,8 +562,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 /* Makes the kept factors of self->factors. */
 static void keep_factors(reduced_march *self) {
     ehd_contact contact;
+    double entrainment;
 
-    frame_contact(&contact, &self->factors.frame, &self->reference);
+    entrained_contact(&contact, &entrainment, &self->factors.frame, self);
     reduced_keep_factors(self->solver, &self->factors.state, &contact, self->factors.rate);
 }
 
@@ -471,6 +599,14 @@ static void drop_factors(reduced_march *self) {
     reduced_drop_factors(self->solver);
 }
 
+/* Makes a state whose frame and state are set ready to be carried over. */
+static void prepare_film(previous_film *film, const reduced_march *self) {
+    if (is_along_path(self))
+        previous_film_prepare_path(film, &self->path, self->model, self->splines, &self->reference);
+    else
+        previous_film_prepare(film, self->model, self->splines, &self->reference);
+}
+
 static void accept(void *solver) {
     reduced_march *self = solver;
     previous_film *solved = state_before(self, 0);
@@ -478,7 +614,7 @@ static void accept(void *solver) {
 
     reduced_last_values(&solved->values, self->solver);
     if (self->formula.rate > 0) renew_factors(self, solved);
-    previous_film_prepare(solved, self->model, self->splines, &self->reference);
+    prepare_film(solved, self);
     bdf_ring_accept(&self->ring, solved->frame.time);
     self->last_load_frame = self->load_frame;
     self->effort.seconds += program_seconds() - start;
@@ -552,7 +688,7 @@ static ehd_status restore_previous(void *solver, size_t index, const contact_fra
     previous->frame = *frame;
     reduced_values_of(&previous->values, self->model, previous->state.coordinates,
                       reduced_state_exits(&previous->state));
-    previous_film_prepare(previous, self->model, self->splines, &self->reference);
+    prepare_film(previous, self);
     return EHD_OK;
 }
 
@@ -572,23 +708,33 @@ typedef struct saved_rest {
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
 _Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubles alone");
 
+/* Along the path the base goes before all else. */
+static size_t saved_base_size(const reduced_march *self) {
+    return is_along_path(self) ? NUM_FRAME + saved_state_size(self->model) : 0;
+}
+
 static size_t saved_size(const void *solver) {
     const reduced_march *self = solver;
     const saved_states states = saved_states_of(self);
 
-    return ring_saved_size(&states) + NUM_REST + saved_state_size(self->model);
+    return saved_base_size(self) + ring_saved_size(&states) + NUM_REST +
+           saved_state_size(self->model);
 }
 
 static void save(double *saved, const void *solver) {
     const reduced_march *self = solver;
     const saved_states states = saved_states_of(self);
-    double *behind = saved + ring_saved_size(&states);
+    double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest = {.load_frame = self->last_load_frame,
                        .valid = self->factors.valid ? 1 : 0,
                        .rate = self->factors.rate};
 
     memset(saved, 0, saved_size(self) * sizeof *saved);
-    ring_save(saved, &self->ring, &states, self);
+    if (is_along_path(self)) {
+        memcpy(saved, &self->base.frame, sizeof self->base.frame);
+        save_state(saved + NUM_FRAME, &self->base.state, self->model);
+    }
+    ring_save(ring, &self->ring, &states, self);
     if (self->factors.valid) {
         rest.frame = self->factors.frame;
         save_state(behind + NUM_REST, &self->factors.state, self->model);
@@ -596,13 +742,23 @@ static void save(double *saved, const void *solver) {
     memcpy(behind, &rest, sizeof rest);
 }
 
+static ehd_status restore_base(reduced_march *self, const double *saved, ehd_error *error) {
+    if (!is_along_path(self)) return EHD_OK;
+    memcpy(&self->base.frame, saved, sizeof self->base.frame);
+    ehd_status status = restore_state(&self->base.state, saved + NUM_FRAME, self->model, error);
+    if (!status) use_base(self);
+    return status;
+}
+
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     reduced_march *self = solver;
     const saved_states states = saved_states_of(self);
-    const double *behind = saved + ring_saved_size(&states);
+    const double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest;
-    ehd_status status = ring_restore(&self->ring, self, saved, &states, error);
+    ehd_status status = restore_base(self, saved, error);
 
+    if (!status) status = ring_restore(&self->ring, self, ring, &states, error);
+    if (status) return status;
     memcpy(&rest, behind, sizeof rest);
     self->last_load_frame = rest.load_frame;
     drop_factors(self);

@@ -130,6 +130,38 @@ static void tables_are_read_between_their_times(void **state) {
                (double[]){1.5, 2.25, 2.6, 4}, 1e-15);
 }
 
+/* The path of the fluid is the integral of the speed from 0 on: its slope is the speed, by central
+ * differences away from kinks, and it does not jump at them. */
+static void check_path(const char *histories) {
+    const double step = 1e-4;
+    ehd_histories *self = accepts(histories);
+    check_close(histories_path(self, 0), 0, 0, 1e-15);
+    for (double time = 0.013; time < 1.99; time += 0.031) {
+        double before = histories_path(self, time - step),
+               after = histories_path(self, time + step);
+        check_close((after - before) / (2 * step), value_at(self, VARY_SPEED, time), 0, 1e-6);
+    }
+    bool jump;
+    for (double kink = histories_next_kink(self, 0, &jump); kink < 2;
+         kink = histories_next_kink(self, kink, &jump))
+        check_close(histories_path(self, kink - 1e-9), histories_path(self, kink + 1e-9), 0, 1e-8);
+    histories_free(self);
+}
+
+static void path_is_the_integral_of_the_speed(void **state) {
+    (void)state;
+    check_path("load: {law: sine, amplitude: 0.1, period: 0.5}");
+    check_path("speed: {law: sine, amplitude: 0.7, period: 0.8, phase: 0.4}");
+    check_path("speed: {law: ramp, from: 2, to: 0.5, start: 0.5, duration: 0.7}");
+    check_path("speed: {law: ramp, from: 0, to: 3, start: -0.5, duration: 0.9}");
+    check_path("speed: {law: ramp, from: 0, to: 3, start: -2, duration: 1}");
+    check_path("speed: {law: step, from: 1, to: 2.5, at: 0.7}");
+    write_file("path.csv", "t,u\n-0.5,1\n0.2,2\n0.9,0.5\n1.4,0\n2,3\n");
+    check_path("speed: {law: table, file: path.csv, column: u, interpolation: linear}");
+    write_file("path.csv", "t,u\n-0.5,1\n0.2,2\n0.9,1.5\n1.4,1\n2,3\n");
+    check_path("speed: {law: table, file: path.csv, column: u}");
+}
+
 static void five_quantities_vary_apart(void **state) {
     static const double expected[] = {1, 0.75, 1.25, 2, -3};
     double value[NUM_VARY];
@@ -411,6 +443,7 @@ int main(void) {
         cmocka_unit_test(sine_and_ramp_have_their_values),
         cmocka_unit_test(step_is_continuous_from_the_left),
         cmocka_unit_test(tables_are_read_between_their_times),
+        cmocka_unit_test(path_is_the_integral_of_the_speed),
         cmocka_unit_test(five_quantities_vary_apart),
         cmocka_unit_test(kinks_and_jumps_come_in_order),
         cmocka_unit_test(the_shortest_time_scale_is_found),

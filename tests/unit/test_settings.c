@@ -690,7 +690,7 @@ static void refuses_bad_histories(void **state) {
                    "transient.load: found a value, expected keys below "
                    "it: transient.load.law, transient.load.ampl");
     refuses_moving("transient: 1\n", "expected keys below it: transient.end_time, "
-                                     "transient.tolerance, transient.fixed_step, "
+                                     "transient.tolerance, transient.smoothing, transient.fixed_step, "
                                      "transient.start_film, transient.load, transient.speed, "
                                      "transient.radius, transient.modulus, transient.approach");
     refuses_moving("transient: {load: {interpolation: cubic}}\n", "found cubic, expected spline|");

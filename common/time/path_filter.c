@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/time/path_filter.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
+
+/* Weight of the squared difference about a place: at k h << 1 the difference is (k h)^ORDER. */
+static double weight_at(const ehd_grid *grid, double x, double y, double length) {
+    const double inside = 1 - x * x - y * y;
+
+    return inside > 0 ? pow(sqrt(inside) * length / (2 * grid->step), 2 * ORDER) : 0;
+}
+
+static const double binomial[BAND] = {-1, 5, -10, 10, -5, 1};
+
+/* Lower half of I + D' alpha D: `matrix`[i, i - j]. */
+static void assemble(double *matrix, const double *weight, size_t width) {
+    for (size_t i = 0; i < width; i++)
+        matrix[i * BAND] = 1;
+    for (size_t i = 0; i + ORDER < width; i++)
+        for (size_t a = 0; a <= ORDER; a++)
+            for (size_t b = 0; b <= a; b++)
+                matrix[(i + a) * BAND + (a - b)] += weight[i] * binomial[a] * binomial[b];
+}
+
+/* Replaces the matrix by its factor L, M = L L'; the diagonal holds the reciprocals. */
+static void factorise(double *matrix, size_t width) {
+    for (size_t i = 0; i < width; i++) {
+        double *row = matrix + i * BAND;
+        for (size_t back = i < ORDER ? i : ORDER; back > 0; back--) {
+            const double *other = matrix + (i - back) * BAND;
+            for (size_t k = back + 1; k <= ORDER && k <= i; k++)
+                row[back] -= row[k] * other[k - back];
+            row[back] *= other[0];
+        }
+        for (size_t k = 1; k <= ORDER && k <= i; k++)
+            row[0] -= row[k] * row[k];
+        row[0] = 1 / sqrt(row[0]);
+    }
+}
+
+ehd_status path_filter_init(path_filter *self, const ehd_grid *grid, double length,
+                            ehd_error *error) {
+    const size_t width = grid_width(grid), lines = grid_lines(grid);
+
+    *self = (path_filter){.num_columns = width, .num_lines = lines};
+    self->weight = calloc(lines * width, sizeof *self->weight);
+    self->factor = calloc(lines * width, BAND * sizeof *self->factor);
+    self->work = malloc(2 * width * sizeof *self->work);
+    if (!self->weight || !self->factor || !self->work) {
+        path_filter_free(self);
+        return ehd_fail(error, EHD_MEMORY, "path filter: found no memory for %zu nodes",
+                        grid->num_nodes);
+    }
+    for (size_t l = 0; l < lines; l++) {
+        double *weight = self->weight + l * width;
+        for (size_t i = 0; i + ORDER < width; i++)
+            weight[i] = weight_at(grid, (grid_x(grid, i) + grid_x(grid, i + ORDER)) / 2,
+                                  grid_y(grid, l * width), length);
+        assemble(self->factor + l * width * BAND, weight, width);
+        factorise(self->factor + l * width * BAND, width);
+    }
+    return EHD_OK;
+}
+
+void path_filter_free(path_filter *self) {
+    free(self->weight);
+    free(self->factor);
+    free(self->work);
+    memset(self, 0, sizeof *self);
+}
+
+/* D' alpha D of the values. */
+static void differences(double *result, double *work, const double *values, const double *weight,
+                        size_t count, size_t stride) {
+    memset(result, 0, count * sizeof *result);
+    for (size_t i = 0; i + ORDER < count; i++) {
+        work[i] = 0;
+        for (size_t a = 0; a <= ORDER; a++)
+            work[i] += binomial[a] * values[(i + a) * stride];
+        for (size_t a = 0; a <= ORDER; a++)
+            result[i + a] += binomial[a] * weight[i] * work[i];
+    }
+}
+
+static void solve(double *values, const double *factor, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        for (size_t k = 1; k <= ORDER && k <= i; k++)
+            values[i] -= factor[i * BAND + k] * values[i - k];
+        values[i] *= factor[i * BAND];
+    }
+    for (size_t i = count; i-- > 0;) {
+        for (size_t k = 1; k <= ORDER && i + k < count; k++)
+            values[i] -= factor[(i + k) * BAND + k] * values[i + k];
+        values[i] *= factor[i * BAND];
+    }
+}
+
+void path_filter_apply(path_filter *self, double *values, size_t line, size_t stride) {
+    const size_t count = self->num_columns;
+    double *taken = self->work; // off the values: small, so that rounding is of it alone
+
+    differences(taken, taken + count, values, self->weight + line * count, count, stride);
+    solve(taken, self->factor + line * count * BAND, count);
+    for (size_t i = 0; i < count; i++)
+        values[i * stride] -= taken[i];
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The filter of films that are carried along their paths. Nothing damps a wave in a film that
+ * pressure cannot move: neither the equations, nor cubic splines where a step's path is a whole
+ * number of nodes. So waves that the grid cannot carry, and those that make a reduced model's rank
+ * grow with the grid, are damped once a step (README.md, Along the path). */
+#ifndef EHD_PATH_FILTER_H
+#define EHD_PATH_FILTER_H
+
+#include "common/physics/contact.h"
+
+/* (I + D' diag(alpha) D)^-1 along each line of a grid, with D the differences of order
+ * PATH_FILTER_ORDER: a wave of length 2 pi/k is left 1/(1 + (length k/2)^10) of, as long as the
+ * length is several steps. Polynomials of one degree less than the order pass, sums are kept, and
+ * the filter is its own transpose. */
+typedef struct path_filter {
+    size_t num_columns, num_lines;
+    double *weight; // [num_lines, num_columns] alpha of the difference from a column on
+    double *factor; // [num_lines, num_columns, PATH_FILTER_ORDER + 1] of Cholesky, banded
+    double *work;   // [2, num_columns]
+} path_filter;
+
+enum { PATH_FILTER_ORDER = 5 };
+
+/* The filter of a grid: its length is `length` half widths at the centre, sqrt(1 - X^2 - Y^2) times
+ * that around it, as the pressure of the dry contact, and zero outside. The film at the constriction
+ * and the pressure spike, near the rim, is thus left alone. EHD_MEMORY. */
+ehd_status path_filter_init(
+    // output:
+    path_filter *self, // free with path_filter_free
+    // input:
+    const ehd_grid *grid, double length, ehd_error *error);
+void path_filter_free(path_filter *self);
+
+/* Filters the values along a line, which are `stride` apart. Uses `work`. */
+void path_filter_apply(
+    // in and out:
+    path_filter *self,
+    double *values, // [num_columns, stride]
+    // input:
+    size_t line, size_t stride);
+
+#endif

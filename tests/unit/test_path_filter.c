@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The filter of films that are carried along their paths. */
+#include "common/time/path_filter.h"
+#include "tests/unit/allocation.h"
+#include "tests/unit/check.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static ehd_grid line_grid(double step) {
+    return grid_of(-2, step, (size_t)round(4 / step) + 1, 1, false, DISCRETIZATION_ACCURATE);
+}
+
+/* Filters values of a function on one line; free them. */
+static double *filtered(const ehd_grid *grid, double length, double (*of)(double x, double k),
+                        double k, size_t line) {
+    const size_t width = grid_width(grid);
+    double *values = malloc(width * sizeof *values);
+    path_filter filter;
+    assert_non_null(values);
+    assert_int_equal(path_filter_init(&filter, grid, length, NULL), EHD_OK);
+    for (size_t i = 0; i < width; i++)
+        values[i] = of(grid_x(grid, i), k);
+    path_filter_apply(&filter, values, line, 1);
+    path_filter_free(&filter);
+    return values;
+}
+
+static double polynomial(double x, double k) {
+    (void)k;
+    return 1 + x * (2 + x * (3 + x * (4 - 5 * x)));
+}
+
+/* Also on a fine grid, where the matrix is ill-conditioned. */
+static void polynomials_of_degree_four_pass(void **state) {
+    (void)state;
+    for (double step = 0.01; step > 0.001; step /= 2) {
+        const ehd_grid grid = line_grid(step);
+        double *values = filtered(&grid, 0.0125, polynomial, 0, 0);
+        for (size_t i = 0; i < grid_width(&grid); i++)
+            check_close(values[i], polynomial(grid_x(&grid, i), 0), 0, 1e-10);
+        free(values);
+    }
+}
+
+static double wave(double x, double k) {
+    return cos(k * x) * exp(-pow(x / 0.4, 8));
+}
+
+/* What is left of a wave at the centre, where the length hardly varies. */
+static void waves_shorter_than_the_length_are_damped(void **state) {
+    const double length = 0.05, step = 0.005;
+    const ehd_grid grid = line_grid(step);
+    const size_t centre = (size_t)round(2 / step) + 1;
+    (void)state;
+    for (double k = 10; k < 100; k *= 1.5) {
+        const double difference = 2 * sin(k * step / 2) / step; // for k
+        const double expected = 1 / (1 + pow(difference * length / 2, 2 * PATH_FILTER_ORDER));
+        double *values = filtered(&grid, length, wave, k, 0);
+        check_close(values[centre], expected, 0, 0.02);
+        free(values);
+    }
+}
+
+static double spike(double x, double k) {
+    return fabs(x - k) < 1e-9 ? 1 : 0;
+}
+
+/* What a node carries spreads, but the sum stays; near the rim less, and beyond it nothing. */
+static void the_sum_is_kept_and_the_rim_left_alone(void **state) {
+    const ehd_grid grid = line_grid(0.01);
+    (void)state;
+    double last = 0;
+    for (double place = 0; place < 1.3; place += 0.25) {
+        double *values = filtered(&grid, 0.02, spike, place, 0), sum = 0;
+        for (size_t i = 0; i < grid_width(&grid); i++)
+            sum += values[i];
+        const double left = values[(size_t)round((place + 2) / 0.01) + 1];
+        check_close(sum, 1, 0, 1e-12);
+        assert_true(left > last || left == 1);
+        last = left;
+        free(values);
+    }
+    check_close(last, 1, 0, 0);
+}
+
+/* Lines of a point contact have their own length; those beyond the rim are left as they are. */
+static void lines_across_go_by_their_distance(void **state) {
+    const ehd_grid grid = grid_of(-2, 0.02, 201, 76, true, DISCRETIZATION_ACCURATE);
+    (void)state;
+    double last = 0;
+    for (size_t line = 0; line < 60; line += 10) {
+        double *values = filtered(&grid, 0.04, spike, 0, line);
+        assert_true(values[101] > last || values[101] == 1);
+        last = values[101];
+        free(values);
+    }
+    check_close(last, 1, 0, 0);
+}
+
+static void survives_failing_allocations(void **state) {
+    const ehd_grid grid = line_grid(0.1);
+    (void)state;
+    for (size_t i = 0; i < 3; i++) {
+        path_filter filter;
+        allocation_fail_at(i);
+        assert_int_equal(path_filter_init(&filter, &grid, 0.1, NULL), EHD_MEMORY);
+        assert_true(allocation_failed());
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(polynomials_of_degree_four_pass),
+        cmocka_unit_test(waves_shorter_than_the_length_are_damped),
+        cmocka_unit_test(the_sum_is_kept_and_the_rim_left_alone),
+        cmocka_unit_test(lines_across_go_by_their_distance),
+        cmocka_unit_test(survives_failing_allocations),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
