@@ -348,6 +348,16 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
 }
 
 /* Leaves only the points that the basis was trained on. */
+/* The trajectories are repeated as they were trained. */
+static ehd_status check_transport(const reduced_basis *basis, const char *basis_path,
+                                  const ehd_contact *contact, const char *plan_path,
+                                  ehd_error *error) {
+    if (contact->transport == basis->transport) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: transport: found %s, expected %s, as in %s", plan_path,
+                    transport_name(contact->transport), transport_name(basis->transport),
+                    basis_path);
+}
+
 static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
                                const char *basis_path, ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);
@@ -380,6 +390,9 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
+    if (!status && set->num_trajectories > 0)
+        status =
+            check_transport(&basis, basis_path, &set->trajectories[0].contact, plan_path, error);
     if (!status && trained_only) status = keep_trained(set, &basis, plan_path, basis_path, error);
     if (!status)
         status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,

@@ -77,6 +77,8 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
+    if (!status && set->num_trajectories > 0)
+        status = transport_write(*file, set->trajectories[0].contact.transport, error);
     if (!status) status = snapshots_declare(*file, set, false, error);
     if (!status) status = put_contacts(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);

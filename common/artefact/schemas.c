@@ -43,6 +43,10 @@
         ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x"),     \
         ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                             \
                   "of the equations on the grid: accurate or published; published where missing")
+#define TRANSPORT_ATTRIBUTE                                                                        \
+    ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                      \
+              "how films are carried on the trajectories of the training: upwind or path; where "  \
+              "missing there are none, or upwind")
 #define HALF_ATTRIBUTE                                                                             \
     ATTRIBUTE(                                                                                     \
         "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,                                              \
@@ -285,6 +289,7 @@ static const artefact_field snapshots_fields[] = {
 
 static const artefact_attribute snapshots_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
+    TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "number of steps of all trajectories"),
@@ -331,6 +336,7 @@ static const artefact_field basis_fields[] = {
 
 static const artefact_attribute basis_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
+    TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     ATTRIBUTE("pressure_energy_discarded", ARTEFACT_REAL, "1", NEED_OWN,
@@ -553,6 +559,7 @@ static const artefact_field model_fields[] = {
 
 static const artefact_attribute model_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
+    TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,

@@ -147,6 +147,24 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     return EHD_OK;
 }
 
+ehd_status transport_write(artefact *file, ehd_transport transport, ehd_error *error) {
+    return artefact_put_text(file, "transport", transport_name(transport), error);
+}
+
+ehd_status transport_read(ehd_transport *transport, artefact *file, ehd_error *error) {
+    char *name = NULL;
+
+    *transport = TRANSPORT_UPWIND;
+    if (!artefact_has(file, "transport")) return EHD_OK;
+    ehd_status status = artefact_get_text(file, "transport", &name, error);
+    if (!status && !transport_find(transport, name))
+        status = ehd_fail(error, EHD_DATA, "%s: transport: found %.32s, expected %s|%s",
+                          artefact_path(file), name, transport_name(TRANSPORT_PATH),
+                          transport_name(TRANSPORT_UPWIND));
+    free(name);
+    return status;
+}
+
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,
                         ehd_error *error) {
     static const artefact_schema *const schemas[] = {&schema_snapshots, &schema_basis,

@@ -56,6 +56,19 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
+/* Trajectories of one plan carry films in the same way. */
+static ehd_status check_transports(const training_set *set, const char *plan_path,
+                                   ehd_error *error) {
+    for (size_t t = 1; t < set->num_trajectories; t++) {
+        const ehd_transport found = set->trajectories[t].contact.transport;
+        const ehd_transport expected = set->trajectories[0].contact.transport;
+        if (found != expected)
+            return ehd_fail(error, EHD_DATA, "%s: transport: found %s and %s, expected one of them",
+                            plan_path, transport_name(expected), transport_name(found));
+    }
+    return EHD_OK;
+}
+
 static ehd_status make_points(training_set *set, const plan *of, const char *plan_path,
                               ehd_error *error) {
     ehd_status status = EHD_OK;
@@ -259,6 +272,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
+    if (!status) status = check_transports(set, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
     size_t num_points = set->num_points, num_all = num_points + set->num_trajectories;
     if (!status && piece.total > num_all)

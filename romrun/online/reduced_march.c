@@ -127,11 +127,15 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
                                 const film_splines *splines, const ehd_contact *reference,
                                 const reduced_settings *settings, ehd_error *error) {
-    reduced_march *self = calloc(1, sizeof *self);
     reduced_settings in_time = *settings;
 
     in_time.exit_at_node = true; // of the start too, as in the full model
     *created = NULL;
+    if (reference->transport != model->transport)
+        return ehd_fail(error, EHD_DATA,
+                        "transport: found %s, expected %s, as in the model's training",
+                        transport_name(reference->transport), transport_name(model->transport));
+    reduced_march *self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
     self->splines = splines;

@@ -583,3 +583,37 @@ PYTHON
     [[ $stderr == "fullrun: r.h5"* ]]
     [ "$(cat r.h5)" = precious ]
 }
+
+# ---- along the path
+
+@test "a model is run as its training carried the films" {
+    sed 's/^regime.*/&\ntransport: path/' scene.yml >path.yml
+    sed 's/scene: scene.yml/scene: path.yml/' plan.yml >path-plan.yml
+    snapgen path-plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    refused 65 "plan.yml: transport: found upwind, expected path, as in b.h5" \
+        snapgen plan.yml --basis b.h5 -o r.h5
+    snapgen path-plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5
+    deimselect --check m.h5
+    refused 65 "transport: found upwind, expected path, as in the model's training" \
+        romrun scene.yml --model m.h5 -o x.h5
+    fullrun path.yml -o f.h5 --quiet
+    romrun path.yml --model m.h5 -o x.h5 --quiet --against f.h5 >log
+    close_to "$(/usr/bin/python3 -c "import h5py; print(h5py.File('x.h5')['central_film_thickness'][-1])")" \
+        "$(/usr/bin/python3 -c "import h5py; print(h5py.File('f.h5')['central_film_thickness'][-1])")" 1e-3
+    # two ways in one basis, and in one plan
+    snapgen plan.yml -o u.h5 --quiet
+    refused 65 "u.h5: transport: found upwind, expected path, as in s.h5" podbuild s.h5 u.h5 -o x2.h5
+    printf '  - scene: path.yml\n' >>plan.yml
+    refused 65 "plan.yml: transport: found upwind and path, expected one of them" snapgen plan.yml -o y.h5
+}
+
+@test "a run along the path can be killed and resumed" {
+    long_scene
+    sed 's/^regime.*/&\ntransport: path/; s/end_time: 40/end_time: 8/' long.yml >path.yml
+    fullrun path.yml -o whole.h5 --quiet
+    stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 fullrun path.yml -o r.h5 --quiet
+    fullrun path.yml -o r.h5 --resume --quiet
+    scalars_equal r.h5 whole.h5
+}

@@ -66,6 +66,7 @@ static void marching_init(marching *self, const reduced_basis *of, bool compress
     self->reference.smoothing = 0.1;
     if (!compressible) self->reference.lubricant.density = NULL;
     check_ok(reduced_model_build(&self->model, of, NULL, 0, &error));
+    self->model.transport = TRANSPORT_PATH;
     check_ok(film_splines_build(&self->splines, &self->model, of->pressure, of->deformation_modes,
                                 &error));
     check_ok(reduced_march_create(&self->march, &self->model, &self->splines, &self->reference,

@@ -313,8 +313,31 @@ static void saved_exits_outside_of_the_band_are_refused(void **state) {
     marching_free(&self);
 }
 
+/* A model is run as it was trained, and that of a point contact not along the path. */
+static void another_transport_is_refused(void **state) {
+    reduced_basis nodes = nodes_basis();
+    reduced_march *created;
+    marching self;
+    (void)state;
+
+    marching_init(&self, &nodes);
+    self.reference.transport = TRANSPORT_PATH;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(reduced_march_create(&created, &self.model, &self.splines, &self.reference,
+                                              &strict_settings, &error),
+                         EHD_DATA);
+        assert_null(created);
+        assert_non_null(
+            strstr(error.text, i ? "found path with a point contact" : "in the model's training"));
+        self.model.transport = TRANSPORT_PATH;
+    }
+    marching_free(&self);
+    reduced_basis_free(&nodes);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(another_transport_is_refused),
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
         cmocka_unit_test(a_step_of_full_rank_is_one_of_the_full_model),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
