@@ -23,6 +23,29 @@ static double film_at(const void *film, size_t node) {
     return ((const double *)film)[node];
 }
 
+/* Whether no node beside is lower. */
+static bool is_lowest_around(const double *film, const ehd_grid *grid, size_t node) {
+    const size_t width = grid_width(grid);
+
+    if (film[node] > film[node - 1] || film[node] > film[node + 1]) return false;
+    if (grid->inner_lines == 1) return true;
+    return film[node] <= film[node + width] && (node < width || film[node] <= film[node - width]);
+}
+
+/* Smallest film: interpolated around all nodes that are the lowest around, of which the smallest
+ * one need not be where the film is smallest. */
+static double smallest_film(const double *film, const ehd_grid *grid) {
+    double smallest = INFINITY;
+
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        smallest = fmin(smallest, film[k]);
+        if (is_lowest_around(film, grid, k))
+            smallest = fmin(smallest, minimum_around(grid, k, film_at, film));
+    }
+    return smallest;
+}
+
 double full_exit_position(const full_state *state, const ehd_grid *grid) {
     if (isnan(state->exit_offset)) return grid_x(grid, state->exit);
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
@@ -31,25 +54,23 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     size_t line = grid_central_line(grid), exit = state->exit;
-    size_t smallest = grid_node_of_row(grid, 0);
     double sum = 0;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        if (state->film[k] < state->film[smallest]) smallest = k;
         sum += grid_weight(grid, k) * state->pressure[k];
     }
     if (grid->inner_lines > 1)
         for (exit = line + grid->inner_x + 1;
              exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
-    contact_scalars scalars = {
-        .central_film_thickness = central_value(state->film + line, grid),
-        .minimum_film_thickness = minimum_around(grid, smallest, film_at, state->film),
-        .central_pressure = central_value(state->pressure + line, grid),
-        .rigid_approach = state->rigid_approach,
-        .exit_position =
-            grid->inner_lines > 1 ? grid_x(grid, exit) : full_exit_position(state, grid),
-        .load = sum * grid_cell(grid) / contact->kind->load};
+    contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
+                               .minimum_film_thickness = smallest_film(state->film, grid),
+                               .central_pressure = central_value(state->pressure + line, grid),
+                               .rigid_approach = state->rigid_approach,
+                               .exit_position = grid->inner_lines > 1
+                                                    ? grid_x(grid, exit)
+                                                    : full_exit_position(state, grid),
+                               .load = sum * grid_cell(grid) / contact->kind->load};
     return scalars;
 }

@@ -244,6 +244,40 @@ static double film_in_band(const void *context, size_t node) {
     return banded ? film_at(context, node) : NAN;
 }
 
+/* Film around a needed node of a line, where none beside it is lower: the minimum of the parabola
+ * through the three. */
+static double film_around(const node_state *self, size_t q) {
+    const size_t *node = self->model->rows.needed_node;
+    const double *film = self->now.film;
+    const double left = (double)(node[q] - node[q - 1]), right = (double)(node[q + 1] - node[q]);
+    const double fall = (film[q - 1] - film[q]) / left, rise = (film[q + 1] - film[q]) / right;
+    const double curvature = (fall + rise) / (left + right);
+    const double slope = (rise * left - fall * right) / (left + right);
+
+    return fall > 0 && rise > 0 ? film[q] - slope * slope / (4 * curvature) : film[q];
+}
+
+/* Smallest film of the needed nodes with pressure, since in time a minimum also passes through the
+ * front of the contact. With the accurate rows that of a line is taken between them before the
+ * band. */
+static double smallest_needed(const node_state *self) {
+    const reduced_model *model = self->model;
+    const bool between =
+        model->band.num_lines == 1 && model->grid.discretization == DISCRETIZATION_ACCURATE;
+    const double *film = self->now.film;
+    double smallest = INFINITY;
+    size_t best = 0; // before the band
+
+    for (size_t q = 0; q < model->rows.num_needed; q++) {
+        if (!self->pressurised[q]) continue;
+        smallest = fmin(smallest, film[q]);
+        if (model->rows.needed_node[q] < model->band.lines[0].begin && film[q] < film[best])
+            best = q;
+    }
+    if (!between || best == 0 || best + 1 == model->rows.num_needed) return smallest;
+    return fmin(smallest, film_around(self, best));
+}
+
 double nodes_minimum_film(node_state *self, const double *z) {
     const film_of_state film = {self, z};
     const exit_band *band = &self->model->band;
@@ -262,10 +296,7 @@ double nodes_minimum_film(node_state *self, const double *z) {
     }
     if (isfinite(smallest))
         smallest = minimum_around(&self->model->grid, node_of_smallest, film_in_band, &film);
-    // in time a minimum also passes through the front of the contact, outside of the band
-    for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        if (self->pressurised[q]) smallest = fmin(smallest, self->now.film[q]);
-    return smallest;
+    return fmin(smallest, smallest_needed(self));
 }
 
 // ---- derivatives of the film

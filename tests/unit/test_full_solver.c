@@ -519,8 +519,25 @@ static void an_interrupted_linear_system_is_no_step(void **state) {
     program_finish(&self, EHD_OK, &error);
 }
 
+/* Of two valleys the deeper one, whose bottom lies between nodes that are higher than the node at
+ * the bottom of the other. */
+static void the_smallest_film_need_not_be_at_the_smallest_node(void **state) {
+    (void)state;
+    const ehd_contact contact = sample_contact("barus", "incompressible", 20, 6, 0.05);
+    full_state two;
+
+    assert_int_equal(full_state_init(&two, &contact.grid, NULL), EHD_OK);
+    for (size_t k = 0; k < contact.grid.num_nodes; k++) {
+        const double x = grid_x(&contact.grid, k);
+        two.film[k] = fmin(0.3002 + (x + 0.5) * (x + 0.5), 0.3 + (x - 0.525) * (x - 0.525));
+    }
+    check_close(full_evaluate_scalars(&two, &contact).minimum_film_thickness, 0.3, 1e-12, 0);
+    full_state_free(&two);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_smallest_film_need_not_be_at_the_smallest_node),
         cmocka_unit_test(solution_satisfies_the_problem),
         cmocka_unit_test(scalars_between_nodes),
         cmocka_unit_test(solution_is_a_fixed_point),
