@@ -404,12 +404,13 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double entrainment, double step) {
     const double central_film = full_evaluate_scalars(state, contact).central_film_thickness;
+    const bool on_the_way = is_along_path(self) && step * entrainment <= march_short_path;
     double error;
 
     if (!(formula->error > 0)) return 0;
     mark_noisy(self, state);
-    error = is_along_path(self) ? error_on_the_way(self, formula, state, contact, entrainment, step)
-                                : largest_error(self, formula, state, contact);
+    error = on_the_way ? error_on_the_way(self, formula, state, contact, entrainment, step)
+                       : largest_error(self, formula, state, contact);
     return formula->error * error / central_film;
 }
 
@@ -524,6 +525,15 @@ static void save_state(double *target, contact_frame *frame, const void *solver,
 static ehd_status restore_previous(previous_state *previous, const contact_frame *frame,
                                    const double *source, const ehd_grid *grid, ehd_error *error) {
     size_t num_nodes = grid->num_nodes;
+
+    for (size_t i = 0; i < NUM_STATE_SCALARS + 2 * num_nodes; i++)
+        if (!isfinite(source[i]))
+            return ehd_fail(error, EHD_DATA, "saved state: found %g, expected finite values",
+                            source[i]);
+    if (!frame_is_valid(frame))
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found a frame of half width %g, expected a contact's",
+                        frame->half_width);
 
     if (!(source[1] > 1 && source[1] < (double)num_nodes))
         return ehd_fail(error, EHD_DATA,

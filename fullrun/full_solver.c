@@ -250,6 +250,11 @@ static double row_magnitude(const full_solver *self, size_t r) {
     return fmax(fmax(largest, film), fabs(approach));
 }
 
+/* The larger magnitude, or the one that is not a number. */
+static double larger(double magnitude, double other) {
+    return isnan(other) || fabs(other) > magnitude ? fabs(other) : magnitude;
+}
+
 /* Scales the rows and returns the largest scaled residual of passive rows and closure. */
 static double scale_rows(full_solver *self, const full_state *state,
                          const contact_closure *closure) {
@@ -258,11 +263,11 @@ static double scale_rows(full_solver *self, const full_state *state,
     for (size_t r = 0; r < self->grid.num_inner; r++) {
         self->row_scale[r] = 1 / row_magnitude(self, r);
         if (full_has_pressure(state, grid_node_of_row(&self->grid, r)))
-            largest = fmax(largest, fabs(self->rows[r].residual * self->row_scale[r]));
+            largest = larger(largest, self->rows[r].residual * self->row_scale[r]);
     }
     if (!isnan(state->exit_offset)) {
         double scale = self->row_scale[row_of_exit(state, &self->grid)];
-        largest = fmax(largest, fabs(self->cell.flux_residual * scale));
+        largest = larger(largest, self->cell.flux_residual * scale);
     }
     return largest;
 }

@@ -93,7 +93,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
         self->nodes[k] = grid_x(grid, k);
     if (across) set_line_positions(self);
     if (reference->transport != TRANSPORT_PATH) return EHD_OK;
-    ehd_status status = path_filter_init(&self->filter, grid, reference->smoothing, error);
+    ehd_status status = path_filter_init(&self->filter, grid, path_filter_length(reference), error);
     if (status) previous_carrier_free(self);
     return status;
 }

@@ -23,26 +23,17 @@ static double film_at(const void *film, size_t node) {
     return ((const double *)film)[node];
 }
 
-/* Whether no node beside is lower. */
-static bool is_lowest_around(const double *film, const ehd_grid *grid, size_t node) {
-    const size_t width = grid_width(grid);
-
-    if (film[node] > film[node - 1] || film[node] > film[node + 1]) return false;
-    if (grid->inner_lines == 1) return true;
-    return film[node] <= film[node + width] && (node < width || film[node] <= film[node - width]);
-}
-
-/* Smallest film: interpolated around all nodes that are the lowest around, of which the smallest
- * one need not be where the film is smallest. */
+/* Smallest film: interpolated around the smallest node. Of a line around all nodes that are lower
+ * than those beside them: the smallest one need not be in the deepest valley. */
 static double smallest_film(const double *film, const ehd_grid *grid) {
-    double smallest = INFINITY;
+    size_t lowest = grid_node_of_row(grid, 0);
 
-    for (size_t r = 0; r < grid->num_inner; r++) {
-        const size_t k = grid_node_of_row(grid, r);
-        smallest = fmin(smallest, film[k]);
-        if (is_lowest_around(film, grid, k))
+    for (size_t r = 1; r < grid->num_inner; r++)
+        if (film[grid_node_of_row(grid, r)] < film[lowest]) lowest = grid_node_of_row(grid, r);
+    double smallest = minimum_around(grid, lowest, film_at, film);
+    for (size_t k = 1; k <= grid->num_inner && grid->inner_lines == 1; k++)
+        if (film[k] <= film[k - 1] && film[k] <= film[k + 1])
             smallest = fmin(smallest, minimum_around(grid, k, film_at, film));
-    }
     return smallest;
 }
 

@@ -347,7 +347,6 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
     return status;
 }
 
-/* Leaves only the points that the basis was trained on. */
 /* The trajectories are repeated as they were trained. */
 static ehd_status check_transport(const reduced_basis *basis, const char *basis_path,
                                   const ehd_contact *contact, const char *plan_path,
@@ -358,6 +357,7 @@ static ehd_status check_transport(const reduced_basis *basis, const char *basis_
                     basis_path);
 }
 
+/* Leaves only the points that the basis was trained on. */
 static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
                                const char *basis_path, ehd_error *error) {
     bool *keep = calloc(set->num_points + 1, sizeof *keep);

@@ -162,7 +162,7 @@ typedef struct ehd_contact {
     double entrainment; // 1, U there, not negative; 1 when stationary
     contact_closure closure;
     ehd_transport transport; // in time
-    double smoothing;        // half widths, of films carried along their paths: path_filter.h
+    double smoothing;        // half widths, of films carried along their paths; NaN: as usual
     double approach_length;  // reference half widths; 1: the half width, as in eq. 4 there
     double hertz_pressure;   // Pa
     double moes_M, moes_L;   // 1

@@ -23,13 +23,9 @@ ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, 
 
 /* How films are carried, on the contact's grid. */
 static void set_transport(ehd_contact *contact, const scene *given) {
-    // measured on the paper's transient case (../time/README.md): with less a reduced model takes more
-    // modes, with more the central film is more than 1.5 % off at fronts
-    const double usual = fmax(0.014, 1.4 * contact->grid.step);
-
     contact->transport = TRANSPORT_UPWIND;
     transport_find(&contact->transport, given->transport); // a choice, or none when stationary
-    contact->smoothing = isnan(given->transient.smoothing) ? usual : given->transient.smoothing;
+    contact->smoothing = given->transient.smoothing;
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {

@@ -23,6 +23,12 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
     return frame;
 }
 
+bool frame_is_valid(const contact_frame *frame) {
+    return isfinite(frame->time) && isfinite(frame->path) && frame->speed >= 0 && frame->load > 0 &&
+           frame->radius > 0 && frame->modulus > 0 && frame->half_width > 0 &&
+           frame->hertz_pressure > 0 && frame->film_scale > 0 && isfinite(frame->film_scale);
+}
+
 contact_frame frame_of_load(const contact_kind *kind, const contact_frame *frame, double ratio) {
     const double values[NUM_VARY] = {[VARY_LOAD] = frame->load * ratio,
                                      [VARY_SPEED] = frame->speed,

@@ -5,6 +5,7 @@
 #define EHD_FRAME_H
 
 #include "common/physics/contact.h"
+#include <stdbool.h>
 
 /* What holds at one time, relative to the reference. */
 typedef struct contact_frame {
@@ -24,6 +25,9 @@ typedef struct contact_frame {
  * NaN where the load is given. The path is left at zero. */
 contact_frame frame_at(const contact_kind *kind, double time, const double *values,
                        double approach);
+
+/* Whether a frame may be one of frame_at: of what a file says. */
+bool frame_is_valid(const contact_frame *frame);
 
 /* The reference contact as it is in the frame: lambda, Hertz pressure, U, Moes numbers, closure.
  * Moes M grows beyond all bounds as the speed goes to zero and is cut at 1e5. */

@@ -10,6 +10,7 @@
 #include <string.h>
 
 const double march_exit_margin = 0.1;
+const double march_short_path = 0.25;
 
 /* Local errors add up over the hundreds of steps that a film takes through the contact. What a step
  * may make is the tolerance by this, measured on a film that follows a load of period 1/2: its

@@ -24,6 +24,12 @@ typedef struct march_step {
     double residual;
 } march_step;
 
+/* Path of a step along which films are carried, half widths, up to which a film takes up the errors
+ * of many steps on its way to the centre. Longer steps make the film that they find there, and its
+ * error is that of the step. Without the difference a slow ramp of the load by 8 % ended 1.7 % off
+ * in 18 steps; with it 0.14 % off in 396, of a tolerance of 0.15 %. */
+extern const double march_short_path;
+
 /* The local error is looked at up to this far before the exit boundary, in half widths: nearer to
  * it, the exit's moves by whole nodes make a noise that no shorter step takes away. */
 extern const double march_exit_margin;

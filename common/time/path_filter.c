@@ -2,10 +2,13 @@
 #include "common/time/path_filter.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { ORDER = PATH_FILTER_ORDER, BAND = ORDER + 1 };
+
+static const double MOST_STEPS = 50; // of the length: at 56 rounding leaves no factor
 
 /* Weight of the squared difference about a place: at k h << 1 the difference is (k h)^ORDER. */
 static double weight_at(const ehd_grid *grid, double x, double y, double length) {
@@ -26,8 +29,9 @@ static void assemble(double *matrix, const double *weight, size_t width) {
                 matrix[(i + a) * BAND + (a - b)] += weight[i] * binomial[a] * binomial[b];
 }
 
-/* Replaces the matrix by its factor L, M = L L'; the diagonal holds the reciprocals. */
-static void factorise(double *matrix, size_t width) {
+/* Replaces the matrix by its factor L, M = L L'; the diagonal holds the reciprocals. False: rounding
+ * leaves none, the length being too many steps. */
+static bool factorise(double *matrix, size_t width) {
     for (size_t i = 0; i < width; i++) {
         double *row = matrix + i * BAND;
         for (size_t back = i < ORDER ? i : ORDER; back > 0; back--) {
@@ -38,8 +42,14 @@ static void factorise(double *matrix, size_t width) {
         }
         for (size_t k = 1; k <= ORDER && k <= i; k++)
             row[0] -= row[k] * row[k];
+        if (!(row[0] > 0)) return false;
         row[0] = 1 / sqrt(row[0]);
     }
+    return true;
+}
+
+double path_filter_length(const ehd_contact *contact) {
+    return isnan(contact->smoothing) ? fmax(0.014, 1.4 * contact->grid.step) : contact->smoothing;
 }
 
 ehd_status path_filter_init(path_filter *self, const ehd_grid *grid, double length,
@@ -61,7 +71,11 @@ ehd_status path_filter_init(path_filter *self, const ehd_grid *grid, double leng
             weight[i] = weight_at(grid, (grid_x(grid, i) + grid_x(grid, i + ORDER)) / 2,
                                   grid_y(grid, l * width), length);
         assemble(self->factor + l * width * BAND, weight, width);
-        factorise(self->factor + l * width * BAND, width);
+        if (factorise(self->factor + l * width * BAND, width)) continue;
+        path_filter_free(self);
+        return ehd_fail(error, EHD_DATA,
+                        "transient.smoothing: found %g, expected at most about %g on steps of %g",
+                        length, MOST_STEPS * grid->step, grid->step);
     }
     return EHD_OK;
 }

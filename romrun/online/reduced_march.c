@@ -2,6 +2,7 @@
 #include "romrun/online/reduced_march.h"
 
 #include "common/program/program.h"
+#include "common/time/path_filter.h"
 #include "common/time/saved_ring.h"
 #include "romrun/online/fields.h"
 
@@ -119,7 +120,7 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
             error, EHD_DATA,
             "transport: found path with a point contact, expected upwind in the reduced "
             "model");
-    ehd_status status = path_films_init(&self->path, self->splines, reference->smoothing,
+    ehd_status status = path_films_init(&self->path, self->splines, path_filter_length(reference),
                                         reference->lubricant.density != NULL, error);
     return status ? status : previous_film_init(&self->base, self->model, error);
 }
@@ -500,9 +501,10 @@ static double error_on_the_way(const reduced_march *self, double step) {
 
 /* Local error, relative to the central film, as the march takes it (march.h), away from the exit. */
 static double local_error(reduced_march *self, double central_film, double step) {
+    const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
+
     find_error_end(self);
-    return self->formula.error *
-           (is_along_path(self) ? error_on_the_way(self, step) : largest_error(self)) /
+    return self->formula.error * (on_the_way ? error_on_the_way(self, step) : largest_error(self)) /
            central_film;
 }
 

@@ -200,6 +200,24 @@ static void tolerance_holds(void **state) {
     }
 }
 
+/* Films along the path come to rest where a slow load does: steps longer than the way of a film are
+ * as exact as the tolerance asks for. */
+static void a_slow_ramp_along_the_path_ends_at_rest(void **state) {
+    static const char transient[] =
+        "end_time: 60, load: {law: ramp, from: 1, to: 1.08, start: 0.5, duration: 40}";
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        scene of = usual_scene(transient);
+        strcpy(of.transport, i == 0 ? "path" : "upwind");
+        of.transient.tolerance = i == 0 ? 1.5e-3 : 1e-4;
+        marched_all(i == 0 ? &first : &second, &of);
+    }
+    check_close(last_of(&first, first.film), last_of(&second, second.film), 3e-3, 0);
+    assert_true(first.count > 30);
+    marched_end(&first);
+    marched_end(&second);
+}
+
 /* The exit lies within its node: where a grid of a quarter of the step has it, while the film
  * follows its load through the contact. */
 static void the_exit_lies_within_its_node(void **state) {
@@ -730,6 +748,7 @@ int main(void) {
         cmocka_unit_test(start_is_the_stationary_contact),
         cmocka_unit_test(fixed_steps_are_of_second_order),
         cmocka_unit_test(fixed_steps_of_a_point_contact),
+        cmocka_unit_test(a_slow_ramp_along_the_path_ends_at_rest),
         cmocka_unit_test(the_exit_lies_within_its_node),
         cmocka_unit_test(tolerance_holds),
         cmocka_unit_test(local_error_is_that_before_the_exit),

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static ehd_grid line_grid(double step) {
     return grid_of(-2, step, (size_t)round(4 / step) + 1, 1, false, DISCRETIZATION_ACCURATE);
@@ -109,8 +110,22 @@ static void survives_failing_allocations(void **state) {
     }
 }
 
+static void a_length_of_too_many_steps_is_refused(void **state) {
+    (void)state;
+    ehd_error error = {""};
+    const ehd_grid grid = grid_of(-4, 0.005, 1201, 1, false, DISCRETIZATION_ACCURATE);
+    path_filter filter;
+
+    assert_int_equal(path_filter_init(&filter, &grid, 0.25, &error), EHD_OK);
+    path_filter_free(&filter);
+    assert_int_equal(path_filter_init(&filter, &grid, 0.5, &error), EHD_DATA);
+    assert_non_null(
+        strstr(error.text, "transient.smoothing: found 0.5, expected at most about 0.25"));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_length_of_too_many_steps_is_refused),
         cmocka_unit_test(polynomials_of_degree_four_pass),
         cmocka_unit_test(waves_shorter_than_the_length_are_damped),
         cmocka_unit_test(the_sum_is_kept_and_the_rim_left_alone),
