@@ -689,10 +689,11 @@ static void refuses_bad_histories(void **state) {
     refuses_moving("transient: {load: sine}\n",
                    "transient.load: found a value, expected keys below "
                    "it: transient.load.law, transient.load.ampl");
-    refuses_moving("transient: 1\n", "expected keys below it: transient.end_time, "
-                                     "transient.tolerance, transient.smoothing, transient.fixed_step, "
-                                     "transient.start_film, transient.load, transient.speed, "
-                                     "transient.radius, transient.modulus, transient.approach");
+    refuses_moving("transient: 1\n",
+                   "expected keys below it: transient.end_time, "
+                   "transient.tolerance, transient.smoothing, transient.fixed_step, "
+                   "transient.start_film, transient.load, transient.speed, "
+                   "transient.radius, transient.modulus, transient.approach");
     refuses_moving("transient: {load: {interpolation: cubic}}\n", "found cubic, expected spline|");
     refuses_moving("transient: {end_time: 0}\n", "transient.end_time: found 0, expected a number");
     refuses_moving("transient: {start_film: 1.5}\n", "transient.start_film: found 1.5");
