@@ -768,7 +768,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     memcpy(&rest, behind, sizeof rest);
     self->last_load_frame = rest.load_frame;
     drop_factors(self);
-    if (status || rest.valid != 1) return status;
+    if (rest.valid != 1) return EHD_OK;
     status = restore_state(&self->factors.state, behind + NUM_REST, self->model, error);
     if (status) return status;
     self->factors.frame = rest.frame;
