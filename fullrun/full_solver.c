@@ -633,8 +633,11 @@ static double place_of_exit(const full_solver *self, double entrainment,
     if (!exit_is_within_node(&self->grid) || state->exit < 4 ||
         state->exit + 1 >= self->grid.num_nodes)
         return NAN;
-    return exit_place(&self->grid, entrainment, squeeze ? &around : NULL, &self->stencils[r],
-                      &self->fluid, state->pressure, state->film);
+    const double flux = reynolds_flux(&self->grid, entrainment, &self->stencils[r], &self->fluid,
+                                      state->pressure, state->film)
+                            .residual;
+    return exit_place(&self->grid, entrainment, flux, squeeze ? &around : NULL, &self->stencils[r],
+                      &self->fluid, state->film);
 }
 
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,

@@ -214,11 +214,10 @@ static flow taken_up_to(double t, const reynolds_squeeze *squeeze, const reynold
                   rate[1] + t * ((1 - t) * back + t * ahead) + part * (ahead - back)};
 }
 
-double exit_place(const ehd_grid *grid, double entrainment, const reynolds_squeeze *squeeze,
-                  const reynolds_stencil *stencil, const reynolds_fluid *fluid,
-                  const double *pressure, const double *film) {
+double exit_place(const ehd_grid *grid, double entrainment, double flux,
+                  const reynolds_squeeze *squeeze, const reynolds_stencil *stencil,
+                  const reynolds_fluid *fluid, const double *film) {
     const int num_steps = 6; // of Newton, for the zero of nearly a line
-    const double flux = reynolds_flux(grid, entrainment, stencil, fluid, pressure, film).residual;
     double place = 0.5;
 
     for (int i = 0; i < num_steps; i++) {

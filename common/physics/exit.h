@@ -73,8 +73,8 @@ void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
  * an exit at a node, and at most a half beyond. NaN where the film does not rise there. */
 double exit_place(
     const ehd_grid *grid, double entrainment,
+    double flux,                     // through the half node before
     const reynolds_squeeze *squeeze, // with the previous of BACK, HERE, AHEAD; NULL when stationary
-    const reynolds_stencil *stencil, const reynolds_fluid *fluid, const double *pressure,
-    const double *film);
+    const reynolds_stencil *stencil, const reynolds_fluid *fluid, const double *film);
 
 #endif

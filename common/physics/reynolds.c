@@ -238,13 +238,15 @@ static reynolds_link exponential_link(const mobility *before, const mobility *af
 static reynolds_link link_with_middle(const mobility *before, const mobility *after,
                                       const ehd_contact *contact) {
     mobility middle = {.pressure = (before->pressure + after->pressure) / 2};
-    double memory[NUM_FLUID_ARRAYS];
-    reynolds_fluid fluid = reynolds_fluid_in(memory, 1, contact);
+    const bool compressible = contact->lubricant.density != NULL;
+    double density = 1, density_slope = 0;
+    reynolds_fluid fluid = {.mobility = &middle.value,
+                            .mobility_slope = &middle.slope,
+                            .log_mobility = &middle.logarithm,
+                            .density = compressible ? &density : NULL,
+                            .density_slope = compressible ? &density_slope : NULL};
 
     reynolds_fluid_evaluate(&fluid, contact, &middle.pressure, 1);
-    middle.value = *fluid.mobility;
-    middle.slope = *fluid.mobility_slope;
-    middle.logarithm = *fluid.log_mobility;
     const reynolds_link whole = exponential_link(before, after);
     const reynolds_link first = exponential_link(before, &middle);
     const reynolds_link second = exponential_link(&middle, after);

@@ -42,9 +42,6 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     const double tolerance = given->transient.tolerance;
     march_settings settings = {.end_time = given->transient.end_time,
                                .tolerance = path ? tolerance : tolerance / PASSAGE,
-                               .most = path ? PATH_NOISE : PASSAGE,
-                               .order = path ? 2 : 3,
-                               .gradual = path,
                                .fixed_step = given->transient.fixed_step,
                                .approach_given = strcmp(given->closure, "approach") == 0,
                                .reference_approach = reference_approach};
@@ -165,6 +162,20 @@ static double min_step(const march *self) {
     return fmax(MIN_STEP * self->settings.first_step, ROUNDING * self->state.time);
 }
 
+static bool is_along_path(const march *self) {
+    return self->reference->transport == TRANSPORT_PATH;
+}
+
+/* Tolerances above which nothing is accepted, by whatever noise. */
+static double most_error(const march *self) {
+    return is_along_path(self) ? PATH_NOISE : PASSAGE;
+}
+
+/* Order in the step of what the tolerance is on. */
+static double error_order(const march *self) {
+    return is_along_path(self) ? 2 : 3;
+}
+
 /* Where a step is shorter than the one tried before and its error not even less by as much, what is
  * left is the solver's own noise, of exits that move by whole nodes, which no shorter one takes
  * away: then that much more is accepted, for some steps, and then it is tried again. Not more than
@@ -174,34 +185,34 @@ static void watch_noise(march *self, const march_step *outcome) {
     double error = outcome->local_error, tolerance = self->settings.tolerance;
     bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
 
-    if (state->rejected_step > 0 && hardly_less && error <= self->settings.most * tolerance)
+    if (state->rejected_step > 0 && hardly_less && error <= most_error(self) * tolerance)
         state->noise = fmax(state->noise, error);
 }
 
 static double accepted_error(const march *self) {
     double tolerance = self->settings.tolerance;
 
-    return fmin(fmax(tolerance, 2 * self->state.noise), self->settings.most * tolerance);
+    return fmin(fmax(tolerance, 2 * self->state.noise), most_error(self) * tolerance);
 }
 
 /* Along the path no step is shortened beyond it. */
 static double shortest_step(const march *self, const contact_frame *frame) {
-    return self->settings.gradual ? SHORTEST_PATH * self->reference->grid.step /
-                                        fmax(frame->speed / frame->half_width, 1)
-                                  : 0;
+    return is_along_path(self) ? SHORTEST_PATH * self->reference->grid.step /
+                                     fmax(frame->speed / frame->half_width, 1)
+                               : 0;
 }
 
 /* The fixed step, or on the way to it twice the last one. */
 static double fixed_step_after(const march *self, const march_step *outcome) {
     double fixed = self->settings.fixed_step;
 
-    return self->settings.gradual ? fmin(fixed, MAX_GROWTH * outcome->step) : fixed;
+    return is_along_path(self) ? fmin(fixed, MAX_GROWTH * outcome->step) : fixed;
 }
 
 static double next_step(const march *self, const march_step *outcome) {
     if (!isnan(self->settings.fixed_step)) return fixed_step_after(self, outcome);
     double relative = outcome->local_error / accepted_error(self);
-    double factor = relative > 0 ? SAFETY * pow(relative, -1 / self->settings.order) : MAX_GROWTH;
+    double factor = relative > 0 ? SAFETY * pow(relative, -1 / error_order(self)) : MAX_GROWTH;
     return outcome->step * fmin(fmax(factor, MIN_SHRINK), MAX_GROWTH);
 }
 

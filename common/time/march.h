@@ -65,9 +65,6 @@ typedef struct march_settings {
     double end_time;
     double tolerance;  // on the local error of one step, or on what a film takes up; NaN with a
                        // fixed step
-    double most;       // tolerances above which nothing is accepted, by whatever noise
-    double order;      // in the step, of what the tolerance is on
-    bool gradual;      // the first steps, also fixed ones, grow from a short one
     double fixed_step; // NaN: steps by the local error
     double first_step; // after the start and after a jump
     bool approach_given;

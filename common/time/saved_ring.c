@@ -4,6 +4,19 @@
 #include <math.h>
 #include <string.h>
 
+ehd_status saved_frame(contact_frame *frame, const double *saved, size_t size, ehd_error *error) {
+    memcpy(frame, saved, sizeof *frame);
+    if (!frame_is_valid(frame))
+        return ehd_fail(error, EHD_DATA,
+                        "saved state: found a frame of half width %g, expected a contact's",
+                        frame->half_width);
+    for (size_t i = NUM_FRAME; i < NUM_FRAME + size; i++)
+        if (!isfinite(saved[i]))
+            return ehd_fail(error, EHD_DATA, "saved state: found %g, expected finite values",
+                            saved[i]);
+    return EHD_OK;
+}
+
 size_t ring_saved_size(const saved_states *states) {
     return 1 + BDF_PREVIOUS * (NUM_FRAME + states->size);
 }
@@ -29,8 +42,8 @@ ehd_status ring_restore(bdf_ring *ring, void *self, const double *saved, const s
     for (size_t i = 0; i < (size_t)count; i++, saved += NUM_FRAME + states->size) {
         size_t place = ring->place[i + 1];
         contact_frame frame;
-        memcpy(&frame, saved, sizeof frame);
-        ehd_status status = states->restore(self, place, &frame, saved + NUM_FRAME, error);
+        ehd_status status = saved_frame(&frame, saved, states->size, error);
+        if (!status) status = states->restore(self, place, &frame, saved + NUM_FRAME, error);
         if (status) return status;
         ring->time[place] = frame.time;
     }

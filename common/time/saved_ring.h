@@ -21,6 +21,10 @@ typedef struct saved_states {
 enum { NUM_FRAME = sizeof(contact_frame) / sizeof(double) };
 _Static_assert(sizeof(contact_frame) == NUM_FRAME * sizeof(double), "a frame is doubles alone");
 
+/* The frame at the front of a saved state, behind which there are `size` numbers. EHD_DATA: it is no
+ * frame, or a number is not finite. */
+ehd_status saved_frame(contact_frame *frame, const double *saved, size_t size, ehd_error *error);
+
 /* Numbers of all states: how many count, and each with its frame. */
 size_t ring_saved_size(const saved_states *states);
 

@@ -313,8 +313,8 @@ ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
 
 static ehd_status read_open_basis(reduced_basis *basis, artefact *file, ehd_error *error) {
     ehd_status status = grid_read(&basis->grid, &basis->kind, file, error);
-    if (!status) status = transport_read(&basis->transport, file, error);
 
+    if (!status) status = transport_read(&basis->transport, file, error);
     if (!status) status = deformation_read(&basis->deformation, file, error);
     if (status) return status;
     basis->num_pressure = artefact_length(file, "pressure_mode");

@@ -286,20 +286,19 @@ bool exits_find_cell(exit_search *self, node_state *nodes, reduced_state *state,
                      const ehd_contact *contact, double flux) {
     const exit_query query = {
         .search = self, .nodes = nodes, .z = state->coordinates, .contact = contact};
-    const reduced_model *model = self->model;
-    const int most_steps = 5; // of Newton for the place where the film carries the flux
-    bool known = !isnan(state->exit_offset);
+    const ehd_grid *grid = &self->model->grid;
     band_stencil around;
 
-    if (state->exit < first_exit(model)) return false;
+    if (state->exit < first_exit(self->model)) return false;
     expand_cell(&around, &query, state->exit - 1);
-    if (!known) state->exit_offset = 0.5;
-    for (int i = 0; i <= (known ? 0 : most_steps); i++) {
-        if (i > 0)
-            state->exit_offset = fmin(fmax(state->exit_offset + self->cell.offset.residual, 0), 1);
-        exit_cell_at(&self->cell, &model->grid, contact->entrainment, state->exit_offset, flux,
-                     &around.stencil, &around.fluid, around.pressure, around.film);
+    if (isnan(state->exit_offset)) {
+        const double place = exit_place(grid, contact->entrainment, flux, NULL, &around.stencil,
+                                        &around.fluid, around.film);
+        if (isnan(place)) return false;
+        state->exit_offset = fmin(fmax(place, 0), 1);
     }
+    exit_cell_at(&self->cell, grid, contact->entrainment, state->exit_offset, flux, &around.stencil,
+                 &around.fluid, around.pressure, around.film);
     if (self->cell.curvature > 0) return true;
     state->exit_offset = NAN;
     return false;
@@ -319,8 +318,11 @@ double exits_place(exit_search *self, node_state *nodes, const reduced_state *st
     for (size_t i = 0; squeeze && i < 3; i++)
         previous[i] = squeeze->previous_at(squeeze->context, node - 1 + i);
     const reynolds_squeeze here = {squeeze ? squeeze->rate : 0, previous};
-    return exit_place(&model->grid, contact->entrainment, squeeze ? &here : NULL, &around.stencil,
-                      &around.fluid, around.pressure, around.film);
+    const double flux = reynolds_flux(&model->grid, contact->entrainment, &around.stencil,
+                                      &around.fluid, around.pressure, around.film)
+                            .residual;
+    return exit_place(&model->grid, contact->entrainment, flux, squeeze ? &here : NULL,
+                      &around.stencil, &around.fluid, around.film);
 }
 
 bool exits_move_cell(reduced_state *state, const reduced_model *model, double change) {

@@ -750,8 +750,8 @@ static void save(double *saved, const void *solver) {
 
 static ehd_status restore_base(reduced_march *self, const double *saved, ehd_error *error) {
     if (!is_along_path(self)) return EHD_OK;
-    memcpy(&self->base.frame, saved, sizeof self->base.frame);
-    ehd_status status = restore_state(&self->base.state, saved + NUM_FRAME, self->model, error);
+    ehd_status status = saved_frame(&self->base.frame, saved, saved_state_size(self->model), error);
+    if (!status) status = restore_state(&self->base.state, saved + NUM_FRAME, self->model, error);
     if (!status) use_base(self);
     return status;
 }

@@ -36,8 +36,8 @@ typedef struct reduced_state {
     double *coordinates; // [num_unknowns]
     size_t exit;         // column on the line where Y = 0; of a line contact a grid node
     size_t *exits;       // [num_lines] columns on all lines of the grid; NULL on a line contact
-    // where the exit lies within a node: its distance from the node before `exit` in steps, 0 to 1;
-    // NaN: at a node, or not known yet
+    // where the exit lies within a node: its distance from the node before `exit` in steps, 0 to 1,
+    // in time as exit_place has it; NaN: at a node, or not known yet
     double exit_offset;
 } reduced_state;
 

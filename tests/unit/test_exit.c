@@ -277,8 +277,10 @@ static double place_off(double exit, double rise, double fall, bool in_time) {
         previous[i] = -fall - rate * film[last - 1 + i];
     const reynolds_squeeze squeeze = {rate, previous};
     const reynolds_stencil stencil = reynolds_stencil_at(&contact.grid, last);
-    const double place = exit_place(&contact.grid, entrainment, in_time ? &squeeze : NULL, &stencil,
-                                    &fluid, pressure, film);
+    const double flux =
+        reynolds_flux(&contact.grid, entrainment, &stencil, &fluid, pressure, film).residual;
+    const double place = exit_place(&contact.grid, entrainment, flux, in_time ? &squeeze : NULL,
+                                    &stencil, &fluid, film);
     return place - (exit - grid_x(&contact.grid, last)) / step;
 }
 

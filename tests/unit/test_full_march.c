@@ -2,6 +2,7 @@
 /* The full model in time, on a coarse grid. */
 #include "common/settings/scene_contact.h"
 #include "common/time/bdf.h"
+#include "common/time/saved_ring.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/marched.h"
@@ -575,6 +576,10 @@ static void bad_saves_are_refused(void **state) {
         assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
         assert_non_null(strstr(error.text, "previous states"));
     }
+    saved[0] = 3;
+    saved[1 + NUM_FRAME + 20] = NAN; // of the first state
+    assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "expected finite values"));
     memset(saved, 0, size * sizeof *saved);
     saved[0] = 3;
     assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reduced march of a line contact along the path of the fluid. */
 #include "fullrun/full_march.h"
-#include "romrun/online/reduced_march.h"
-#include "tests/unit/reduced_problem.h"
+#include "tests/unit/marching.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,16 +35,6 @@ static int tear_down(void **state) {
     return 0;
 }
 
-/* A march with what it takes. */
-typedef struct marching {
-    ehd_contact reference;
-    reduced_model model;
-    film_splines splines;
-    reduced_march *march;
-    march_solver solver;
-    march_step last;
-} marching;
-
 /* Load and speed swing, so that a step's path does; T counts from where both are 1. */
 static contact_frame frame_after(double time, double swing) {
     const double phase = 2 * M_PI * time / 0.5;
@@ -59,27 +48,13 @@ static contact_frame frame_after(double time, double swing) {
 
 static void marching_init(marching *self, const reduced_basis *of, bool compressible) {
     const contact_frame frame = frame_after(0, 1);
+    ehd_contact contact = training.contacts[STATE];
 
-    self->reference = training.contacts[STATE];
-    self->reference.grid = of->grid;
-    self->reference.transport = TRANSPORT_PATH;
-    self->reference.smoothing = 0.1;
-    if (!compressible) self->reference.lubricant.density = NULL;
-    check_ok(reduced_model_build(&self->model, of, NULL, 0, &error));
-    self->model.transport = TRANSPORT_PATH;
-    check_ok(film_splines_build(&self->splines, &self->model, of->pressure, of->deformation_modes,
-                                &error));
-    check_ok(reduced_march_create(&self->march, &self->model, &self->splines, &self->reference,
-                                  &strict_settings, &error));
-    self->solver = reduced_march_solver(self->march);
-    check_ok(self->solver.start(&self->last, self->solver.self, &frame, &error));
+    contact.transport = TRANSPORT_PATH;
+    contact.smoothing = 0.1;
+    if (!compressible) contact.lubricant.density = NULL;
+    marching_start(self, &contact, of, &frame);
     assert_int_not_equal(self->last.status, EHD_NOT_CONVERGED);
-}
-
-static void marching_free(marching *self) {
-    reduced_march_free(self->march);
-    film_splines_free(&self->splines);
-    reduced_model_free(&self->model);
 }
 
 static void step_on(march_step *last, const march_solver *solver, const contact_frame *frame,

@@ -2,8 +2,7 @@
 /* The reduced march of a point contact, whose exit is a line. */
 #include "fullrun/full_march.h"
 #include "romrun/online/fields.h"
-#include "romrun/online/reduced_march.h"
-#include "tests/unit/reduced_problem.h"
+#include "tests/unit/marching.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,16 +45,6 @@ static reduced_basis nodes_basis(void) {
     return nodes;
 }
 
-/* A march with what it takes. */
-typedef struct marching {
-    ehd_contact reference;
-    reduced_model model;
-    film_splines splines;
-    reduced_march *march;
-    march_solver solver;
-    march_step last;
-} marching;
-
 static contact_frame frame_under(double load, double time) {
     return frame_at(&contact_point, time, (double[]){load, 1, 1, 1}, NAN);
 }
@@ -64,22 +53,8 @@ static contact_frame frame_under(double load, double time) {
 static void marching_init(marching *self, const reduced_basis *of) {
     const contact_frame frame = frame_under(1, 0);
 
-    self->reference = training.contacts[STATE];
-    self->reference.grid = of->grid;
-    check_ok(reduced_model_build(&self->model, of, NULL, 0, &error));
-    check_ok(film_splines_build(&self->splines, &self->model, of->pressure, of->deformation_modes,
-                                &error));
-    check_ok(reduced_march_create(&self->march, &self->model, &self->splines, &self->reference,
-                                  &strict_settings, &error));
-    self->solver = reduced_march_solver(self->march);
-    check_ok(self->solver.start(&self->last, self->solver.self, &frame, &error));
+    marching_start(self, &training.contacts[STATE], of, &frame);
     assert_int_equal(self->last.status, EHD_OK);
-}
-
-static void marching_free(marching *self) {
-    reduced_march_free(self->march);
-    film_splines_free(&self->splines);
-    reduced_model_free(&self->model);
 }
 
 /* An accepted step; contacts that change are none of training, which is not what is looked at

@@ -37,7 +37,13 @@ static counter after_steps(int count) {
 
     for (int i = 1; i <= count; i++) {
         size_t place = self.ring.place[0];
-        self.frames[place] = (contact_frame){.time = i, .load = 10 * i};
+        self.frames[place] = (contact_frame){.time = i,
+                                             .load = 10 * i,
+                                             .radius = 1,
+                                             .modulus = 1,
+                                             .half_width = 1,
+                                             .hertz_pressure = 1,
+                                             .film_scale = 1};
         self.states[place][0] = i;
         self.states[place][1] = -i;
         bdf_ring_accept(&self.ring, i);
@@ -94,11 +100,25 @@ static void a_state_that_is_refused_leaves_none(void **state) {
     assert_int_equal(after.ring.num_previous, 0);
 }
 
+static void a_frame_that_is_none_is_refused(void **state) {
+    counter before = after_steps(BDF_PREVIOUS), after = after_steps(2);
+    double saved[SAVED];
+    ehd_error error;
+    (void)state;
+
+    before.frames[before.ring.place[2]].half_width = -1;
+    ring_save(saved, &before.ring, &states, &before);
+    assert_int_equal(ring_restore(&after.ring, &after, saved, &states, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "half width -1"));
+    assert_int_equal(after.ring.num_previous, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(states_come_back_in_their_order),
         cmocka_unit_test(numbers_that_are_no_states_are_refused),
         cmocka_unit_test(a_state_that_is_refused_leaves_none),
+        cmocka_unit_test(a_frame_that_is_none_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A march of a reduced model with all rows, for tests of transients. */
+#ifndef EHD_MARCHING_H
+#define EHD_MARCHING_H
+
+#include "romrun/online/reduced_march.h"
+#include "tests/unit/reduced_problem.h"
+
+/* A march with what it takes. */
+typedef struct marching {
+    ehd_contact reference;
+    reduced_model model; // trained as the contact is carried
+    film_splines splines;
+    reduced_march *march;
+    march_solver solver;
+    march_step last;
+} marching;
+
+/* A contact on the basis' grid, started in a frame. Fails on errors; the outcome is in `last`. */
+void marching_start(
+    // output:
+    marching *self, // free with marching_free
+    // input:
+    const ehd_contact *contact, const reduced_basis *of, const contact_frame *frame);
+void marching_free(marching *self);
+
+#endif
