@@ -738,7 +738,7 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
     const bool compressible = reference->lubricant.density != NULL;
     const double x = grid_x(&model->grid, node);
     const double *differences[BDF_PREVIOUS] = {NULL};
-    path_points before = {{0}}, here = {{0}};
+    path_points before = {.x = {0}}, here = {.x = {0}};
 
     find_points(&before, true, compressible, films, num_films, x, now, model, splines, base);
     find_points(&here, false, true, films, num_films, x, now, model, splines, base);
