@@ -29,6 +29,8 @@ struct full_march {
     bool *noisy;                // [num_nodes] left out of the local error
     double *mass[BDF_PREVIOUS]; // [num_nodes] rho H of previous states at the inner nodes
     double *previous;           // [num_nodes] their sum with the formula's weights
+    double *taken_up;           // [num_nodes] errors in rho H of the last attempt's film
+    double *film;               // [num_nodes] that film without them; scratch
     full_march_effort effort;
     char reason[JUDGE_REASON];
     arena memory; // of the arrays of nodes
@@ -47,7 +49,7 @@ full_march *full_march_free(full_march *self) {
 }
 
 double full_march_bytes(const ehd_contact *reference) {
-    const double own = (BDF_PREVIOUS + 2) * sizeof(double) + sizeof(bool);
+    const double own = (BDF_PREVIOUS + 4) * sizeof(double) + sizeof(bool);
 
     return full_solver_bytes(&reference->grid) + previous_bytes(reference, BDF_PREVIOUS + 2) +
            own * (double)reference->grid.num_nodes;
@@ -79,6 +81,8 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->previous = arena_array(memory, num_nodes, sizeof(double));
     self->noisy = arena_array(memory, num_nodes, sizeof *self->noisy);
     self->entrained = arena_array(memory, num_nodes, sizeof(double));
+    self->taken_up = arena_array(memory, num_nodes, sizeof(double));
+    self->film = arena_array(memory, num_nodes, sizeof(double));
     for (size_t i = 0; i < BDF_PREVIOUS; i++)
         self->mass[i] = arena_array(memory, num_nodes, sizeof(double));
     bool whole = !memory->failed;
@@ -245,6 +249,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
     self->ring.num_previous = 0;
+    memset(self->taken_up, 0, self->reference.grid.num_nodes * sizeof(double));
     if (is_along_path(self)) {
         self->base.frame = first->frame;
         full_state_copy(&self->base.state, &first->state, &self->reference.grid);
@@ -324,13 +329,17 @@ static void mark_noisy(full_march *self, const full_state *state) {
         dilate(self->noisy + first + i, grid->inner_lines, width, margin);
 }
 
+/* rho H of a state at a node. */
+static double mass_at(const full_state *state, const ehd_contact *contact, size_t k) {
+    return state->film[k] *
+           lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
+}
+
 /* What a step misses of rho H at a node, but for the formula's factor. */
 static double missed_anywhere(const full_march *self, const bdf_formula *formula,
                               const full_state *state, const ehd_contact *contact, size_t r) {
-    const size_t k = grid_node_of_row(&contact->grid, r);
-    double mass = state->film[k];
+    double mass = mass_at(state, contact, grid_node_of_row(&contact->grid, r));
 
-    mass *= lubricant_density(&contact->lubricant, state->pressure[k] * contact->hertz_pressure);
     for (size_t i = 0; i < self->ring.num_previous; i++)
         mass -= formula->predictor[i] * self->mass[i][r];
     return mass;
@@ -371,6 +380,10 @@ static double largest_error(const full_march *self, const bdf_formula *formula,
     return largest;
 }
 
+static bool is_in_dry_contact(const ehd_grid *grid, size_t node) {
+    return contact_gap(grid_x(grid, node), grid_y(grid, node)) <= 0.5;
+}
+
 /* What a film takes up of them on its way through the dry contact, from anywhere to the centre: their
  * sum along the grid's lines, where errors of both signs cancel and what passes a
  * node without being left in the film does not count. Before the dry contact the film is what the
@@ -386,7 +399,7 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
     for (size_t r = 0; r < grid->num_inner; r++) {
         const size_t k = grid_node_of_row(grid, r);
         const bool before = inside && r % grid->inner_x > 0;
-        inside = contact_gap(grid_x(grid, k), grid_y(grid, k)) <= 0.5;
+        inside = is_in_dry_contact(grid, k);
         if (!inside) continue;
         const double missed = missed_mass(self, formula, state, contact, r);
         if (!before) sum = lowest = highest = 0;
@@ -412,6 +425,45 @@ static double local_error(full_march *self, const bdf_formula *formula, const fu
     error = on_the_way ? error_on_the_way(self, formula, state, contact, entrainment, step)
                        : largest_error(self, formula, state, contact);
     return formula->error * error / central_film;
+}
+
+// ---- what the steps do to the films
+
+/* A film keeps the errors that it takes up in the dry contact on its way to the centre. Before, and
+ * around the spike and the constriction, pressure settles it anew: with errors from there too, the
+ * effect on the minimum film of M = 20, L = 5 was estimated 18 % where it is 1.9 %, and nothing else
+ * changed. As the states, errors come from where the fluid was; those that each step adds BDF2 makes
+ * 3/2 times as large, the step's rate. */
+static void take_up_errors(full_march *self, const bdf_formula *formula, const full_state *state,
+                           const ehd_contact *contact, const contact_frame *frame, double step) {
+    const ehd_grid *grid = &contact->grid;
+    double *carried = self->film;
+
+    previous_errors(carried, &state_before(self, 1)->frame, frame, &self->carrier);
+    memset(self->taken_up, 0, grid->num_nodes * sizeof(double));
+    for (size_t r = 0; r < grid->num_inner; r++) {
+        const size_t k = grid_node_of_row(grid, r);
+        if (!is_in_dry_contact(grid, k)) continue;
+        self->taken_up[k] = carried[r];
+        if (formula->error > 0 && grid_x(grid, k) * frame->speed <= 0)
+            self->taken_up[k] += formula->rate * step * formula->error *
+                                 missed_mass(self, formula, state, contact, r);
+    }
+}
+
+/* What ever smaller steps would change of the film, relative. */
+static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
+                        const ehd_contact *contact) {
+    const size_t num_nodes = contact->grid.num_nodes;
+    full_state better = *state;
+
+    better.film = self->film;
+    for (size_t k = 0; k < num_nodes; k++)
+        better.film[k] = state->film[k] * (1 - self->taken_up[k] / mass_at(state, contact, k));
+    const contact_scalars scalars = full_evaluate_scalars(&better, contact);
+    outcome->effect = scalars.central_film_thickness / outcome->scalars.central_film_thickness - 1;
+    outcome->effect_minimum =
+        scalars.minimum_film_thickness / outcome->scalars.minimum_film_thickness - 1;
 }
 
 /* Whether the grid's end cuts a pressure of consequence off. The pressure of a squeezed film may
@@ -461,6 +513,10 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     if (info.status == EHD_OK)
         outcome->local_error =
             local_error(self, &formula, &next->state, &contact, entrainment, step);
+    if (info.status == EHD_OK) {
+        take_up_errors(self, &formula, &next->state, &contact, frame, step);
+        set_effects(outcome, self, &next->state, &contact);
+    }
     if (info.status == EHD_OK && is_cut(&next->state, &contact.grid)) {
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = "the exit boundary outside the domain (grid.x_max)";
@@ -468,11 +524,26 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     return EHD_OK;
 }
 
+/* The filter's errors are taken up too. */
+static void keep_errors(full_march *self, const previous_state *solved) {
+    const double passed_on = 1.5; // by steps of equal length
+    const ehd_grid *grid = &self->reference.grid;
+    ehd_contact contact;
+
+    frame_contact(&contact, &solved->frame, &self->reference);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        if (self->carrier.filtered[k] != 0 && is_in_dry_contact(grid, k))
+            self->taken_up[k] += passed_on * self->carrier.filtered[k] / solved->state.film[k] *
+                                 mass_at(&solved->state, &contact, k);
+    previous_keep_errors(&self->carrier, self->taken_up);
+}
+
 static void accept(void *solver) {
     full_march *self = solver;
     previous_state *solved = state_before(self, 0);
 
     previous_prepare(solved, &self->carrier);
+    keep_errors(self, solved);
     bdf_ring_accept(&self->ring, solved->frame.time);
 }
 
@@ -556,42 +627,58 @@ static saved_states saved_states_of(const full_march *self) {
     return (saved_states){.size = state_size(self), .save = save_state, .restore = restore_state};
 }
 
-/* Along the path the base goes before the other states. */
+/* Along the path the base goes first. */
 static size_t saved_base_size(const full_march *self) {
     return is_along_path(self) ? NUM_FRAME + state_size(self) : 0;
 }
 
+/* Then the errors taken up, then the states. */
 static size_t saved_size(const void *solver) {
-    const saved_states states = saved_states_of(solver);
+    const full_march *self = solver;
+    const saved_states states = saved_states_of(self);
 
-    return saved_base_size(solver) + ring_saved_size(&states);
+    return saved_base_size(self) + self->reference.grid.num_nodes + ring_saved_size(&states);
 }
 
 static void save(double *saved, const void *solver) {
     const full_march *self = solver;
     const saved_states states = saved_states_of(self);
+    const size_t num_nodes = self->reference.grid.num_nodes;
 
     if (is_along_path(self)) {
         memcpy(saved, &self->base.frame, sizeof self->base.frame);
         save_previous(saved + NUM_FRAME, &self->base, &self->reference.grid);
     }
-    ring_save(saved + saved_base_size(self), &self->ring, &states, self);
+    saved += saved_base_size(self);
+    previous_kept_errors(saved, &self->carrier);
+    ring_save(saved + num_nodes, &self->ring, &states, self);
+}
+
+static ehd_status restore_base(full_march *self, const double *saved, ehd_error *error) {
+    contact_frame frame;
+    if (!is_along_path(self)) return EHD_OK;
+    ehd_status status = saved_frame(&frame, saved, state_size(self), error);
+
+    if (!status)
+        status = restore_previous(&self->base, &frame, saved + NUM_FRAME, &self->reference.grid,
+                                  error);
+    return status ? status : use_base(self, error);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     full_march *self = solver;
     const saved_states states = saved_states_of(self);
+    const size_t num_nodes = self->reference.grid.num_nodes;
+    ehd_status status = restore_base(self, saved, error);
 
-    if (is_along_path(self)) {
-        contact_frame frame;
-        ehd_status status = saved_frame(&frame, saved, state_size(self), error);
-        if (!status)
-            status = restore_previous(&self->base, &frame, saved + NUM_FRAME, &self->reference.grid,
-                                      error);
-        if (!status) status = use_base(self, error);
-        if (status) return status;
-    }
-    return ring_restore(&self->ring, self, saved + saved_base_size(self), &states, error);
+    if (status) return status;
+    saved += saved_base_size(self);
+    for (size_t k = 0; k < num_nodes; k++)
+        if (!isfinite(saved[k]))
+            return ehd_fail(error, EHD_DATA, "saved state: found %g, expected finite values",
+                            saved[k]);
+    previous_keep_errors(&self->carrier, saved);
+    return ring_restore(&self->ring, self, saved + num_nodes, &states, error);
 }
 
 static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {

@@ -3,6 +3,7 @@
 
 #include "common/physics/deflection.h"
 
+#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,7 +52,7 @@ void previous_free(previous_state *self) {
 double previous_bytes(const ehd_contact *reference, size_t num_states) {
     const double of_spline = 6 * sizeof(double); // abscissae, values and GSL's own
     const double of_state = sizeof(full_state) + 2 * sizeof(double),
-                 of_carrier = 5 * sizeof(double);
+                 of_carrier = 6 * sizeof(double) + of_spline;
     double splines = reference->lubricant.density ? 2 : 1;
 
     return (double)reference->grid.num_nodes *
@@ -81,10 +82,12 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     self->pressure = arena_array(memory, grid->num_inner, sizeof(double));
     self->along = arena_array(memory, grid_lines(grid) * grid->inner_x, sizeof(double));
     self->lines = arena_array(memory, self->num_across, sizeof(double));
+    self->filtered = arena_array(memory, grid->num_nodes, sizeof(double));
     self->across_values = arena_array(memory, self->num_across, sizeof(double));
     bool across = grid->inner_lines > 1;
     if (across) self->across = gsl_spline_alloc(gsl_interp_cspline, self->num_across);
-    if (memory->failed || (across && !self->across)) {
+    self->errors = make_splines(grid_lines(grid), width);
+    if (memory->failed || (across && !self->across) || !self->errors) {
         previous_carrier_free(self);
         return ehd_fail(error, EHD_MEMORY, "previous states: found no memory for %zu nodes",
                         grid->num_nodes);
@@ -101,6 +104,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
 void previous_carrier_free(previous_carrier *self) {
     arena_free(&self->memory);
     if (self->across) gsl_spline_free(self->across);
+    free_splines(self->errors, grid_lines(&self->reference.grid));
     path_filter_free(&self->filter);
     memset(self, 0, sizeof *self);
 }
@@ -139,9 +143,11 @@ void previous_prepare(previous_state *self, previous_carrier *carrier) {
     const full_state *base = carrier->base ? &carrier->base->state : &self->state;
 
     set_values(carrier, self->state.film, base->film);
-    // natural splines of the film without gap, whose curvature at the grid's ends is small
-    for (size_t k = 0; k < grid->num_nodes; k++)
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        carrier->filtered[k] = carrier->values[k] - self->state.film[k];
+        // natural splines of the film without gap, whose curvature at the grid's ends is small
         carrier->values[k] -= grid_gap(grid, k);
+    }
     fit_lines(self->deflection, carrier->values, carrier);
     if (!self->pressure) return;
     set_values(carrier, self->state.pressure, base->pressure);
@@ -262,4 +268,26 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     add_mass(mass, ratio, self, before, carrier);
     add_mass(mass, -ratio, carrier->base, before, carrier);
     add_mass(mass, ratio, carrier->base, here, carrier);
+}
+
+void previous_keep_errors(previous_carrier *self, const double *errors) {
+    fit_lines(self->errors, errors, self);
+}
+
+void previous_kept_errors(double *errors, const previous_carrier *self) {
+    const size_t width = grid_width(&self->reference.grid);
+
+    for (size_t l = 0; l < grid_lines(&self->reference.grid); l++)
+        memcpy(errors + l * width, self->errors[l]->y, width * sizeof *errors);
+}
+
+void previous_errors(double *errors, const contact_frame *then, const contact_frame *now,
+                     previous_carrier *carrier) {
+    const ehd_grid *grid = &carrier->reference.grid;
+    const double ratio = frame_film_ratio(now, then);
+    const origin before = {frame_stretch(now, then), frame_shift(now, then)};
+
+    memset(errors, 0, grid->num_inner * sizeof *errors);
+    resample(errors, carrier->errors, before, carrier);
+    cblas_dscal((int)grid->num_inner, ratio, errors, 1);
 }

@@ -30,6 +30,8 @@ typedef struct previous_carrier {
     size_t num_across;       // lines of the whole grid with its boundary
     double *lines, *across_values; // [num_across] their Y, and scratch
     gsl_spline *across;            // NULL on a line contact
+    gsl_spline **errors;           // [lines] of previous_keep_errors
+    double *filtered;              // [num_nodes] what the filter last changed of a film
     arena memory;                  // of all arrays
     // along the path:
     path_filter filter;         // of what differs from the start
@@ -52,7 +54,8 @@ double previous_bytes(const ehd_contact *reference, size_t num_states);
  * `base`, which the caller keeps and has prepared: that the rows carry (common/time/README.md). */
 void previous_set_base(previous_carrier *self, const previous_state *base);
 
-/* Makes the splines of a state that is set. Along the path its film and pressure are filtered. */
+/* Makes the splines of a state that is set. Along the path its film and pressure are filtered;
+ * carrier->filtered is then what that changed of the film, else zero. */
 void previous_prepare(previous_state *self, previous_carrier *carrier);
 
 /* rho H of a previous state at the inner nodes of frame `now`, or where the fluid was that is there
@@ -63,5 +66,15 @@ void previous_mass(
     double *mass, // [num_inner]
     // input:
     const previous_state *self, const contact_frame *now, previous_carrier *carrier);
+
+/* Errors of rho H at the nodes that the fluid takes along with it, and where they are then: at the
+ * inner nodes of frame `now`, from frame `then`; zero beyond the grid. */
+void previous_keep_errors(previous_carrier *self, const double *errors);
+void previous_kept_errors(double *errors, const previous_carrier *self); // the same again
+void previous_errors(
+    // output:
+    double *errors, // [num_inner]
+    // input:
+    const contact_frame *then, const contact_frame *now, previous_carrier *carrier);
 
 #endif

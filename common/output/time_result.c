@@ -27,6 +27,8 @@ static const struct {
     SCALAR(contact_half_width, contact_half_width),
     SCALAR(residual_norm, residual),
     SCALAR(time_step, step),
+    SCALAR(time_effect, effect),
+    SCALAR(time_effect_minimum, effect_minimum),
     SCALAR(exit_position, exit_position)};
 
 enum {

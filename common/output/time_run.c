@@ -20,6 +20,8 @@ enum { MAX_WAITING = 256 };
 typedef struct run_totals {
     double seconds, seconds_rows, seconds_linear, seconds_exit; // as in time_summary
     double min_film, max_film;                                  // minimum and central one
+    // of the steps on the central film, int effect^2 dT, and on both the largest one
+    double effect_squares, max_effect, max_effect_minimum;
 } run_totals;
 
 /* Places in a restart slot. */
@@ -177,6 +179,11 @@ static const double *take_exits(runner *self, const contact_frame *frame) {
     return exits;
 }
 
+/* NaN where one of them is. */
+static double larger(double a, double b) {
+    return a >= b ? a : b + (a - a);
+}
+
 /* Entry `march_step` of the file, with fields at every N-th step. */
 static ehd_status store(void *sink, const march_step *step, size_t index, ehd_error *error) {
     runner *self = sink;
@@ -202,10 +209,16 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .residual = step->residual,
                               .status = step->status,
                               .step = step->step,
+                              .effect = step->effect,
+                              .effect_minimum = step->effect_minimum,
                               .pressure = fields ? self->pressure : NULL,
                               .film = fields ? self->film : NULL};
     self->totals.min_film = fmin(self->totals.min_film, entry.minimum_film_thickness);
     self->totals.max_film = fmax(self->totals.max_film, entry.central_film_thickness);
+    self->totals.effect_squares += entry.step * entry.effect * entry.effect;
+    self->totals.max_effect = larger(self->totals.max_effect, fabs(entry.effect));
+    self->totals.max_effect_minimum =
+        larger(self->totals.max_effect_minimum, fabs(entry.effect_minimum));
     if (!status && self->file) status = write_entry(self, &entry, before, error);
     if (!status && self->trace) status = trace_add(self->trace, &entry, error);
     if (!status && self->file && before - self->last_checkpoint > CHECKPOINT_PAUSE)
@@ -310,7 +323,13 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     if (isfinite(scale)) printf("      %.6g µm", totals->min_film * scale);
     printf("\n%-24s%.8g", "largest central film", totals->max_film);
     if (isfinite(scale)) printf("      %.6g µm", totals->max_film * scale);
-    printf("\n%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
+
+    printf("\n");
+    if (!isnan(totals->effect_squares))
+        printf("%-24scentral film %.2g %% rms, %.2g %% at most; minimum film %.2g %%\n",
+               "effect of the steps", 100 * sqrt(totals->effect_squares / state->time),
+               100 * totals->max_effect, 100 * totals->max_effect_minimum);
+    printf("%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
     printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
            totals->seconds * 1e3 / fmax(state->num_steps + state->num_rejected, 1));

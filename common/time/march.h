@@ -20,7 +20,10 @@ typedef struct march_step {
     double local_error;      // largest of rho H, relative to the central film; along the path what
                              // a film takes up on its way; 0: cannot be told
     contact_scalars scalars; // in the current frame
-    size_t iterations;       // Newton
+    // relative changes of central and minimum film by ever smaller steps in time and, along the
+    // path, no filter, estimated (README.md, Errors in time); NaN: cannot be told
+    double effect, effect_minimum;
+    size_t iterations; // Newton
     double residual;
 } march_step;
 

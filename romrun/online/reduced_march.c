@@ -551,6 +551,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .scalars = info.scalars,
+                            .effect = NAN,
+                            .effect_minimum = NAN,
                             .iterations = info.iterations,
                             .residual = info.residual};
     if (info.status != EHD_NOT_CONVERGED) {

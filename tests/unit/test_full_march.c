@@ -565,6 +565,7 @@ static void bad_saves_are_refused(void **state) {
     const march_solver *solver = &first.march.solver;
     size_t size = solver->saved_size(solver->self);
     double *saved = calloc(size, sizeof *saved);
+    double *states = saved + first.reference.grid.num_nodes; // behind the errors taken up
     ehd_error error = {""};
 
     assert_non_null(saved);
@@ -572,16 +573,20 @@ static void bad_saves_are_refused(void **state) {
     assert_int_equal(solver->restore(solver->self, saved, &error), EHD_OK);
     const double bad[] = {0, 4, -1, NAN};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        saved[0] = bad[i];
+        states[0] = bad[i];
         assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
         assert_non_null(strstr(error.text, "previous states"));
     }
-    saved[0] = 3;
-    saved[1 + NUM_FRAME + 20] = NAN; // of the first state
+    states[0] = 3;
+    states[1 + NUM_FRAME + 20] = NAN; // of the first state
+    assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "expected finite values"));
+    states[1 + NUM_FRAME + 20] = 0;
+    saved[20] = NAN;
     assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "expected finite values"));
     memset(saved, 0, size * sizeof *saved);
-    saved[0] = 3;
+    states[0] = 3;
     assert_int_equal(solver->restore(solver->self, saved, &error), EHD_DATA);
     free(saved);
     marched_end(&first);
@@ -630,11 +635,13 @@ static double dent(double x) {
     return -2e-3 * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* Adds a dent to the film of the only accepted state. Along the path the base is saved before it. */
+/* Adds a dent to the film of the only accepted state. Along the path the base is saved before it, and
+ * always the errors taken up. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self);
-    const size_t state = (size - 1) / (BDF_PREVIOUS + path), first_state = 1 + path * state;
+    const size_t state = (size - grid->num_nodes - 1) / (BDF_PREVIOUS + path);
+    const size_t first_state = path * state + grid->num_nodes + 1;
     double *saved = calloc(size, sizeof *saved);
     assert_non_null(saved);
     solver->save(saved, solver->self);

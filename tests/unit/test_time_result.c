@@ -105,7 +105,9 @@ static time_entry entry_at(size_t index) {
                         .newton_iterations = index % 7,
                         .residual = i + 0.7,
                         .status = index % 5 == 4 ? EHD_NOT_CONVERGED : EHD_OK,
-                        .step = index > 0 ? 0.25 : 0};
+                        .step = index > 0 ? 0.25 : 0,
+                        .effect = i + 0.8,
+                        .effect_minimum = i + 0.9};
     return entry;
 }
 
@@ -178,6 +180,8 @@ static void check_series(const time_series *series, size_t num_times) {
         check_close(series->exit_position[i], entry.exit_position, 0, 0);
         check_close(series->residual_norm[i], entry.residual, 0, 0);
         check_close(series->time_step[i], entry.step, 0, 0);
+        check_close(series->time_effect[i], entry.effect, 0, 0);
+        check_close(series->time_effect_minimum[i], entry.effect_minimum, 0, 0);
         assert_int_equal(series->newton_iterations[i], entry.newton_iterations);
         assert_int_equal(series->status[i], entry.status == EHD_NOT_CONVERGED);
     }
