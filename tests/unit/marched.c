@@ -21,6 +21,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     self->approach[index] = scalars.rigid_approach;
     self->load[index] = scalars.load;
     self->exit[index] = scalars.exit_position;
+    self->effect[index] = step->effect;
+    self->effect_minimum[index] = step->effect_minimum;
     self->count++;
     return index > 0 && index == self->stop_at ? ehd_fail(error, EHD_INTERRUPTED, "stopped")
                                                : EHD_OK;

@@ -20,7 +20,8 @@ typedef struct marched {
     ehd_status outcome;
     size_t count; // of entries
     double time[MARCHED_STEPS], film[MARCHED_STEPS], least_film[MARCHED_STEPS],
-        pressure[MARCHED_STEPS], approach[MARCHED_STEPS], load[MARCHED_STEPS], exit[MARCHED_STEPS];
+        pressure[MARCHED_STEPS], approach[MARCHED_STEPS], load[MARCHED_STEPS], exit[MARCHED_STEPS],
+        effect[MARCHED_STEPS], effect_minimum[MARCHED_STEPS];
     size_t stop_at; // entry whose store fails; 0: none
 } marched;
 

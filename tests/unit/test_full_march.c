@@ -59,6 +59,8 @@ static void constant_histories_stay_stationary(void **state) {
             check_close(first.pressure[k], first.pressure[0], 1e-9, 0);
             check_close(first.approach[k], first.approach[0], 1e-9, 0);
             check_close(first.load[k], first.load[0], 1e-9, 0);
+            check_close(first.effect[k], 0, 0, 1e-9);
+            check_close(first.effect_minimum[k], 0, 0, 1e-9);
         }
         marched_end(&first);
     }
@@ -724,6 +726,60 @@ static void a_trapped_pocket_passes(void **state) {
     check_close(most, 0.0935, 0.05, 0);
 }
 
+// ---- what the steps do to the films
+
+/* Root of the mean square over the second half of a run of fixed steps: what was in the contact at
+ * the start has left. */
+static double mean_of(const double *values, size_t count) {
+    double sum = 0;
+
+    for (size_t k = count / 2; k < count; k++)
+        sum += values[k] * values[k] / (double)(count - count / 2);
+    return sqrt(sum);
+}
+
+/* What steps a quarter as long and no filter change of a film of `first` (`better`, of `second`), and
+ * what the estimate leaves of it. */
+static double left_of_change(const double *film, const double *better, const double *effect) {
+    static double change[MARCHED_STEPS], rest[MARCHED_STEPS];
+
+    for (size_t k = 0, j = 0; k < first.count; k++) {
+        while (j + 1 < second.count && second.time[j] < first.time[k] - 1e-9)
+            j++;
+        change[k] = better[j] / film[k] - 1;
+        rest[k] = change[k] - effect[k];
+    }
+    return mean_of(rest, first.count) / mean_of(change, first.count);
+}
+
+/* At the rows and along the path, whose filter's effect is told too; of a point's minimum film, which
+ * hardly changes, too much is told. */
+static void effects_are_those_of_shorter_steps(void **state) {
+    static const char history[] = "load: {law: sine, amplitude: 0.1, period: 1}";
+    char of_line[128], of_point[128];
+    (void)state;
+    snprintf(of_line, sizeof of_line, "end_time: 4, fixed_step: 0.02, %s", history);
+    snprintf(of_point, sizeof of_point, "end_time: 4, fixed_step: 0.04, %s", history);
+    const scene line = marched_scene(40, 8, "dowson-higginson", 0.02, of_line);
+    const scene scenes[] = {line, along_path(line), marched_point(of_point)};
+    const double most[] = {0.25, 0.3, 0.6}, most_minimum[] = {0.5, 0.5, INFINITY};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++) {
+        scene coarse = scenes[i], fine = scenes[i];
+        coarse.transient.smoothing = 0.1;
+        fine.transient.smoothing = 0;
+        fine.transient.fixed_step /= 4;
+        marched_all(&first, &coarse);
+        marched_all(&second, &fine);
+        double left = left_of_change(first.film, second.film, first.effect);
+        double left_minimum =
+            left_of_change(first.least_film, second.least_film, first.effect_minimum);
+        assert_true(left < most[i]);
+        assert_true(left_minimum < most_minimum[i]);
+        marched_end(&first);
+        marched_end(&second);
+    }
+}
+
 // ---- errors
 
 static void create_without_memory(const scene *of, size_t most_allocations) {
@@ -780,6 +836,7 @@ int main(void) {
         cmocka_unit_test(a_dent_passes_unchanged),
         cmocka_unit_test(a_ripple_is_damped),
         cmocka_unit_test(a_trapped_pocket_passes),
+        cmocka_unit_test(effects_are_those_of_shorter_steps),
         cmocka_unit_test(without_memory),
     };
     return cmocka_run_group_tests_name("full_march", tests, enter_folder, leave_folder);
