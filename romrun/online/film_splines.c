@@ -265,19 +265,21 @@ static ehd_status filter_table(double **filtered, const double *table, const spl
     return fill_curvatures(*filtered, layout, error);
 }
 
-ehd_status path_films_init(path_films *self, const film_splines *splines, double smoothing,
-                           bool compressible, ehd_error *error) {
-    // the grid of the pressures: without the nodes before it
-    const ehd_grid *wide = &splines->grid;
-    const ehd_grid own = grid_like(wide, wide->x_min + (double)splines->margin * wide->step,
-                                   wide->step, wide->inner_x - splines->margin, wide->inner_lines);
-    *self = (path_films){NULL};
-    ehd_status status =
-        filter_table(&self->film, splines->film, &splines->layout, wide, smoothing, error);
+ehd_status path_films_init(path_films *self, const film_splines *splines,
+                           const reduced_model *model, double smoothing, bool compressible,
+                           ehd_error *error) {
+    *self = (path_films){.base_layout = layout_of_modes(&splines->grid, 1),
+                         .base_pressure_layout = layout_of_modes(&model->grid, 1)};
+    ehd_status status = filter_table(&self->film, splines->film, &splines->layout, &splines->grid,
+                                     smoothing, error);
 
+    if (!status) status = make_table(&self->base_film, &self->base_layout, error);
+    if (!status) status = make_table(&self->base_cut, &self->base_layout, error);
     if (!status && compressible)
-        status = filter_table(&self->pressure, splines->pressure, &splines->pressure_layout, &own,
-                              smoothing, error);
+        status = filter_table(&self->pressure, splines->pressure, &splines->pressure_layout,
+                              &model->grid, smoothing, error);
+    if (!status && compressible)
+        status = make_table(&self->base_pressure, &self->base_pressure_layout, error);
     if (status) path_films_free(self);
     return status;
 }
@@ -285,6 +287,9 @@ ehd_status path_films_init(path_films *self, const film_splines *splines, double
 void path_films_free(path_films *self) {
     free(self->film);
     free(self->pressure);
+    free(self->base_film);
+    free(self->base_cut);
+    free(self->base_pressure);
     memset(self, 0, sizeof *self);
 }
 
@@ -369,7 +374,7 @@ void previous_film_prepare_path(previous_film *self, const path_films *path,
     for (size_t j = 0; j < model->num_unknowns; j++)
         self->difference[j] = self->state.coordinates[j] - path->base->state.coordinates[j];
     prepare_runs(self, model, splines);
-    if (reference->lubricant.density) prepare_window(self, path, model, splines);
+    if (reference->lubricant.density && is_line(model)) prepare_window(self, path, model, splines);
 }
 
 // ---- evaluation
@@ -496,6 +501,23 @@ static void evaluate(double *sum, const spline_point *along, const spline_point 
         combine_across(sum, along, across, num, corner, layout, coordinates);
 }
 
+/* A spline of one function. */
+static double evaluate_one(const double *table, const spline_layout *layout,
+                           const spline_point *along, const spline_point *across) {
+    const size_t x_curvature = layout->x_curvature, column = layout->column;
+    double sum = 0;
+
+    table += across->node * layout->line + along->node * column;
+    for (size_t v = 0; v < (layout->num_lines > 1 ? NUM_WEIGHTS : 1); v++) {
+        const double *here = table + v / 2 * layout->line + v % 2 * layout->y_curvature;
+        double part = along->weight[0] * here[0] + along->weight[1] * here[x_curvature] +
+                      along->weight[2] * here[column] +
+                      along->weight[3] * here[column + x_curvature];
+        sum += across->weight[v] * part;
+    }
+    return sum;
+}
+
 /* Sums of cut pressures times the kernel's value and curvature at the point's nearer column, then
  * at its other one: for pressures in columns up to the point's own (left) and behind it (right),
  * for each weight across. */
@@ -573,7 +595,25 @@ static double cut_deflection_across(const previous_film *self, const spline_poin
     return total;
 }
 
-/* P of a line contact; along the path of filtered modes, where `path` is not NULL. */
+/* P by the modes before the exit; along the path, where `path` is not NULL, of the base and of
+ * filtered modes what differs from it. */
+static double uncut_pressure(const previous_film *self, const spline_point *along,
+                             const spline_point *across, const film_splines *splines,
+                             const path_films *path) {
+    const spline_layout *layout = &splines->pressure_layout;
+    const double *coordinates = path ? self->difference : self->state.coordinates;
+    double sum, base = 0;
+
+    if (path) {
+        base = evaluate_one(path->base_pressure, &path->base_pressure_layout, along, across);
+        if (self == path->base) return base;
+    }
+    evaluate(&sum, along, across, 1, path ? path->pressure : splines->pressure, layout,
+             &coordinates);
+    return base + sum;
+}
+
+/* P of a line contact; `path` as above. */
 static double window_pressure(const previous_film *self, const spline_point *along,
                               const film_splines *splines, const path_films *path) {
     const size_t margin = 4; // between the window's ends and where it is used
@@ -581,14 +621,8 @@ static double window_pressure(const previous_film *self, const spline_point *alo
     size_t node = along->node;
 
     if (node + 1 < self->window_begin + margin) {
-        const spline_layout *layout = &splines->pressure_layout;
-        const double *coordinates = (path ? path->base : self)->state.coordinates;
-        const double *difference = self->difference;
-        double sum, change = 0;
-        combine(&sum, along, 1, splines->pressure + node * layout->column, layout, &coordinates);
-        if (path)
-            combine(&change, along, 1, path->pressure + node * layout->column, layout, &difference);
-        return sum + change;
+        const spline_point across = {0, {1}};
+        return uncut_pressure(self, along, &across, splines, path);
     }
     if (node + margin + 1 >= self->window_begin + self->window_size) return 0;
     size_t i = node - self->window_begin;
@@ -605,14 +639,12 @@ static double exit_between(const size_t exits[2], const double *across) {
 
 /* P of a point contact: uncut before the exit line, zero behind it. */
 static double pressure_before_exit(const previous_film *self, const spline_point *along,
-                                   const spline_point *across, const film_splines *splines) {
-    const double *coordinates = self->state.coordinates;
+                                   const spline_point *across, const film_splines *splines,
+                                   const path_films *path) {
     const size_t *exits = self->state.exits + across->node;
-    double sum;
 
     if ((double)along->node + along->weight[2] >= exit_between(exits, across->weight)) return 0;
-    evaluate(&sum, along, across, 1, splines->pressure, &splines->pressure_layout, &coordinates);
-    return sum;
+    return uncut_pressure(self, along, across, splines, path);
 }
 
 /* P at a point, zero beyond the model's grid. */
@@ -627,7 +659,7 @@ static double pressure_at(const previous_film *self, const spline_point *along,
     if (num_lines == 1) return window_pressure(self, &u, splines, path);
     spline_point v = *across;
     v.node -= splines->side; // wraps to a large number before the first line
-    return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines) : 0;
+    return v.node < num_lines - 1 ? pressure_before_exit(self, &u, &v, splines, path) : 0;
 }
 
 /* The point X, Y of a state's frame in the splines' grid. */
@@ -639,7 +671,7 @@ static void locate(spline_point *along, spline_point *across, double x, double y
     double column = (x - grid->x_min) / grid->step + 1;
 
     *along = spline_at(line ? column : round_to_node(column), layout->num_columns);
-    across->node = 0;
+    *across = (spline_point){0, {1}};
     if (!line)
         *across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid->step), layout->num_lines);
 }
@@ -701,33 +733,57 @@ void previous_film_masses(double *mass, const previous_film *const *films, size_
     }
 }
 
-/* The states' origins of a node, and the base at both: `here` by the frame alone, `before` by the
- * path too. */
+ehd_status path_films_set_base(path_films *self, const previous_film *base,
+                               const reduced_model *model, const film_splines *splines,
+                               ehd_error *error) {
+    const spline_layout *layout = &splines->layout;
+    const double *coordinates = base->state.coordinates;
+    const double approach = coordinates[model->num_unknowns - 1];
+
+    self->base = base;
+    for (size_t k = 0; k < layout->num_lines * layout->num_columns; k++) {
+        const spline_point along =
+            spline_at((double)(k % layout->num_columns), layout->num_columns);
+        const spline_point across = {k / layout->num_columns, {1}};
+        const double cut = own_cut(base, &along, &across, splines);
+        self->base_cut[k * self->base_layout.column] = cut;
+        self->base_film[k * self->base_layout.column] =
+            approach + cut +
+            cblas_ddot((int)layout->width, splines->film + k * layout->column, 1,
+                       coordinates + film_offset(model), 1);
+    }
+    ehd_status status = fill_curvatures(self->base_film, &self->base_layout, error);
+    if (!status) status = fill_curvatures(self->base_cut, &self->base_layout, error);
+    for (size_t k = 0; k < model->grid.num_nodes && self->base_pressure; k++)
+        self->base_pressure[k * self->base_pressure_layout.column] =
+            cblas_ddot((int)model->num_pressure,
+                       splines->pressure + k * splines->pressure_layout.column, 1, coordinates, 1);
+    if (!status && self->base_pressure)
+        status = fill_curvatures(self->base_pressure, &self->base_pressure_layout, error);
+    return status;
+}
+
+/* The base's film at a point of the splines' grid. */
+static double base_film(const path_films *path, const spline_point *along,
+                        const spline_point *across, double x, double y) {
+    return evaluate_one(path->base_film, &path->base_layout, along, across) + contact_gap(x, y);
+}
+
+/* The origins of a node in the states' frames: by the frame alone, or by the path too. */
 typedef struct path_points {
-    double x[BDF_PREVIOUS];
+    double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
     spline_point along[BDF_PREVIOUS], across[BDF_PREVIOUS];
-    double base[BDF_PREVIOUS]; // film of the base there, H0 and gap included
 } path_points;
 
-static void find_points(path_points *points, bool before, bool with_base,
-                        const previous_film *const *films, size_t num, double x,
-                        const contact_frame *now, const reduced_model *model,
-                        const film_splines *splines, const previous_film *base) {
-    const double *coordinates[BDF_PREVIOUS] = {NULL};
-
+static void find_points(path_points *points, bool before, const previous_film *const *films,
+                        size_t num, double x, double y, const contact_frame *now,
+                        const film_splines *splines) {
     for (size_t i = 0; i < num; i++) {
         const contact_frame *then = &films[i]->frame;
         points->x[i] = frame_stretch(now, then) * x - (before ? frame_shift(now, then) : 0);
-        locate(&points->along[i], &points->across[i], points->x[i], 0, splines);
-        coordinates[i] = base->state.coordinates + film_offset(model);
+        points->y[i] = frame_stretch(now, then) * y;
+        locate(&points->along[i], &points->across[i], points->x[i], points->y[i], splines);
     }
-    if (!with_base) return;
-    evaluate_all(points->base, points->along, points->across, num, splines->film, &splines->layout,
-                 coordinates);
-    for (size_t i = 0; i < num; i++)
-        points->base[i] += base->state.coordinates[model->num_unknowns - 1] +
-                           contact_gap(points->x[i], 0) +
-                           own_cut(base, &points->along[i], &points->across[i], splines);
 }
 
 void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
@@ -736,12 +792,12 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
                       const ehd_contact *reference) {
     const previous_film *base = path->base;
     const bool compressible = reference->lubricant.density != NULL;
-    const double x = grid_x(&model->grid, node);
+    const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
     const double *differences[BDF_PREVIOUS] = {NULL};
     path_points before = {.x = {0}}, here = {.x = {0}};
 
-    find_points(&before, true, compressible, films, num_films, x, now, model, splines, base);
-    find_points(&here, false, true, films, num_films, x, now, model, splines, base);
+    find_points(&before, true, films, num_films, x, y, now, splines);
+    find_points(&here, false, films, num_films, x, y, now, splines);
     for (size_t i = 0; i < num_films; i++)
         differences[i] = films[i]->difference + film_offset(model);
     evaluate_all(mass, before.along, before.across, num_films, path->film, &splines->layout,
@@ -751,28 +807,26 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
         const spline_point *along = &before.along[i], *across = &before.across[i];
         double change = mass[i] + self->difference[model->num_unknowns - 1] +
                         own_cut(self, along, across, splines) -
-                        own_cut(base, along, across, splines);
-        double stays = here.base[i];
+                        evaluate_one(path->base_cut, &path->base_layout, along, across);
+        double stays = base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i]);
         if (compressible) { // the incompressible base's films before cancel
-            const double of_base = density_at(base, along, across, splines, NULL, reference);
+            const double film = base_film(path, along, across, before.x[i], before.y[i]);
+            const double of_base = density_at(base, along, across, splines, path, reference);
             const double own = density_at(self, along, across, splines, path, reference);
-            change = own * (change + before.base[i]) - of_base * before.base[i];
-            stays *= density_at(base, &here.along[i], &here.across[i], splines, NULL, reference);
+            change = own * (change + film) - of_base * film;
+            stays *= density_at(base, &here.along[i], &here.across[i], splines, path, reference);
         }
         mass[i] = (change + stays) * frame_film_ratio(now, &self->frame);
     }
 }
 
-void previous_film_at(double *film, double *density, const previous_film *self, size_t node,
-                      const reduced_model *model, const film_splines *splines,
-                      const ehd_contact *reference) {
-    const double x = grid_x(&model->grid, node);
-    const double *coordinates = self->state.coordinates + film_offset(model);
+void path_base_at(double *film, double *density, const path_films *path, size_t node,
+                  const reduced_model *model, const film_splines *splines,
+                  const ehd_contact *reference) {
+    const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
     spline_point along, across;
 
-    locate(&along, &across, x, grid_y(&model->grid, node), splines);
-    evaluate(film, &along, &across, 1, splines->film, &splines->layout, &coordinates);
-    *film += self->state.coordinates[model->num_unknowns - 1] + grid_gap(&model->grid, node) +
-             own_cut(self, &along, &across, splines);
-    *density = density_at(self, &along, &across, splines, NULL, reference);
+    locate(&along, &across, x, y, splines);
+    *film = base_film(path, &along, &across, x, y);
+    *density = density_at(path->base, &along, &across, splines, path, reference);
 }

@@ -53,21 +53,31 @@ void film_splines_free(film_splines *splines);
 
 struct previous_film;
 
-/* What carrying films of a line contact along the path of the fluid needs besides
- * (common/time/README.md). */
+/* What carrying films along the path of the fluid needs besides (common/time/README.md). The base is
+ * the same at all steps, so that its film is summed over the modes once: splines of one function. */
 typedef struct path_films {
     double *film,
         *pressure; // the splines' tables of the filtered modes; the second compressible only
     const struct previous_film *base; // the start, the caller's, prepared
+    spline_layout base_layout, base_pressure_layout;
+    double *base_film;     // [num_nodes of the splines' grid, 2 or 4] H0 and deflection
+    double *base_cut;      // what of it its own exits cut
+    double *base_pressure; // [num_nodes of the model, 2 or 4] uncut; compressible only
 } path_films;
 
-/* Filters the modes. Incompressible, `pressure` stays NULL. EHD_MEMORY. */
+/* Filters the modes. Incompressible, the tables of pressure stay NULL. EHD_MEMORY. */
 ehd_status path_films_init(
     // output:
-    path_films *self, // free with path_films_free; the caller sets the base
+    path_films *self, // free with path_films_free
     // input:
-    const film_splines *splines, double smoothing, bool compressible, ehd_error *error);
+    const film_splines *splines, const reduced_model *model, double smoothing, bool compressible,
+    ehd_error *error);
 void path_films_free(path_films *self);
+
+/* Sets the start, prepared with previous_film_prepare, which is the caller's. EHD_MEMORY. */
+ehd_status path_films_set_base(path_films *self, const struct previous_film *base,
+                               const reduced_model *model, const film_splines *splines,
+                               ehd_error *error);
 
 enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut
 
@@ -104,16 +114,16 @@ void previous_film_masses(double *mass, const previous_film *const *films, size_
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
 
-/* The same of a line contact along the path, to the places of frame `now`: films prepared for it,
+/* The same along the path, to the places of frame `now`: films prepared for it,
  * at fixed places what they have in common with the base, where the fluid was all else. */
 void path_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                       size_t node, const contact_frame *now, const reduced_model *model,
                       const film_splines *splines, const path_films *path,
                       const ehd_contact *reference);
 
-/* Film and density of a state at a node of its own frame. */
-void previous_film_at(double *film, double *density, const previous_film *self, size_t node,
-                      const reduced_model *model, const film_splines *splines,
-                      const ehd_contact *reference);
+/* Film and density of the base at a node of its own frame. */
+void path_base_at(double *film, double *density, const path_films *path, size_t node,
+                  const reduced_model *model, const film_splines *splines,
+                  const ehd_contact *reference);
 
 #endif

@@ -25,7 +25,13 @@ typedef struct previous_sums {
 typedef struct error_estimate {
     double *pressure, *mass; // [num_rows] P and rho H at the rows' nodes
     size_t *end;             // [num_lines] columns before which it is estimated
+    // along the path, the central line's places from the edge of the dry contact to the centre
+    size_t num_way;
+    size_t *way;     // [num_way] nodes
+    size_t *way_row; // [num_way] the row there, or NO_ROW
 } error_estimate;
+
+static const size_t NO_ROW = SIZE_MAX;
 
 /* Arguments of the solver's kept factors, from which a restored march makes the same ones. */
 typedef struct factors_origin {
@@ -110,19 +116,50 @@ static bool is_along_path(const reduced_march *self) {
     return self->reference.transport == TRANSPORT_PATH;
 }
 
-/* What films along the path need. A point contact's rows are scattered, so that what a film takes up
- * on its way cannot be told from them. */
+/* Finds the places on the way to the centre: those of rows on the central line, and nodes between
+ * them where these are farther apart than errors in time are long. */
+static bool find_way(reduced_march *self) {
+    const double widest = 0.05; // see README.md, Along the path
+    const reduced_model *model = self->model;
+    const ehd_grid *grid = &model->grid;
+    const size_t begin = grid_central_line(grid), end = begin + grid_width(grid) - 1;
+    error_estimate *estimate = &self->estimate;
+    size_t *row_of = malloc(grid_width(grid) * sizeof *row_of);
+
+    estimate->way = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way);
+    estimate->way_row = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way_row);
+    if (!row_of || self->memory.failed) {
+        free(row_of);
+        return false;
+    }
+    for (size_t c = 0; c < grid_width(grid); c++)
+        row_of[c] = NO_ROW;
+    for (size_t r = 0; r < model->rows.num_rows; r++)
+        if (model->rows.node[r] > begin && model->rows.node[r] < end)
+            row_of[model->rows.node[r] - begin] = r;
+    size_t last = begin; // of these places
+    for (size_t k = begin + 1; k < end && grid_x(grid, k) <= grid->step; k++) {
+        const bool taken = row_of[k - begin] != NO_ROW;
+        if (grid_x(grid, k) < -1) continue;
+        if (!taken && estimate->num_way > 0 && grid_x(grid, k + 1) - grid_x(grid, last) <= widest)
+            continue;
+        estimate->way[estimate->num_way] = last = k;
+        estimate->way_row[estimate->num_way++] = row_of[k - begin];
+    }
+    free(row_of);
+    return true;
+}
+
+/* What films along the path need. */
 static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
     const ehd_contact *reference = &self->reference;
+    ehd_status status =
+        path_films_init(&self->path, self->splines, self->model, path_filter_length(reference),
+                        reference->lubricant.density != NULL, error);
 
-    if (self->model->band.num_lines > 1)
-        return ehd_fail(
-            error, EHD_DATA,
-            "transport: found path with a point contact, expected upwind in the reduced "
-            "model");
-    ehd_status status = path_films_init(&self->path, self->splines, path_filter_length(reference),
-                                        reference->lubricant.density != NULL, error);
-    return status ? status : previous_film_init(&self->base, self->model, error);
+    if (!status) status = previous_film_init(&self->base, self->model, error);
+    return status || find_way(self) ? status
+                                    : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
 }
 
 ehd_status reduced_march_create(reduced_march **created, const reduced_model *model,
@@ -265,8 +302,8 @@ static double entrain(const reduced_march *self, size_t node) {
     for (size_t a = 0; a < NUM_STENCIL; a++) {
         double density;
         if (stencil.node[a] == NO_NODE) continue;
-        previous_film_at(&film[a], &density, &self->base, stencil.node[a], model, self->splines,
-                         &self->reference);
+        path_base_at(&film[a], &density, &self->path, stencil.node[a], model, self->splines,
+                     &self->reference);
         if (fluid.density) fluid.density[a] = density;
         stencil.node[a] = a;
     }
@@ -275,17 +312,24 @@ static double entrain(const reduced_march *self, size_t node) {
 }
 
 /* The base, once its state is set, is what previous states are told from. */
-static void use_base(reduced_march *self) {
+static ehd_status use_base(reduced_march *self, ehd_error *error) {
     const reduced_model *model = self->model;
+    const ehd_grid *grid = &model->grid;
 
-    self->path.base = &self->base;
     previous_film_prepare(&self->base, model, self->splines, &self->reference);
+    ehd_status status = path_films_set_base(&self->path, &self->base, model, self->splines, error);
+    if (status) return status;
     for (size_t r = 0; r < model->rows.num_rows; r++)
         self->entrained[r] = entrain(self, model->rows.node[r]);
-    const band_line *line = &model->band.lines[0]; // of a line contact
-    for (size_t k = line->begin; k < line->end; k++)
-        if (k > 0 && k + 1 < model->grid.num_nodes)
-            self->band_entrained[line->offset + k - line->begin] = entrain(self, k);
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        if (!grid_is_inner_line(grid, l)) continue;
+        for (size_t c = line->begin; c < line->end; c++)
+            if (c > 0 && c + 1 < grid_width(grid))
+                self->band_entrained[line->offset + c - line->begin] =
+                    entrain(self, l * grid_width(grid) + c);
+    }
+    return EHD_OK;
 }
 
 static void accept(void *solver);
@@ -327,7 +371,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (is_along_path(self)) {
         self->base.frame = first->frame;
         reduced_state_copy(&self->base.state, &first->state, self->model);
-        use_base(self);
+        status = use_base(self, error);
+        if (status) return status;
     }
     accept(self);
     return EHD_OK;
@@ -364,9 +409,9 @@ static void predict(reduced_march *self) {
     }
 }
 
-static void list_previous(const previous_film *films[BDF_PREVIOUS], reduced_march *self) {
+static void list_previous(const previous_film *films[BDF_PREVIOUS], const reduced_march *self) {
     for (size_t i = 0; i < self->ring.num_previous; i++)
-        films[i] = state_before(self, i + 1);
+        films[i] = &self->states[self->ring.place[i + 1]];
 }
 
 /* rho H of states at a node of the frame. */
@@ -477,18 +522,32 @@ static double largest_error(const reduced_march *self) {
     return largest;
 }
 
-/* What a film takes up of them on its way to the centre, as in the full model: linear between the
- * rows. */
-static double error_on_the_way(const reduced_march *self, double step) {
-    const row_set *rows = &self->model->rows;
+/* The same at any node, of the state of the attempt, prepared. */
+static double missed_at(const reduced_march *self, size_t node) {
+    const previous_film *films[BDF_PREVIOUS];
+    const previous_film *next = &self->states[self->ring.place[0]];
+    double mass, before[BDF_PREVIOUS];
+
+    list_previous(films, self);
+    previous_film_masses(&mass, &next, 1, node, &next->frame, self->model, self->splines,
+                         &self->reference);
+    masses_at(before, films, self->ring.num_previous, node, &next->frame, self);
+    return mass - cblas_ddot((int)self->ring.num_previous, self->formula.predictor, 1, before, 1);
+}
+
+/* What a film takes up of them on its way to the centre, as in the full model: along the central
+ * line, linear between the places. */
+static double error_on_the_way(reduced_march *self, double step) {
+    const error_estimate *estimate = &self->estimate;
+    const ehd_grid *grid = &self->model->grid;
     double largest = 0, sum = 0, lowest = 0, highest = 0, last_x = NAN, last = 0;
 
-    for (size_t i = 0; i < rows->num_rows; i++) {
-        const size_t r = self->previous.ascending[i];
-        const double x = grid_x(&self->model->grid, rows->node[r]);
-        if (x > self->model->grid.step) break;
-        if (x < -1 || !is_before_exit(self, rows->node[r])) continue;
-        const double missed = missed_mass(self, r);
+    previous_film_prepare(state_before(self, 0), self->model, self->splines, &self->reference);
+    for (size_t i = 0; i < estimate->num_way; i++) {
+        const size_t node = estimate->way[i], r = estimate->way_row[i];
+        const double x = grid_x(grid, node);
+        if (!is_before_exit(self, node)) continue;
+        const double missed = r == NO_ROW ? missed_at(self, node) : missed_mass(self, r);
         if (!isnan(last_x)) sum += (x - last_x) * (missed + last) / 2;
         last_x = x;
         last = missed;
@@ -754,8 +813,7 @@ static ehd_status restore_base(reduced_march *self, const double *saved, ehd_err
     if (!is_along_path(self)) return EHD_OK;
     ehd_status status = saved_frame(&self->base.frame, saved, saved_state_size(self->model), error);
     if (!status) status = restore_state(&self->base.state, saved + NUM_FRAME, self->model, error);
-    if (!status) use_base(self);
-    return status;
+    return status ? status : use_base(self, error);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
