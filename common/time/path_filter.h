@@ -37,6 +37,9 @@ void path_filter_free(path_filter *self);
  * 1.5 % off at fronts. */
 double path_filter_length(const ehd_contact *contact);
 
+/* How the contact's films are carried, with that length along the path. */
+ehd_carriage path_carriage(const ehd_contact *contact);
+
 /* Filters the values along a line, which are `stride` apart. Uses `work`. */
 void path_filter_apply(
     // in and out:
