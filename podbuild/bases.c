@@ -90,7 +90,7 @@ ehd_status bases_build(reduced_basis *basis, pod_basis *pressure_pod, pod_basis 
     memset(deformation_pod, 0, sizeof *deformation_pod);
     basis->kind = set->kind;
     basis->grid = set->grid;
-    basis->transport = set->transport;
+    basis->carriage = set->carriage;
     basis->deformation = settings->kind;
     ehd_status status = pod_build(pressure_pod, set->snapshots, set->num_snapshots, num_nodes,
                                   &settings->pressure, error);

@@ -206,20 +206,19 @@ static ehd_status collect_snapshots(snapshot_set *set, artefact *file, const fil
 }
 
 /* All files with trajectories carry films in the same way. */
-static ehd_status check_transport(snapshot_set *set, artefact *file, const char *path,
-                                  ehd_error *error) {
-    ehd_transport transport;
+static ehd_status check_carriage(snapshot_set *set, artefact *file, const char *path,
+                                 ehd_error *error) {
+    ehd_carriage carriage;
 
     if (!artefact_has(file, "transport")) return EHD_OK;
-    ehd_status status = transport_read(&transport, file, error);
-    if (status) return status;
-    if (set->transported && transport != set->transport)
-        return ehd_fail(error, EHD_DATA, "%s: transport: found %s, expected %s, as in %s", path,
-                        transport_name(transport), transport_name(set->transport),
-                        set->transported);
-    if (!set->transported) set->transported = path;
-    set->transport = transport;
-    return EHD_OK;
+    ehd_status status = carriage_read(&carriage, file, error);
+    if (!status && set->transported)
+        status = carriage_check(&carriage, path, &set->carriage, set->transported, error);
+    if (!status && !set->transported) {
+        set->transported = path;
+        set->carriage = carriage;
+    }
+    return status;
 }
 
 static ehd_status add_file(snapshot_set *set, const char *path, const char *first,
@@ -241,7 +240,7 @@ static ehd_status add_file(snapshot_set *set, const char *path, const char *firs
     if (!status) status = grid_read(&grid, &set->kind, file, error);
     if (!status && path == first) set->grid = grid;
     if (!status) status = grid_check(&grid, path, &set->grid, first, error);
-    if (!status) status = check_transport(set, file, path, error);
+    if (!status) status = check_carriage(set, file, path, error);
     if (!status) status = read_columns(&states, file, error);
     if (!status) status = reserve(set, set->num_states + states.count, error);
     size_t first_state = set->num_states;

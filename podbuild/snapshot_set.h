@@ -13,7 +13,7 @@ typedef struct snapshot_set {
     const contact_kind *kind;
     ehd_grid grid;
     const char *transported; // the first file with trajectories, or NULL
-    ehd_transport transport; // of these
+    ehd_carriage carriage;   // of these
     size_t num_states;
     size_t num_left_out;            // states of the files that had not converged
     double *pressure;               // [num_states, num_nodes], boundary nodes included

@@ -2,6 +2,7 @@
 #include "snapgen/residuals.h"
 
 #include "common/artefact/artefact.h"
+#include "common/time/path_filter.h"
 #include "common/training/pool.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/online/reduced_solver.h"
@@ -347,16 +348,6 @@ static ehd_status run_trajectories(repeated_training *training, const reduced_ba
     return status;
 }
 
-/* The trajectories are repeated as they were trained. */
-static ehd_status check_transport(const reduced_basis *basis, const char *basis_path,
-                                  const ehd_contact *contact, const char *plan_path,
-                                  ehd_error *error) {
-    if (contact->transport == basis->transport) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: transport: found %s, expected %s, as in %s", plan_path,
-                    transport_name(contact->transport), transport_name(basis->transport),
-                    basis_path);
-}
-
 /* Leaves only the points that the basis was trained on. */
 static ehd_status keep_trained(training_set *set, const reduced_basis *basis, const char *plan_path,
                                const char *basis_path, ehd_error *error) {
@@ -390,9 +381,10 @@ ehd_status residuals_run(size_t *num_failed, const program *caller, training_set
 
     if (!status) training_set_take_grid(set, &basis.grid);
     if (!status) status = grid_check(&basis.grid, basis_path, &set->grid, plan_path, error);
-    if (!status && set->num_trajectories > 0)
-        status =
-            check_transport(&basis, basis_path, &set->trajectories[0].contact, plan_path, error);
+    if (!status && set->num_trajectories > 0) { // they are repeated as they were trained
+        const ehd_carriage carriage = path_carriage(&set->trajectories[0].contact);
+        status = carriage_check(&carriage, plan_path, &basis.carriage, basis_path, error);
+    }
     if (!status && trained_only) status = keep_trained(set, &basis, plan_path, basis_path, error);
     if (!status)
         status = artefact_create(&file, caller->output, &schema_residuals, caller, set->text,

@@ -3,6 +3,7 @@
 
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
+#include "common/time/path_filter.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -77,8 +78,10 @@ ehd_status snapshots_create(artefact **file, const program *caller, const traini
 
     if (!status) status = artefact_put_axis(*file, "state", num_states(set), NULL, error);
     if (!status) status = grid_write(*file, set->kind, &set->grid, error);
-    if (!status && set->num_trajectories > 0)
-        status = transport_write(*file, set->trajectories[0].contact.transport, error);
+    if (!status && set->num_trajectories > 0) {
+        const ehd_carriage carriage = path_carriage(&set->trajectories[0].contact);
+        status = carriage_write(*file, &carriage, error);
+    }
     if (!status) status = snapshots_declare(*file, set, false, error);
     if (!status) status = put_contacts(*file, set, error);
     if (!status) status = artefact_begin_streaming(*file, error);

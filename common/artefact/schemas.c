@@ -46,7 +46,11 @@
 #define TRANSPORT_ATTRIBUTE                                                                        \
     ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                      \
               "how films are carried on the trajectories of the training: upwind or path; where "  \
-              "missing there are none, or upwind")
+              "missing there are none, or upwind"),                                                \
+        ATTRIBUTE(                                                                                 \
+            "smoothing", ARTEFACT_REAL, "1", NEED_OPTIONAL,                                        \
+            "transient.smoothing of these trajectories, in half widths; where missing it is "      \
+            "not known, or films are not carried along their paths")
 #define HALF_ATTRIBUTE                                                                             \
     ATTRIBUTE(                                                                                     \
         "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,                                              \

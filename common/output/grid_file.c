@@ -147,21 +147,32 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     return EHD_OK;
 }
 
-ehd_status transport_write(artefact *file, ehd_transport transport, ehd_error *error) {
-    return artefact_put_text(file, "transport", transport_name(transport), error);
+ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_error *error) {
+    ehd_status status =
+        artefact_put_text(file, "transport", transport_name(carriage->transport), error);
+
+    if (!status && carriage->transport == TRANSPORT_PATH && !isnan(carriage->smoothing))
+        status = artefact_put_real(file, "smoothing", carriage->smoothing, error);
+    return status;
 }
 
-ehd_status transport_read(ehd_transport *transport, artefact *file, ehd_error *error) {
+ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *error) {
     char *name = NULL;
 
-    *transport = TRANSPORT_UPWIND;
+    *carriage = (ehd_carriage){TRANSPORT_UPWIND, NAN};
     if (!artefact_has(file, "transport")) return EHD_OK;
     ehd_status status = artefact_get_text(file, "transport", &name, error);
-    if (!status && !transport_find(transport, name))
+    if (!status && !transport_find(&carriage->transport, name))
         status = ehd_fail(error, EHD_DATA, "%s: transport: found %.32s, expected %s|%s",
                           artefact_path(file), name, transport_name(TRANSPORT_PATH),
                           transport_name(TRANSPORT_UPWIND));
     free(name);
+    if (!status && artefact_has(file, "smoothing"))
+        status = artefact_get_real(file, "smoothing", &carriage->smoothing, error);
+    if (!status && !isnan(carriage->smoothing) &&
+        !(carriage->smoothing >= 0 && carriage->smoothing <= 1))
+        status = ehd_fail(error, EHD_DATA, "%s: smoothing: found %g, expected 0 to 1",
+                          artefact_path(file), carriage->smoothing);
     return status;
 }
 

@@ -43,11 +43,11 @@ ehd_status grid_read_discretization(ehd_discretization *discretization, artefact
  * the kind is not known. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
-/* Attribute transport of a training with trajectories. */
-ehd_status transport_write(artefact *file, ehd_transport transport, ehd_error *error);
+/* Attributes transport and, where it is known, smoothing of a training with trajectories. */
+ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_error *error);
 
-/* Reads it; upwind where it is missing. EHD_DATA: not known. */
-ehd_status transport_read(ehd_transport *transport, artefact *file, ehd_error *error);
+/* Reads them; upwind where the first is missing, NaN where the second is. EHD_DATA: not known. */
+ehd_status carriage_read(ehd_carriage *carriage, artefact *file, ehd_error *error);
 
 /* The grid of a file of snapshots, a basis or a model. Errors as artefact_open. */
 ehd_status grid_of_file(ehd_grid *grid, const contact_kind **kind, const char *path,

@@ -188,6 +188,21 @@ bool transport_find(ehd_transport *transport, const char *name) {
     return false;
 }
 
+ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
+                          const ehd_carriage *expected, const char *expected_in, ehd_error *error) {
+    const double rounding = 1e-9; // of the grid's step, which a default goes with
+    const char *in = found_in ? found_in : "", *colon = found_in ? ": " : "";
+
+    if (found->transport != expected->transport)
+        return ehd_fail(error, EHD_DATA, "%s%stransport: found %s, expected %s, as in %s", in,
+                        colon, transport_name(found->transport),
+                        transport_name(expected->transport), expected_in);
+    if (fabs(found->smoothing - expected->smoothing) > rounding) // neither is NaN
+        return ehd_fail(error, EHD_DATA, "%s%stransient.smoothing: found %g, expected %g, as in %s",
+                        in, colon, found->smoothing, expected->smoothing, expected_in);
+    return EHD_OK;
+}
+
 // ---- any contact
 
 double contact_gap(double x, double y) {

@@ -57,6 +57,17 @@ const char *transport_name(ehd_transport transport);
 /* Finds one by its name; false: there is none. */
 bool transport_find(ehd_transport *transport, const char *name);
 
+/* How the films of a training are carried. */
+typedef struct ehd_carriage {
+    ehd_transport transport;
+    double smoothing; // half widths, along the path (transient.smoothing); NaN: none, or not known
+} ehd_carriage;
+
+/* EHD_DATA naming both where one is not the other; a smoothing that is not known is any. `found_in`,
+ * a file, or NULL. */
+ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
+                          const ehd_carriage *expected, const char *expected_in, ehd_error *error);
+
 /* Uniform grid of square cells, and the discretisation on it. The unknowns are at `num_inner` inner
  * nodes; boundary nodes, where the pressure is zero, lie one step outside. All nodes are numbered
  * together, along x first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes

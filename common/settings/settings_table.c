@@ -95,7 +95,7 @@ static const setting run_rows[] = {
      "step, default 1e-4", IN_TIME, false},
     {"transient.smoothing", REAL(transient.smoothing), NULL, NULL, 0, 1, "1",
      "Length below which waves of a film are damped on its path, in contact half widths; default "
-     "0.014, or 1.4 steps of the grid where that is more", {{"transport", "path"}}, false},
+     "0.014, or 0.85 steps of the grid where that is more", {{"transport", "path"}}, false},
     {"transient.fixed_step", REAL(transient.fixed_step), NULL, NULL, 1e-9, 1e12, "1",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(transient.start_film), NULL, NULL, 1e-9, 1, "1",

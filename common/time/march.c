@@ -202,6 +202,13 @@ static double shortest_step(const march *self, const contact_frame *frame) {
                                : 0;
 }
 
+/* What a step is at most shortened to. */
+static const double LEAST_SHRINK = 0.9;
+
+static bool is_shortest(const march *self, const march_step *outcome) {
+    return LEAST_SHRINK * outcome->step <= shortest_step(self, &outcome->frame);
+}
+
 /* The fixed step, or on the way to it twice the last one. */
 static double fixed_step_after(const march *self, const march_step *outcome) {
     double fixed = self->settings.fixed_step;
@@ -242,7 +249,7 @@ static bool is_adaptive(const march *self) {
 
 static bool is_rejected(const march *self, const march_step *outcome) {
     return outcome->status == EHD_NOT_CONVERGED ||
-           (is_adaptive(self) && outcome->step > shortest_step(self, &outcome->frame) &&
+           (is_adaptive(self) && !is_shortest(self, outcome) &&
             !(outcome->local_error <= accepted_error(self)));
 }
 
@@ -255,7 +262,9 @@ static void reject(march *self, const march_step *outcome) {
     state->num_rejected++;
     state->rejected_step = failed ? 0 : step;
     state->rejected_error = outcome->local_error;
-    state->step = failed ? FAILED_SHRINK * step : fmin(next_step(self, outcome), 0.9 * step);
+    const double shortest = shortest_step(self, &outcome->frame);
+    state->step = failed ? FAILED_SHRINK * step
+                         : fmin(fmax(next_step(self, outcome), shortest), LEAST_SHRINK * step);
     if (!(state->step > min_step(self)))
         snprintf(self->reason, sizeof self->reason,
                  "found a step size of %.1e at T = %.10g (%s), expected above %.1e", state->step,
@@ -269,8 +278,10 @@ static double step_after(const march *self, const march_step *outcome) {
     double before = outcome->local_error > self->settings.tolerance ? state->rejected_step : 0;
 
     if (!is_adaptive(self)) return fixed_step_after(self, outcome);
+    const double shortest = shortest_step(self, &outcome->frame);
     // its error, which is the grid's, says nothing about it either
-    if (outcome->step <= shortest_step(self, &outcome->frame)) return MAX_GROWTH * outcome->step;
+    if (is_shortest(self, outcome))
+        return fmax(next_step(self, outcome), fmin(shortest, MAX_GROWTH * outcome->step));
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 

@@ -49,7 +49,13 @@ static bool factorise(double *matrix, size_t width) {
 }
 
 double path_filter_length(const ehd_contact *contact) {
-    return isnan(contact->smoothing) ? fmax(0.014, 1.4 * contact->grid.step) : contact->smoothing;
+    return isnan(contact->smoothing) ? fmax(0.014, 0.85 * contact->grid.step) : contact->smoothing;
+}
+
+ehd_carriage path_carriage(const ehd_contact *contact) {
+    const bool path = contact->transport == TRANSPORT_PATH;
+
+    return (ehd_carriage){contact->transport, path ? path_filter_length(contact) : NAN};
 }
 
 ehd_status path_filter_init(path_filter *self, const ehd_grid *grid, double length,

@@ -3,6 +3,7 @@
 
 #include "common/output/inputs.h"
 #include "common/settings/scene_contact.h"
+#include "common/time/path_filter.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -56,15 +57,20 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     expected->num_inner, expected->x_min, expected->step, first_name);
 }
 
-/* Trajectories of one plan carry films in the same way. */
-static ehd_status check_transports(const training_set *set, const char *plan_path,
-                                   ehd_error *error) {
+/* Trajectories of one plan, on their grid, carry films in the same way. */
+static ehd_status check_carriages(const training_set *set, const char *plan_path,
+                                  ehd_error *error) {
     for (size_t t = 1; t < set->num_trajectories; t++) {
-        const ehd_transport found = set->trajectories[t].contact.transport;
-        const ehd_transport expected = set->trajectories[0].contact.transport;
-        if (found != expected)
+        const ehd_carriage found = path_carriage(&set->trajectories[t].contact);
+        const ehd_carriage expected = path_carriage(&set->trajectories[0].contact);
+        if (found.transport != expected.transport)
             return ehd_fail(error, EHD_DATA, "%s: transport: found %s and %s, expected one of them",
-                            plan_path, transport_name(expected), transport_name(found));
+                            plan_path, transport_name(expected.transport),
+                            transport_name(found.transport));
+        if (found.smoothing != expected.smoothing && found.transport == TRANSPORT_PATH)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: transient.smoothing: found %g and %g, expected one of them",
+                            plan_path, expected.smoothing, found.smoothing);
     }
     return EHD_OK;
 }
@@ -272,8 +278,8 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
-    if (!status) status = check_transports(set, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
+    if (!status) status = check_carriages(set, plan_path, error);
     size_t num_points = set->num_points, num_all = num_points + set->num_trajectories;
     if (!status && piece.total > num_all)
         status = ehd_fail(error, EHD_USAGE,

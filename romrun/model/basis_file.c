@@ -282,7 +282,7 @@ ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
         artefact_create(&file, caller->output, &schema_basis, caller, settings_text, inputs, error);
 
     if (!status) status = grid_write(file, basis->kind, &basis->grid, error);
-    if (!status) status = transport_write(file, basis->transport, error);
+    if (!status) status = carriage_write(file, &basis->carriage, error);
     if (!status)
         status = artefact_put_axis(file, "pressure_mode", basis->num_pressure, NULL, error);
     if (!status) status = artefact_put_axis(file, "state", basis->states.num_states, NULL, error);
@@ -314,7 +314,7 @@ ehd_status basis_write(const reduced_basis *basis, const basis_origin *origin,
 static ehd_status read_open_basis(reduced_basis *basis, artefact *file, ehd_error *error) {
     ehd_status status = grid_read(&basis->grid, &basis->kind, file, error);
 
-    if (!status) status = transport_read(&basis->transport, file, error);
+    if (!status) status = carriage_read(&basis->carriage, file, error);
     if (!status) status = deformation_read(&basis->deformation, file, error);
     if (status) return status;
     basis->num_pressure = artefact_length(file, "pressure_mode");

@@ -42,7 +42,7 @@ static ehd_status no_memory(const artefact *file, ehd_error *error) {
 static ehd_status put_axes(artefact *file, const reduced_model *model, ehd_error *error) {
     ehd_status status = grid_write(file, model->kind, &model->grid, error);
 
-    if (!status) status = transport_write(file, model->transport, error);
+    if (!status) status = carriage_write(file, &model->carriage, error);
     if (!status) status = artefact_put_axis(file, "band_node", model->band.num_nodes, NULL, error);
     if (!status)
         status = artefact_put_axis(file, "pressure_mode", model->num_pressure, NULL, error);

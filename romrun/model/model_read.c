@@ -424,7 +424,7 @@ ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes
 
     memset(model, 0, sizeof *model);
     if (!status) status = grid_read(&model->grid, &model->kind, file, error);
-    if (!status) status = transport_read(&model->transport, file, error);
+    if (!status) status = carriage_read(&model->carriage, file, error);
     model->band.num_lines = grid_lines(&model->grid);
     if (!status) status = deformation_read(&model->deformation, file, error);
     if (!status) status = choose_sizes(model, &stored, file, sizes ? sizes : &whole, error);

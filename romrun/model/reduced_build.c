@@ -185,7 +185,7 @@ ehd_status reduced_model_build(reduced_model *model, const reduced_basis *basis,
 
     *model = (reduced_model){.kind = basis->kind,
                              .grid = basis->grid,
-                             .transport = basis->transport,
+                             .carriage = basis->carriage,
                              .band.num_lines = grid_lines(&basis->grid),
                              .deformation = basis->deformation,
                              .num_pressure = basis->num_pressure,

@@ -53,7 +53,7 @@ bool reduced_states_have(const reduced_states *states, const ehd_contact *contac
 typedef struct reduced_basis {
     const contact_kind *kind;
     ehd_grid grid;
-    ehd_transport transport; // of the training's trajectories
+    ehd_carriage carriage; // of the training's trajectories
     deformation_kind deformation;
     size_t num_pressure;       // n_p
     size_t num_deformation;    // n_delta, 0 when coupled
@@ -149,7 +149,7 @@ typedef struct start_shift {
 typedef struct reduced_model {
     const contact_kind *kind;
     ehd_grid grid;
-    ehd_transport transport; // of the training's trajectories
+    ehd_carriage carriage; // of the training's trajectories
     deformation_kind deformation;
     size_t num_pressure, num_deformation, num_unknowns;
 

@@ -169,22 +169,24 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
 
     in_time.exit_at_node = true; // of the start too, as in the full model
     *created = NULL;
-    if (reference->transport != model->transport)
-        return ehd_fail(error, EHD_DATA,
-                        "transport: found %s, expected %s, as in the model's training",
-                        transport_name(reference->transport), transport_name(model->transport));
+    // what the scene does not name is that of the training
+    const ehd_carriage carriage = {reference->transport, reference->smoothing};
+    ehd_status status =
+        carriage_check(&carriage, NULL, &model->carriage, "the model's training", error);
+    if (status) return status;
     reduced_march *self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     self->model = model;
     self->splines = splines;
     self->reference = *reference;
+    if (isnan(reference->smoothing)) self->reference.smoothing = model->carriage.smoothing;
     self->ring = bdf_ring_empty();
     self->range = trained_range_create(model);
     allocate_arrays(self);
     bool whole = self->range && !self->memory.failed;
     if (whole) sort_rows(self);
-    ehd_status status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
-                              : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
+    status = whole ? reduced_solver_create(&self->solver, model, &in_time, error)
+                   : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
         status = previous_film_init(&self->states[i], model, error);

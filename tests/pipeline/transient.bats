@@ -602,11 +602,28 @@ PYTHON
     romrun path.yml --model m.h5 -o x.h5 --quiet --against f.h5 >log
     close_to "$(/usr/bin/python3 -c "import h5py; print(h5py.File('x.h5')['central_film_thickness'][-1])")" \
         "$(/usr/bin/python3 -c "import h5py; print(h5py.File('f.h5')['central_film_thickness'][-1])")" 1e-3
+    # the filter too: what the scene does not name is that of the training
+    sed 's/^transient:/&\n  smoothing: 0.05/' path.yml >smooth.yml
+    refused 65 "transient.smoothing: found 0.05, expected 0.0" \
+        romrun smooth.yml --model m.h5 -o x.h5
+    sed 's/scene: scene.yml/scene: smooth.yml/' plan.yml >smooth-plan.yml
+    refused 65 "smooth-plan.yml: transient.smoothing: found 0.05, expected 0.0" \
+        snapgen smooth-plan.yml --basis b.h5 -o r2.h5
+    snapgen smooth-plan.yml -o s2.h5 --quiet
+    refused 65 "s2.h5: transient.smoothing: found 0.05, expected 0.0" podbuild s.h5 s2.h5 -o x2.h5
+    podbuild s2.h5 -o b2.h5
+    snapgen smooth-plan.yml --basis b2.h5 -o r2.h5 --quiet
+    deimselect r2.h5 --basis b2.h5 -o m2.h5
+    romrun path.yml --model m2.h5 -o x.h5 --force --quiet
+    romrun smooth.yml --model m2.h5 -o y.h5 --quiet
+    scalars_equal x.h5 y.h5
     # two ways in one basis, and in one plan
     snapgen plan.yml -o u.h5 --quiet
     refused 65 "u.h5: transport: found upwind, expected path, as in s.h5" podbuild s.h5 u.h5 -o x2.h5
     printf '  - scene: path.yml\n' >>plan.yml
-    refused 65 "plan.yml: transport: found upwind and path, expected one of them" snapgen plan.yml -o y.h5
+    refused 65 "plan.yml: transport: found upwind and path, expected one of them" snapgen plan.yml -o z.h5
+    printf '  - scene: smooth.yml\n' >>path-plan.yml
+    refused 65 "path-plan.yml: transient.smoothing: found 0.0" snapgen path-plan.yml -o z.h5
 }
 
 @test "a run along the path can be killed and resumed" {

@@ -8,7 +8,7 @@ void marching_start(marching *self, const ehd_contact *contact, const reduced_ba
     self->reference = *contact;
     self->reference.grid = of->grid;
     ehd_status status = reduced_model_build(&self->model, of, NULL, 0, &error);
-    self->model.transport = contact->transport;
+    self->model.carriage = (ehd_carriage){contact->transport, contact->smoothing};
     if (!status)
         status = film_splines_build(&self->splines, &self->model, of->pressure,
                                     of->deformation_modes, &error);

@@ -575,6 +575,25 @@ static void steps_stand_above_noise(void **state) {
     run_end(&first);
 }
 
+/* Along the path no step is shortened below a quarter of the grid's, nor tried at a length whose
+ * error the last one of that length has told. */
+static void steps_along_the_path_stay_at_the_shortest(void **state) {
+    (void)state;
+    static const ehd_contact line = {.kind = &contact_line,
+                                     .approach_length = 1,
+                                     .transport = TRANSPORT_PATH,
+                                     .grid = {.step = 0.2}};
+
+    run_begin(&first, "end_time: 3, tolerance: 1e-3");
+    first.march.reference = &line;
+    first.follower.noise = 40 * first.march.settings.tolerance;
+    assert_int_equal(run_on(&first), EHD_OK);
+    for (size_t i = 1; i < first.count; i++)
+        assert_true(first.step[i] <= 0.05 / 0.9);
+    assert_true(first.march.state.num_steps < 75 && first.march.state.num_rejected <= 2);
+    run_end(&first);
+}
+
 /* Steps that are accepted, but so short that the end is out of reach. */
 static void crawling_ends(void **state) {
     (void)state;
@@ -725,6 +744,7 @@ int main(void) {
         cmocka_unit_test(step_size_ends_above_rounding),
         cmocka_unit_test(noise_underflows),
         cmocka_unit_test(steps_stand_above_noise),
+        cmocka_unit_test(steps_along_the_path_stay_at_the_shortest),
         cmocka_unit_test(crawling_ends),
         cmocka_unit_test(errors_end_the_march),
         cmocka_unit_test(first_untrusted_step_is_kept),

@@ -289,7 +289,7 @@ static void saved_exits_outside_of_the_band_are_refused(void **state) {
 }
 
 /* A model is run as it was trained. */
-static void another_transport_is_refused(void **state) {
+static void another_carriage_is_refused(void **state) {
     reduced_basis nodes = nodes_basis();
     reduced_march *created;
     marching self;
@@ -301,14 +301,26 @@ static void another_transport_is_refused(void **state) {
                                           &strict_settings, &error),
                      EHD_DATA);
     assert_null(created);
-    assert_non_null(strstr(error.text, "in the model's training"));
+    assert_string_equal(error.text,
+                        "transport: found path, expected upwind, as in the model's training");
+    self.model.carriage = (ehd_carriage){TRANSPORT_PATH, 0.2};
+    self.reference.smoothing = 0.1;
+    assert_int_equal(reduced_march_create(&created, &self.model, &self.splines, &self.reference,
+                                          &strict_settings, &error),
+                     EHD_DATA);
+    assert_string_equal(error.text,
+                        "transient.smoothing: found 0.1, expected 0.2, as in the model's training");
+    self.reference.smoothing = NAN; // that of the training
+    check_ok(reduced_march_create(&created, &self.model, &self.splines, &self.reference,
+                                  &strict_settings, &error));
+    reduced_march_free(created);
     marching_free(&self);
     reduced_basis_free(&nodes);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(another_transport_is_refused),
+        cmocka_unit_test(another_carriage_is_refused),
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
         cmocka_unit_test(a_step_of_full_rank_is_one_of_the_full_model),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
