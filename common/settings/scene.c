@@ -42,7 +42,10 @@ static void fill_published_grid(scene *of) {
 
 /* What follows from the way that films are carried. */
 static void fill_transient(scene *of) {
-    if (!*of->transport) snprintf(of->transport, sizeof of->transport, "upwind");
+    const bool published = strcmp(of->discretization, "published") == 0;
+
+    if (!*of->transport)
+        snprintf(of->transport, sizeof of->transport, "%s", published ? "upwind" : "path");
     fill_real(&of->transient.tolerance, strcmp(of->transport, "path") == 0 ? 1.5e-3 : 1e-4);
 }
 

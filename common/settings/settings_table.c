@@ -66,7 +66,7 @@ static const setting run_rows[] = {
      ALWAYS, false},
     {"transport", CHOICE(transport), NULL, "path|upwind", 0, 0, "1",
      "How films that vary in time are carried through the contact: along the path of the fluid, or by "
-     "the rows at fixed places; default upwind", IN_TIME, false},
+     "the rows at fixed places; default path, upwind with published", IN_TIME, false},
     {"grid.x_min", REAL(grid.x_min), NULL, NULL, -1e3, -1, "1",
      "First inner node, in contact half widths; below -1; default by M and L, -4 with published", ALWAYS, false},
     {"grid.x_max", REAL(grid.x_max), NULL, NULL, 1, 1e3, "1",

@@ -35,7 +35,8 @@ static scene scene_of(const char *contact, double moes_M, double moes_L, const c
     ehd_error error = {""};
 
     snprintf(text, sizeof text,
-             "contact: %s\nregime: transient\nclosure: %s\nmoes: {M: %.17g, L: %.17g}\n"
+             "contact: %s\nregime: transient\ntransport: upwind\nclosure: %s\nmoes: {M: %.17g, L: "
+             "%.17g}\n"
              "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: %s}}\n"
              "grid: {%s}\ntransient: {%s}\n",
              contact, strstr(transient, "approach:") ? "approach" : "load", moes_M, moes_L, density,

@@ -17,7 +17,8 @@
 /* A contact of 121 nodes whose load swings by 10 %; steps are a power of two, so that times are
  * exact. */
 static const char scene_of_training[] =
-    "contact: line\nregime: transient\nmoes: {M: 12, L: 4}\ngrid: {x_min: -4, x_max: 2, step: "
+    "contact: line\nregime: transient\ntransport: upwind\nmoes: {M: 12, L: 4}\ngrid: {x_min: -4, "
+    "x_max: 2, step: "
     "0.05}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
     "transient: {end_time: 2, fixed_step: 0.015625, load: {law: sine, amplitude: 0.1, period: "

@@ -140,10 +140,11 @@ static scene scene_of(const char *transient) {
     scene of;
     ehd_error error = {""};
 
-    snprintf(text, sizeof text,
-             "contact: line\nregime: transient\nmoes: {M: 12, L: 12}\nclosure: %s\n"
-             "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\ntransient: {%s}\n",
-             strstr(transient, "approach") ? "approach" : "load", transient);
+    snprintf(
+        text, sizeof text,
+        "contact: line\nregime: transient\ntransport: upwind\nmoes: {M: 12, L: 12}\nclosure: %s\n"
+        "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\ntransient: {%s}\n",
+        strstr(transient, "approach") ? "approach" : "load", transient);
     if (scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error)) fail_msg("%s", error.text);
     return of;
 }

@@ -67,7 +67,11 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 
     nanosleep(&pause, NULL);
     self->new_time = frame->time;
-    *outcome = (march_step){.reason = "", .scalars = scalars_at(frame->time), .iterations = number};
+    *outcome = (march_step){.reason = "",
+                            .scalars = scalars_at(frame->time),
+                            .effect = -0.01,
+                            .effect_minimum = frame->time < 0.5 ? 0.02 : 0,
+                            .iterations = number};
     if (number == fails_at || frame->time > self->fails_from) {
         outcome->status = EHD_NOT_CONVERGED;
         outcome->reason = "no luck";
@@ -226,6 +230,9 @@ static void resumed_reports_what_an_uninterrupted_run_does(void **state) {
     drop_line(whole_out, "solution");
     check_contains(whole_out, "smallest film           0.1");
     check_contains(whole_out, "largest central film    2");
+    check_contains(whole_out,
+                   "effect of the steps     central film 1 % rms, 1 % at most; minimum film "
+                   "2 %\n");
     check_contains(whole_out, "1 more rejected");
     check_contains(whole_out, "not to be trusted       first at T = 0.2: a value that is outré\n");
     check_contains(whole_err, "found a value that is outré, first at T = 0.2, expected");

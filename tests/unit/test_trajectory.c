@@ -18,7 +18,7 @@
 // ---- a plan of two trajectories, and one that cannot reach its end
 
 static const char usual_scene[] =
-    "contact: line\nregime: transient\nmoes: {M: 20, L: 6}\n"
+    "contact: line\nregime: transient\ntransport: upwind\nmoes: {M: 20, L: 6}\n"
     "lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}\n"
     "grid: {x_min: -4, x_max: 2, step: 0.05}\n"
     "transient: {end_time: 1, fixed_step: 0.01, load: {law: sine, amplitude: 0.2, period: 1}}\n";
