@@ -54,7 +54,7 @@ def curve(folder, *models):
 def picture(file, trained, target):
     """Draws deviations over the number of training points, and where the adaptive training put its points."""
     lines = results.read_csv(file)
-    figure, (left, right) = pictures.page(1300, 560, 1, 2)
+    figure, (left, right) = pictures.page(1300, 640, 1, 2)
     for training, style, title in (("regular", {"color": pictures.RED, "marker": "s"}, "regular grid"),
                                    ("adaptive", {"color": pictures.BLUE, "marker": "o"}, "adaptive"),
                                    ("published", {"color": "black", "marker": "*"}, "published grid")):
@@ -63,17 +63,17 @@ def picture(file, trained, target):
         left.plot(points, worst, label=f"{title}: worst", **style)
         left.plot(points, p95, "--", linewidth=1, fillstyle="none", label=f"{title}: 95 %", **style)
         left.plot(points, [float(line["true_worst"]) for line in of], ":", linewidth=1.6, color=style["color"],
-                  label=f"{title}: worst, from the truth")
+                  label=f"{title}: worst from the truth")
         adaptive = training == "adaptive"  # below its lower curve, the others above their upper ones
         for x, y, line in zip(points, p95 if adaptive else worst, of):
             if line["failures"] != "0":
                 left.annotate(line["failures"], (x, y), (0, -14 if adaptive else 5), ha="center",
                               textcoords="offset points", color=style["color"], fontsize=9)
     left.axhline(max(float(line["full_worst"]) for line in lines), color="#888888", linewidth=1,
-                 label="full model: worst, from the truth")
+                 label="full model: worst from the truth")
     left.set(title="All modes that the points support; numbers: scenes that fail", yscale="log", xlim=(0, None),
              xlabel="training points", ylabel="deviation of the central film")
-    left.legend()
+    left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncol=2, frameon=False, fontsize=9)
     points = results.printed(trained, "moes_M", "moes_L", "training_round")
     shades = matplotlib.colors.LinearSegmentedColormap.from_list("rounds", ["#f0e442", "#56b4e9", "#00306b"])
     shown = right.scatter(points["moes_M"], points["moes_L"], c=points["training_round"], cmap=shades, s=28)
