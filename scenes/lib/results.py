@@ -83,6 +83,26 @@ def model_sizes(file):
             "needed_nodes": length["needed_node"], "states": length["state"]}
 
 
+def planned_scenes(model):
+    """The scenes (mappings of settings) of the plan that a model was calibrated on, also those that the plan's conditions
+    leave out. The model's text names the settings of the first one, then what changes from one to the next
+    (schemas/plan.md)."""
+    text = printed(model, "settings")["settings"][0].partition("# calibrated on")[2]
+    scenes, scene = [], {"discretization": "published"}  # of models that name none
+    for point in text.split("# point")[1:]:
+        lines = (line.partition(":") for line in point.splitlines()[1:] if line and not line.startswith("#"))
+        scene = {**scene, **{key: value.strip() for key, _, value in lines}}
+        scenes.append({key: value for key, value in scene.items() if value})
+    return scenes
+
+
+def reduced_film(file, model, *size):
+    """Exit code and central film (None where there is none) of romrun with a scene; options, such as the size."""
+    done = run("romrun", file, "--model", model, "--quiet", *size)
+    film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
+    return done.returncode, float(film[1]) if film and done.returncode != NOT_CONVERGED else None
+
+
 def solution(file):
     """The numbers of a stationary solution: status, iterations, seconds, H_c and H_min (central and smallest film)."""
     names = {"status": "status", "iterations": "newton_iterations", "seconds": "solve_seconds",

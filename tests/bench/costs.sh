@@ -115,7 +115,7 @@ check_terms() {
 
 # ---- the full model
 
-section "full model, n = 1201: thousand instructions in a Newton iteration, from the solution at M = 115"
+section "full model, on the grid of M and L: thousand instructions in a Newton iteration, from the solution at M = 115"
 for name in $stationary; do
     "$BIN/fullrun" -q "$name.yml" --set moes.M=115 -f -o start.h5 >log
     calls "$name" full_solve_from "$BIN/fullrun" -q "$name.yml" --start start.h5 -f -o "$name.h5"

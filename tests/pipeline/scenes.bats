@@ -400,6 +400,15 @@ small_oscillator() {
     grep -q '</svg>' out/study.svg
     run_make -n REGIONS=low MODES=30 WEIGHTS='mode row-norm' METHODS='joint exits' FACTORS=quadrature
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ study.py ]]
+    # the table follows what it is asked for
+    run_make out/study.csv REGIONS=low MODES=30 WEIGHTS=mode METHODS=joint FACTORS=quadrature
+    [[ $status == 0 && $(wc -l <out/study.csv) -eq 4 ]]
+    # what is off the full model lies between the distances from the truth of both
+    run_make truth REGIONS=low MODES=30 METHODS_TRUTH=exits
+    [ "$status" -eq 0 ]
+    awk '$4 == "full" { if ($7 != 0 || !($9 > 0)) exit 1; full = $9; lines++ }
+         $1 == "low" && $4 != "full" { if (!($6 > 0) && ($9 > 1.02 * (full + $7) || $7 > 1.02 * (full + $9))) exit 1; lines++ }
+         END { exit lines != 4 }' out/low/mode/30/exits-truth.txt
 }
 
 @test "adaptive training: a line of the curve for each training, its points between the edges of the region" {
@@ -411,9 +420,11 @@ small_oscillator() {
     run_make "${small[@]}"
     echo "$output"
     [ "$status" -eq 0 ]
-    [ "$(head -n 1 out/low/curve.csv)" = training,points,modes,rows,failures,median,p95,worst,milliseconds ]
+    [[ $(head -n 1 out/low/curve.csv) == training,points,modes,rows,failures,median,p95,worst,milliseconds,true_worst,* ]]
     [ "$(cut -d, -f 1,2 out/low/curve.csv | grep -c '^adaptive,12$\|^regular,12$\|^regular,30$\|^published,120$')" -eq 4 ]
-    awk -F, 'NF != 9 || /,,|nan/ { exit 1 } END { exit NR != 6 }' out/low/curve.csv
+    awk -F, 'NF != 15 || /,,|nan/ { exit 1 } END { exit NR != 6 }' out/low/curve.csv
+    # that of 120 points is as far from the truth as the full model
+    awk -F, '$1 == "published" && !($13 > 0 && $10 > 0.99 * $13 && $10 < 1.01 * $13) { exit 1 }' out/low/curve.csv
     grep -q 'moes.M: \[5, 10.7721735, 23.2079442, 50\]' out/low/regular-4-3.yml
     # the checks lie in the middle of cells: 5 to 50 and 1 to 20 in three and two parts
     grep -q 'moes.M: \[7.33899634, 15.8113883, 34.0646035\]' out/low/check.yml

@@ -7,6 +7,7 @@ import numpy as np
 
 import pictures
 import results
+import truth
 
 
 def plan(file, scene, m_from, m_to, l_from, l_to, most_alpha_p_H, num_m, num_l, which):
@@ -28,9 +29,10 @@ def plan(file, scene, m_from, m_to, l_from, l_to, most_alpha_p_H, num_m, num_l, 
 """)
 
 
-def curve(*models):
+def curve(folder, *models):
     """Prints a line of CSV for each calibrated model FOLDER/TRAINING-calibrated.h5: of the last of its sizes, which has
-    all modes and rows."""
+    all modes and rows, and the distance from the truth (of the films in the folder) of this one and of the full model."""
+    exact, full = truth.truths(folder), truth.films(f"{folder}/own.h5")
     lines = []
     for model in models:
         training = os.path.basename(model).split("-")[0]
@@ -39,9 +41,12 @@ def curve(*models):
                                "position_seconds")
         modes, rows, failures, seconds = (column[-1] for column in size.values())
         deviations = results.printed(model, "deviation_central_film_thickness")["deviation_central_film_thickness"][-3:]
+        own = truth.reduced_films(model, truth.calibrated_scenes(model, full), f"{folder}/scene")
+        distances = [*truth.distances(own, exact), *truth.distances({name: full[name] for name in own}, exact)]
         lines.append([training, points, *map(int, (modes, rows, failures)),
-                      *(f"{number:.3g}" for number in (*deviations, 1e3 * seconds))])
-    print("training,points,modes,rows,failures,median,p95,worst,milliseconds")
+                      *(f"{number:.3g}" for number in (*deviations, 1e3 * seconds, *distances))])
+    print("training,points,modes,rows,failures,median,p95,worst,milliseconds,"
+          "true_worst,true_p95,true_median,full_worst,full_p95,full_median")
     for line in sorted(lines, key=lambda line: line[:2]):
         print(*line, sep=",")
 
@@ -49,7 +54,7 @@ def curve(*models):
 def picture(file, trained, target):
     """Draws deviations over the number of training points, and where the adaptive training put its points."""
     lines = results.read_csv(file)
-    figure, (left, right) = pictures.page(1300, 560, 1, 2)
+    figure, (left, right) = pictures.page(1300, 640, 1, 2)
     for training, style, title in (("regular", {"color": pictures.RED, "marker": "s"}, "regular grid"),
                                    ("adaptive", {"color": pictures.BLUE, "marker": "o"}, "adaptive"),
                                    ("published", {"color": "black", "marker": "*"}, "published grid")):
@@ -57,14 +62,18 @@ def picture(file, trained, target):
         points, p95, worst = ([float(line[name]) for line in of] for name in ("points", "p95", "worst"))
         left.plot(points, worst, label=f"{title}: worst", **style)
         left.plot(points, p95, "--", linewidth=1, fillstyle="none", label=f"{title}: 95 %", **style)
+        left.plot(points, [float(line["true_worst"]) for line in of], ":", linewidth=1.6, color=style["color"],
+                  label=f"{title}: worst from the truth")
         adaptive = training == "adaptive"  # below its lower curve, the others above their upper ones
         for x, y, line in zip(points, p95 if adaptive else worst, of):
             if line["failures"] != "0":
                 left.annotate(line["failures"], (x, y), (0, -14 if adaptive else 5), ha="center",
                               textcoords="offset points", color=style["color"], fontsize=9)
+    left.axhline(max(float(line["full_worst"]) for line in lines), color="#888888", linewidth=1,
+                 label="full model: worst from the truth")
     left.set(title="All modes that the points support; numbers: scenes that fail", yscale="log", xlim=(0, None),
              xlabel="training points", ylabel="deviation of the central film")
-    left.legend()
+    left.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncol=2, frameon=False, fontsize=9)
     points = results.printed(trained, "moes_M", "moes_L", "training_round")
     shades = matplotlib.colors.LinearSegmentedColormap.from_list("rounds", ["#f0e442", "#56b4e9", "#00306b"])
     shown = right.scatter(points["moes_M"], points["moes_L"], c=points["training_round"], cmap=shades, s=28)

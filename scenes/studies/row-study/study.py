@@ -6,6 +6,7 @@ import re
 
 import pictures
 import results
+import truth
 
 COLUMNS = ("region weight modes method factors rows median p95 worst mean_iterations most_iterations ms failures "
            "sigma_residual sigma_jacobian sigma_exit stability").split()
@@ -50,6 +51,37 @@ def measure(out, region, weight, modes, method, check, settings, factors):
                 found[rows] = found.get(rows) or how_posed(rows)
                 print(region, weight, modes, method, kind, *words[2:6], *words[15:19], *found[rows], sep=",")
     for file in model, calibrated, posed:
+        os.remove(file)
+
+
+# ---- Distance from the truth
+
+
+def from_truth(out, region, modes, method, check, settings):
+    """Prints how far the default weight's and factors' sizes are from the truth (OUT/REGION-truth), a line a number of
+    rows, and before them the full model: scenes, failures, worst and 95 % of the deviation, worst, 95 % and median of the
+    distance from the truth."""
+    base = f"{out}/{region}/mode/{modes}"
+    model, calibrated = (f"{base}/{method}-{kind}.h5" for kind in ("truth-model", "truth-calibrated"))
+    results.run("deimselect", f"{base}-residuals.h5", "--basis", f"{base}-basis.h5", "--method", method, "-o", model,
+                "--rows", 2 * int(modes), "--force", outcomes=[results.SOLVED])
+    results.run("romrun", "--calibrate", check, "--model", model, "-o", calibrated, "--force", "--quiet",
+                *settings.split(), outcomes=[results.SOLVED])
+    exact, full = truth.truths(f"{out}/{region}-truth"), truth.films(f"{out}/{region}-truth/own.h5")
+    scenes = truth.calibrated_scenes(calibrated, full)
+
+    def line(rows, films):
+        failures = sum(map(math.isnan, films.values()))
+        numbers = truth.distances(films, full)[:2] + truth.distances(films, exact)
+        print(f"{region:5} {modes:>5} {method:>6} {rows:>5} {len(films):7} {failures:6}",
+              *(f"{number:9.1e}" for number in numbers))
+
+    line("full", full)
+    for size, rows in zip(*results.printed(calibrated, "position_pressure_modes", "position_rows").values()):
+        if size == int(modes):
+            line(int(rows), truth.reduced_films(calibrated, scenes, f"{base}/{method}-scene", "--pressure-modes",
+                                                modes, "--rows", int(rows)))
+    for file in model, calibrated:
         os.remove(file)
 
 
@@ -135,4 +167,4 @@ def picture(file, target, regions, modes):
 
 
 if __name__ == "__main__":
-    results.commands(header, measure, table, picture)
+    results.commands(header, measure, from_truth, table, picture)

@@ -42,16 +42,9 @@ SLOWER = 1e4      # times as slowly where each time is taken as stationary
 
 
 def calibrated_scenes(model, regime):
-    """Scenes of a regime that a model was calibrated on, as mappings of settings, without those that ways choose. The
-    text names the settings of the first scene, then what changes from one to the next (schemas/plan.md)."""
-    text = results.printed(model, "settings")["settings"][0].partition("# calibrated on")[2]
-    scenes, scene = [], {"discretization": "published"}  # of models that name none
-    for point in text.split("# point")[1:]:
-        for line in point.splitlines()[1:]:
-            if line and not line.startswith("#"):
-                key, _, value = line.partition(":")
-                scene = {**scene, key: value.strip()}
-        scenes.append({key: value for key, value in scene.items() if value and key != "transient.fixed_step"})
+    """Scenes of a regime that a model was calibrated on, as mappings of settings, without those that ways choose."""
+    scenes = [{key: value for key, value in scene.items() if key != "transient.fixed_step"}
+              for scene in results.planned_scenes(model)]
     scenes = [scene for scene in scenes if scene["regime"] == regime]
     kept = "calibration_scenes" if regime == "stationary" else "calibration_trajectories"
     expected = int(results.value(model, kept, 0))
@@ -141,9 +134,8 @@ def model_films(way, files, model):
     size = ["--pressure-modes", modes, "--rows", rows, *(["--deformation-modes", more] if more else [])]
     records = []
     for file in files:
-        done = results.run("romrun", file, "--model", model, "--quiet", *size)
-        film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
-        records.append({"H_c": float(film[1])} if film and done.returncode != results.NOT_CONVERGED else {})
+        _, film = results.reduced_film(file, model, *size)
+        records.append({} if film is None else {"H_c": film})
     return records
 
 
