@@ -52,30 +52,32 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Pressure at x_min of an inlet from minus infinity, where the grid's is zero: the integral of
- * lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and a constant,
- * as film. X = x_min / s, midpoint rule in s. Over nine contacts (M 2 to 40, L 0 to 10, x_min -200
- * to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
-static double missing_pressure(const central_line *line, const ehd_contact *contact) {
+/* Pressure at `start` of an inlet from minus infinity, where a grid that begins there has zero: the
+ * integral of lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and
+ * a constant, as film. X = start / s, midpoint rule in s. Over nine contacts (M 2 to 40, L 0 to 10,
+ * from -200 to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
+static double missing_pressure(const central_line *line, const ehd_contact *contact, double start) {
     const int num_intervals = 200;
-    double start = grid_x(&contact->grid, 0), flux = line->film[line->exit], sum = 0;
+    const double first = grid_x(&contact->grid, 0);
+    double flux = line->film[line->exit], sum = 0;
 
     for (int i = 0; i < num_intervals; i++) {
         double s = (i + 0.5) / num_intervals, x = start / s;
-        double film = line->film[0] + contact_gap(x, 0) - contact_gap(start, 0) + 0.5 * log(s);
+        double film =
+            line->film[0] + contact_gap(x, 0) - contact_gap(first, 0) + 0.5 * log(fabs(first / x));
         sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
     }
     return sum / num_intervals;
 }
 
 /* The film follows the viscous pressure that the inlet builds up with the exponent 8/11 (Ertel and
- * Grubin), of which an inlet that begins at x_min lacks missing_pressure. */
+ * Grubin), of which an inlet that begins at `start` lacks missing_pressure. */
 static double inlet_effect(const central_line *line, const ehd_contact *contact,
-                           const double *viscous) {
+                           const double *viscous, double start) {
     const double film_exponent = 8. / 11;
 
     if (contact->kind->dimensions > 1) return NAN;
-    return film_exponent * missing_pressure(line, contact) / viscous[line->centre];
+    return film_exponent * missing_pressure(line, contact, start) / viscous[line->centre];
 }
 
 static size_t count_inlet(const double *viscous, size_t centre) {
@@ -86,8 +88,12 @@ static size_t count_inlet(const double *viscous, size_t centre) {
     return count;
 }
 
-static ehd_status estimate_inlet(full_resolution *self, const central_line *line,
-                                 const ehd_contact *contact, ehd_error *error) {
+/* beginnings: effects of inlets that begin at x_min, and one, two and four steps before it, as those
+ * of the grids on which the step's effect is estimated do. */
+static ehd_status estimate_inlet(full_resolution *self, double beginnings[4],
+                                 const central_line *line, const ehd_contact *contact,
+                                 ehd_error *error) {
+    const ehd_grid *grid = &contact->grid;
     size_t num_nodes = line->num_nodes;
     double *memory = malloc(5 * num_nodes * sizeof *memory);
     if (!memory)
@@ -97,8 +103,11 @@ static ehd_status estimate_inlet(full_resolution *self, const central_line *line
     lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
                        &contact->lubricant, contact->hertz_pressure, line->pressure, num_nodes);
     viscous_pressure(viscous, log_viscosity, line->pressure, num_nodes);
-    self->effects.of[EFFECT_INLET] = inlet_effect(line, contact, viscous);
-    self->effects.of[EFFECT_INLET_MINIMUM] = self->effects.of[EFFECT_INLET];
+    for (int i = 0; i < 4; i++)
+        beginnings[i] =
+            inlet_effect(line, contact, viscous, grid->x_min - (i ? exp2(i - 1) : 0) * grid->step);
+    self->effects.of[EFFECT_INLET] = beginnings[1];
+    self->effects.of[EFFECT_INLET_MINIMUM] = beginnings[1];
     self->inlet_nodes = count_inlet(viscous, line->centre);
     free(memory);
     return EHD_OK;
@@ -184,47 +193,74 @@ double full_observed_order(const double films[3]) {
     return isfinite(order) ? order : NAN;
 }
 
-double full_step_effect(const double films[3], double max_order) {
+double full_step_effect(const double films[3]) {
     const double order = full_observed_order(films);
-    const double used = isnan(order) ? 2 : fmin(fmax(order, 1), max_order);
+    const double used = isnan(order) ? 2 : fmin(fmax(order, 1), 2);
 
     if (isnan(films[1])) return INFINITY;
     return (films[0] - films[1]) / films[0] / (exp2(used) - 1);
 }
 
 double full_step_effect_minimum(const double films[3]) {
-    const double max_order = 2, effect = full_step_effect(films, max_order);
-    const double left = (films[1] - films[2]) / films[0] / exp2(max_order) / (exp2(max_order) - 1);
+    const double effect = full_step_effect(films);
+    const double left = (films[1] - films[2]) / films[0] / 4 / 3; // of second order
 
     return isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left));
 }
 
-static void extrapolate(full_resolution *self, const film_pair films[3],
+double full_step_effect_accurate(const double films[3], double least, double most) {
+    const double order = full_observed_order(films);
+    const double used = isnan(order) ? 2 : fmin(fmax(order, least), most);
+    const double effect = (films[0] - films[1]) / films[0] / (exp2(used) - 1);
+    const double left = (films[1] - films[2]) / films[0] / 16 / 15; // of fourth order
+
+    if (isnan(films[1])) return INFINITY;
+    return copysign(isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left)), effect);
+}
+
+/* Effect of the step on one film with the accurate rows, whose error has two parts: by where the
+ * zero before the inlet lies, which is known, and of higher order. They are not trusted to cancel. */
+static double accurate_effect(const double films[3], const double beginnings[4], double least,
+                              double most) {
+    const double beginning = isnan(beginnings[0]) ? 0 : beginnings[1] - beginnings[0];
+    double same[3] = {films[0], films[1], films[2]}; // with the beginning of the first
+
+    for (int g = 1; g < 3 && !isnan(beginnings[0]); g++)
+        same[g] *= 1 + beginnings[g + 1] - beginnings[1];
+    const double rest = full_step_effect_accurate(same, least, most);
+    return copysign(fabs(rest) + fabs(beginning), fabs(rest) > fabs(beginning) ? rest : beginning);
+}
+
+static void extrapolate(full_resolution *self, const film_pair films[3], const double beginnings[4],
                         ehd_discretization discretization) {
-    const double max_order = discretization == DISCRETIZATION_PUBLISHED ? 2 : 3;
     const double central[3] = {films[0].central, films[1].central, films[2].central};
     const double minimum[3] = {films[0].minimum, films[1].minimum, films[2].minimum};
+    const bool published = discretization == DISCRETIZATION_PUBLISHED;
 
     self->order = full_observed_order(central);
-    self->effects.of[EFFECT_STEP] = full_step_effect(central, max_order);
-    self->effects.of[EFFECT_STEP_MINIMUM] = full_step_effect_minimum(minimum);
+    self->effects.of[EFFECT_STEP] =
+        published ? full_step_effect(central) : accurate_effect(central, beginnings, 3, 4);
+    self->effects.of[EFFECT_STEP_MINIMUM] = published
+                                                ? full_step_effect_minimum(minimum)
+                                                : fabs(accurate_effect(minimum, beginnings, 2, 2));
 }
 
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, ehd_error *error) {
     film_pair films[3] = {films_of(state, contact), {NAN, NAN}, {NAN, NAN}};
     ehd_contact coarse = *contact;
+    double beginnings[4];
 
     const central_line line = central_line_of(state, &contact->grid);
 
     self->spike_nodes = count_spike(&line);
     self->outlet_nodes = count_outlet(&line);
-    ehd_status status = estimate_inlet(self, &line, contact, error);
+    ehd_status status = estimate_inlet(self, beginnings, &line, contact, error);
     for (size_t g = 1; g < 3 && !status; g++) {
         coarse.grid = full_coarser_grid(&coarse.grid);
         status = solve_coarse(&films[g], &coarse, state, &contact->grid, (size_t)1 << g, error);
         if (isnan(films[g].central)) break;
     }
-    if (!status) extrapolate(self, films, contact->grid.discretization);
+    if (!status) extrapolate(self, films, beginnings, contact->grid.discretization);
     return status;
 }

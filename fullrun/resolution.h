@@ -32,13 +32,17 @@ ehd_status full_resolution_estimate(
 double full_observed_order(const double films[3]);
 
 /* Richardson's estimate of the relative change from the first film to the limit of small steps,
- * with the observed order, 2 where there is none, within 1 and max_order. Infinite without a second
- * film. */
-double full_step_effect(const double films[3], double max_order);
+ * with the observed order, 2 where there is none, within 1 and 2. Infinite without a second film. */
+double full_step_effect(const double films[3]);
 
-/* The same of a minimum film, which does not converge as regularly: with an order of at most 2, and
- * at least as large as what order 2 leaves of the change from 4h to 2h, so that two films that
- * agree by chance are not taken for convergence. */
+/* The same of a minimum film, which does not converge as regularly: at least as large as what
+ * order 2 leaves of the change from 4h to 2h, so that two films that agree by chance are not taken
+ * for convergence. */
 double full_step_effect_minimum(const double films[3]);
+
+/* The same of the accurate rows, whose errors often change their sign from grid to grid, so that no
+ * order is seen: with the observed one within these, 2 where there is none, and at least as large as
+ * what order 4 leaves of the change from 4h to 2h. */
+double full_step_effect_accurate(const double films[3], double least, double most);
 
 #endif

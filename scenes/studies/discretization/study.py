@@ -90,8 +90,8 @@ def estimates(folder, steps, all_M, all_L):
     *steps, third, second, last = steps.split()
     cases = [("line", M, L, *lubricant) for lubricant in BOTH.values() for M in all_M.split() for L in all_L.split()]
     exact = [limit(folder, case, (third, second, last)) for case in cases]
-    rows = [["rows", "step", "film", "solved", "too coarse", "counted", "below half", "above twice", "10 %", "median",
-             "90 %", "notes wrong", "missed"], None]
+    rows = [["rows", "step", "film", "solved", "too coarse", "counted", "below 1/3", "below 1/2", "above 2", "above 3",
+             "10 %", "median", "90 %", "notes wrong", "missed"], None]
     for discretization in "published", "accurate":
         for step in steps:
             found = [solve(folder, case, step, discretization) for case in cases]
@@ -102,8 +102,9 @@ def estimates(folder, steps, all_M, all_L):
                 known = ~np.isnan(estimated)
                 counted = known & (np.fmax(estimated, true) > LEAST)
                 ratios = estimated[counted] / true[counted]
-                rows.append([discretization, step, film, len(found), sum(~known), sum(counted), sum(ratios < 0.5),
-                             sum(ratios > 2), *(f"{x:.2g}" for x in np.percentile(ratios, [10, 50, 90])),
+                rows.append([discretization, step, film, len(found), sum(~known), sum(counted), sum(ratios < 1 / 3),
+                             sum(ratios < 0.5), sum(ratios > 2), sum(ratios > 3),
+                             *(f"{x:.2g}" for x in np.percentile(ratios, [10, 50, 90])),
                              sum((estimated > LIMITS[i]) & (true <= LIMITS[i])),
                              sum(known & (estimated <= LIMITS[i]) & (true > LIMITS[i]))])
     print("estimated over true effect of the step, where one of them is above 1e-4\n")
