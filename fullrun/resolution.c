@@ -2,9 +2,11 @@
 #include "fullrun/resolution.h"
 
 #include "fullrun/continuation.h"
+#include "fullrun/far_field.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A solution at Y = 0; of a line contact the whole. */
 typedef struct central_line {
@@ -163,27 +165,85 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
     coarse->rigid_approach = solution->rigid_approach;
 }
 
-/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. */
-static ehd_status solve_coarse(film_pair *films, const ehd_contact *coarse,
+/* A grid with a multiple of the step. */
+typedef struct coarse_grid {
+    ehd_contact contact;
+    full_solver *solver;
+    full_state state;
+} coarse_grid;
+
+/* Solves from the state as it is; NaN: not converged. */
+static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error) {
+    full_info info;
+    ehd_status status = full_solve(&info, &self->state, self->solver, &self->contact, NULL, error);
+
+    *films = (film_pair){NAN, NAN};
+    if (!status && info.status == EHD_OK) *films = films_of(&self->state, &self->contact);
+    return status;
+}
+
+/* Mean size of the relative changes of a point contact's film at the lowest node and those beside it,
+ * with the sign of their mean. */
+static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
+    const size_t width = grid_width(grid);
+    size_t lowest = grid_node_of_row(grid, 0);
+    double sum = 0, sizes = 0;
+
+    for (size_t r = 1; r < grid->num_inner; r++)
+        if (before[grid_node_of_row(grid, r)] < before[lowest]) lowest = grid_node_of_row(grid, r);
+    const size_t below = lowest >= width ? lowest - width : lowest + width; // of a mirror line
+    const size_t nodes[] = {lowest, lowest - 1, lowest + 1, lowest + width, below};
+    for (int i = 0; i < 5; i++) {
+        const double change = film[nodes[i]] / before[nodes[i]] - 1;
+        sum += change;
+        sizes += fabs(change);
+    }
+    return copysign(sizes / 5, sum);
+}
+
+/* What the far field around the grid of a solved point contact does to its films. The lowest film
+ * follows the place of the exit, which jumps by nodes, so that it is not of the minimum itself. */
+static ehd_status solve_unbounded(film_effects *effects, coarse_grid *self, const film_pair *films,
+                                  ehd_error *error) {
+    const ehd_grid *grid = &self->contact.grid;
+    film_pair unbounded;
+    double *before = malloc(grid->num_nodes * sizeof *before);
+    if (!before)
+        return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes",
+                        grid->num_nodes);
+
+    memcpy(before, self->state.film, grid->num_nodes * sizeof *before);
+    far_field_join(&self->state, &self->contact);
+    ehd_status status = solve_on(&unbounded, self, error);
+    if (!status && !isnan(unbounded.central)) {
+        effects->of[EFFECT_INLET] = unbounded.central / films->central - 1;
+        effects->of[EFFECT_INLET_MINIMUM] = change_of_minimum(self->state.film, before, grid);
+    }
+    free(before);
+    return status;
+}
+
+/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. And
+ * effects of the inlet of a point contact, unless NULL. */
+static ehd_status solve_coarse(film_pair *films, film_effects *of_inlet, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                ehd_error *error) {
     full_settings settings = full_default_settings();
-    full_solver *solver = NULL;
-    full_state state = {0};
-    full_info info;
+    coarse_grid coarse = {.contact = *contact};
+    const ehd_grid *grid = &coarse.contact.grid;
 
-    *films = (film_pair){NAN, NAN};
     settings.tolerance = 1e-8;
     settings.max_iterations = 20; // more are needed only where the grid is too coarse
-    ehd_status status = full_solver_create(&solver, coarse->kind, &coarse->grid, &settings, error);
-    if (!status) status = full_state_init(&state, &coarse->grid, error);
+    ehd_status status = full_solver_create(&coarse.solver, contact->kind, grid, &settings, error);
+    if (!status) status = full_state_init(&coarse.state, grid, error);
     if (!status) {
-        restrict_state(&state, &coarse->grid, solution, fine, stride);
-        status = full_solve(&info, &state, solver, coarse, NULL, error);
+        restrict_state(&coarse.state, grid, solution, fine, stride);
+        status = solve_on(films, &coarse, error);
     }
-    if (!status && info.status == EHD_OK) *films = films_of(&state, coarse);
-    full_state_free(&state);
-    full_solver_free(solver);
+    if (!status && of_inlet && !isnan(films->central))
+        status = solve_unbounded(of_inlet, &coarse, films, error);
+    full_state_free(&coarse.state);
+    full_solver_free(coarse.solver);
     return status;
 }
 
@@ -250,6 +310,7 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     film_pair films[3] = {films_of(state, contact), {NAN, NAN}, {NAN, NAN}};
     ehd_contact coarse = *contact;
     double beginnings[4];
+    const bool is_point = contact->kind->dimensions > 1;
 
     const central_line line = central_line_of(state, &contact->grid);
 
@@ -258,7 +319,8 @@ ehd_status full_resolution_estimate(full_resolution *self, const full_state *sta
     ehd_status status = estimate_inlet(self, beginnings, &line, contact, error);
     for (size_t g = 1; g < 3 && !status; g++) {
         coarse.grid = full_coarser_grid(&coarse.grid);
-        status = solve_coarse(&films[g], &coarse, state, &contact->grid, (size_t)1 << g, error);
+        status = solve_coarse(&films[g], g == 1 && is_point ? &self->effects : NULL, &coarse, state,
+                              &contact->grid, (size_t)1 << g, error);
         if (isnan(films[g].central)) break;
     }
     if (!status) extrapolate(self, films, beginnings, contact->grid.discretization);

@@ -8,8 +8,8 @@
 #include <stddef.h>
 
 typedef struct full_resolution {
-    film_effects effects; // of the inlet NaN for a point contact; of the step infinite where twice
-                          // the step does not converge
+    film_effects effects; // where twice the step does not converge, of the step infinite, and of
+                          // the inlet NaN for a point contact
     double order;         // of convergence of H_c over steps h, 2h, 4h; NaN: none observed
     // at Y = 0:
     size_t inlet_nodes;  // between 10 and 90 % of the centre's viscous pressure
@@ -17,7 +17,8 @@ typedef struct full_resolution {
     size_t outlet_nodes; // from the minimum film behind X = 0 to the exit
 } full_resolution;
 
-/* Solves on grids of twice and four times the step, from the solution: about a fifth of its cost.
+/* Solves on grids of twice and four times the step, from the solution, of a point contact also with
+ * the far field around the first: about a fifth of its cost.
  * Errors: EHD_MEMORY, EHD_INTERNAL, EHD_INTERRUPTED. */
 ehd_status full_resolution_estimate(
     // output:

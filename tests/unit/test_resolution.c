@@ -108,6 +108,41 @@ static void inlet_effect_is_integrated_finely(void **state) {
     full_state_free(&solution);
 }
 
+/* A point contact on a domain from -length on, half as wide to either side. */
+static ehd_contact point_from(double moes_M, double moes_L, double length, double step) {
+    ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, true);
+
+    contact.grid =
+        grid_of(-length, step, (size_t)lround((length + 2) / step) + 1,
+                (size_t)lround(length / 2 / step) + 1, true, contact.grid.discretization);
+    return contact;
+}
+
+/* Against the films on long domains, whose effect goes with one over their length; on the grid of
+ * twice the step, on which it is estimated. The minimum film's is a bound. */
+static void inlet_effect_of_a_point_contact(void **state) {
+    (void)state;
+    static const struct {
+        double moes_M, moes_L, central; // error
+        double minimum[2];              // bounds of estimate over effect
+    } cases[] = {{10, 0, 0.04, {0.8, 8}}, {6, 0, 0.08, {0.8, 2}}, {15, 1, 0.04, {0.8, 8}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double lengths[] = {6, 24, 48}, M = cases[i].moes_M, L = cases[i].moes_L;
+        const ehd_contact contact = point_from(M, L, lengths[0], 0.125);
+        const film_effects found = estimate(&contact).effects;
+        film_pair films[3];
+        for (int d = 0; d < 3; d++) {
+            const ehd_contact on_domain = point_from(M, L, lengths[d], 0.25);
+            films[d] = films_of(&on_domain);
+        }
+        const double central = (2 * films[2].central - films[1].central) / films[0].central - 1;
+        const double minimum = (2 * films[2].minimum - films[1].minimum) / films[0].minimum - 1;
+        const double ratio = found.of[EFFECT_INLET_MINIMUM] / minimum;
+        check_close(found.of[EFFECT_INLET], central, cases[i].central, 0);
+        assert_true(ratio > cases[i].minimum[0] && ratio < cases[i].minimum[1]);
+    }
+}
+
 /* Against the extrapolation from two finer grids. */
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
@@ -293,6 +328,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
         cmocka_unit_test(inlet_effect_is_integrated_finely),
+        cmocka_unit_test(inlet_effect_of_a_point_contact),
         cmocka_unit_test(step_effect_is_what_a_fine_step_does),
         cmocka_unit_test(step_effects_are_of_the_right_size),
         cmocka_unit_test(orders_of_manufactured_films),

@@ -6,6 +6,7 @@
     study.py estimates FOLDER STEPS ALL_M ALL_L          what fullrun says of its step against what finer ones do
     study.py interpolated FOLDER STEP                    what romrun makes of the estimates of its training
     study.py inlets FOLDER STEP ALL_M ALL_L              what an inlet from -4 on does to both films
+    study.py point-inlets FOLDER STEP ALL_M ALL_L        of point contacts from -8 on, and what fullrun says of it
 
 STEPS of a grid go from coarse to fine, a list in one word. The reference is of the accurate rows: stationary,
 extrapolated from the last two steps; in time, of the last step with time steps of half of it.
@@ -26,6 +27,7 @@ DOMAINS = {"line": "x_min: -4, x_max: 2", "point": "x_min: -4.5, x_max: 1.5, y_m
 
 
 EFFECTS = ["step_effect", "step_effect_minimum"]
+INLETS = ["inlet_effect", "inlet_effect_minimum"]
 BOTH = {"Barus": (BARUS, "incompressible"), "Roelands": (ROELANDS, "dowson-higginson")}
 LIMITS = 0.01, 0.03  # of central and smallest film, from which fullrun has a note
 LEAST = 1e-4         # effects below are not counted
@@ -49,7 +51,7 @@ output: {{fields: false}}
     def run():
         results.run("fullrun", f"{file}.yml", "-q", "-o", f"{file}.h5", "--force",
                     outcomes=(results.SOLVED, results.NOT_CONVERGED))
-        return {**results.solution(f"{file}.h5"), **{name: results.value(f"{file}.h5", name) for name in EFFECTS}}
+        return {**results.solution(f"{file}.h5"), **{name: results.value(f"{file}.h5", name) for name in EFFECTS + INLETS}}
     return results.kept(f"{file}.json", run, f"{file}.yml", os.path.join(os.environ["BIN"], "fullrun"))
 
 
@@ -165,6 +167,26 @@ def inlets(folder, step, all_M, all_L):
     results.table([*rows, None], left=1)
 
 
+def point_inlets(folder, step, all_M, all_L):
+    """Relative change of both films by a domain of any length, which goes with one over the length, extrapolated from
+    the last two on grids of twice the step; and the estimates on the step itself."""
+    def domain(length):
+        return f"x_min: -{length}, x_max: {length / 4}, y_max: {0.75 * length}"
+
+    rows = [["M", *(f"L = {L}" for L in all_L.split())], None]
+    for M in all_M.split():
+        cells = [M]
+        for L in all_L.split():
+            case = ("point", M, L, BARUS, "incompressible")
+            short, long, longer = (films(folder, case, 2 * float(step), "accurate", domain(x)) for x in (8, 24, 48))
+            found = solve(folder, case, step, "accurate", domain(8))
+            true = (2 * longer - long) / short - 1
+            cells.append(", ".join(f"{100 * found[name]:.2g} ({100 * of:.2g})" for name, of in zip(INLETS, true)))
+        rows.append(cells)
+    print("estimated (true) effect of a domain from -8 on in per cent, of H_c and of the smallest film\n")
+    results.table([*rows, None], left=1)
+
+
 def in_time(folder, scene, steps, end):
     *steps, finest = steps.split()
 
@@ -192,4 +214,4 @@ def in_time(folder, scene, steps, end):
 
 
 if __name__ == "__main__":
-    results.commands(stationary, in_time, estimates, interpolated, inlets)
+    results.commands(stationary, in_time, estimates, interpolated, inlets, point_inlets)
