@@ -136,6 +136,8 @@ static const artefact_field result_fields[] = {
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
          "indicated relative deviation of the central film thickness from the full model", "time"),
+    REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
+         "the same of the minimum film thickness; stationary", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),

@@ -5,6 +5,7 @@
     study.py in-time FOLDER SCENE.yml STEPS END          of the films of an oscillating load
     study.py estimates FOLDER STEPS ALL_M ALL_L          what fullrun says of its step against what finer ones do
     study.py interpolated FOLDER STEP                    what romrun makes of the estimates of its training
+    study.py indicated FOLDER                            what romrun says of its own part of both films (after interpolated)
     study.py inlets FOLDER STEP ALL_M ALL_L              what an inlet from -4 on does to both films
     study.py point-inlets FOLDER STEP ALL_M ALL_L        of point contacts from -8 on, and what fullrun says of it
 
@@ -154,6 +155,41 @@ grid: {{{DOMAINS["line"]}, step: {step}}}
     results.table([*rows, None], left=2)
 
 
+def indicated(folder):
+    """Of the model of interpolated(), calibrated on 20 scenes: at the 35 others, in every sixth of the sizes."""
+    scene, model = f"{folder}/between.yml", f"{folder}/between-calibrated.h5"
+    results.write_changed(f"{folder}/between-check.yml", """groups:
+  - scene: between.yml
+    vary:
+      moes.M: [9, 13.5, 20, 30, 45]
+      moes.L: [2.6, 5.8, 7.3, 10.3]
+""")
+    results.run("romrun", "--calibrate", f"{folder}/between-check.yml", "--model", f"{folder}/between-accurate.h5",
+                "-o", model, "-q", "-f", outcomes=(results.SOLVED,))
+    sizes = results.printed(model, "position_pressure_modes", "position_rows", "indicator_factor")
+    full, films = f"{folder}/indicated-full.h5", ("central_film_thickness", "minimum_film_thickness")
+    rows = [["modes", "rows", "film", "solved", "deviation", "least", "5 %", "median", "95 %", "below"], None]
+    for modes, count, factor in list(zip(*sizes.values()))[5::6]:
+        found = []
+        for M in 9.7, 11, 14, 22, 25, 33, 42:
+            for L in 2.9, 4.2, 6.4, 8.1, 10:
+                here = ["-q", "-f", *results.sets({"moes.M": M, "moes.L": L})]
+                results.run("fullrun", scene, "--grid-of", model, "-o", full, *here, outcomes=(results.SOLVED,))
+                done = results.run("romrun", scene, "--model", model, "-o", f"{folder}/indicated.h5", *here,
+                                   "--pressure-modes", int(modes), "--rows", int(count))
+                if done.returncode == results.SOLVED and factor > 0:
+                    found.append([(abs(results.value(f"{folder}/indicated.h5", film) / results.value(full, film) - 1),
+                                   results.value(f"{folder}/indicated.h5", name))
+                                  for film, name in zip(films, ("indicated_deviation", "indicated_deviation_minimum"))])
+        for i, film in enumerate(("H_c", "H_min") if found else ()):
+            true, said = np.transpose([it[i] for it in found])
+            ratios = said / true
+            rows.append([int(modes), int(count), film, len(found), f"{np.median(true):.1e}", f"{ratios.min():.2f}",
+                         *(f"{x:.2g}" for x in np.percentile(ratios, [5, 50, 95])), sum(ratios < 1)])
+    print("indicated over true deviation from the full model\n")
+    results.table([*rows, None], left=0)
+
+
 def inlets(folder, step, all_M, all_L):
     """Relative change of the central film by an inlet from -32 on, and that of the smallest film over it."""
     rows = [["viscosity", "M", *(f"L = {L}" for L in all_L.split())], None]
@@ -214,4 +250,4 @@ def in_time(folder, scene, steps, end):
 
 
 if __name__ == "__main__":
-    results.commands(stationary, in_time, estimates, interpolated, inlets, point_inlets)
+    results.commands(stationary, in_time, estimates, interpolated, indicated, inlets, point_inlets)
