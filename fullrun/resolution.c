@@ -2,9 +2,11 @@
 #include "fullrun/resolution.h"
 
 #include "fullrun/continuation.h"
+#include "fullrun/far_field.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A solution at Y = 0; of a line contact the whole. */
 typedef struct central_line {
@@ -52,30 +54,32 @@ static void viscous_pressure(double *viscous, const double *log_viscosity, const
     }
 }
 
-/* Pressure at x_min of an inlet from minus infinity, where the grid's is zero: the integral of
- * lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and a constant,
- * as film. X = x_min / s, midpoint rule in s. Over nine contacts (M 2 to 40, L 0 to 10, x_min -200
- * to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
-static double missing_pressure(const central_line *line, const ehd_contact *contact) {
+/* Pressure at `start` of an inlet from minus infinity, where a grid that begins there has zero: the
+ * integral of lambda (H - H_exit) / H^3, with the gap and the far field of the load, -ln|X| / 2 and
+ * a constant, as film. X = start / s, midpoint rule in s. Over nine contacts (M 2 to 40, L 0 to 10,
+ * from -200 to -1.5) 5, 20, 50, 200 intervals are at most 3e-2, 2e-3, 3e-4, 2e-5 off. */
+static double missing_pressure(const central_line *line, const ehd_contact *contact, double start) {
     const int num_intervals = 200;
-    double start = grid_x(&contact->grid, 0), flux = line->film[line->exit], sum = 0;
+    const double first = grid_x(&contact->grid, 0);
+    double flux = line->film[line->exit], sum = 0;
 
     for (int i = 0; i < num_intervals; i++) {
         double s = (i + 0.5) / num_intervals, x = start / s;
-        double film = line->film[0] + contact_gap(x, 0) - contact_gap(start, 0) + 0.5 * log(s);
+        double film =
+            line->film[0] + contact_gap(x, 0) - contact_gap(first, 0) + 0.5 * log(fabs(first / x));
         sum += contact->lambda * fmax(film - flux, 0) / (film * film * film) * fabs(x) / s;
     }
     return sum / num_intervals;
 }
 
 /* The film follows the viscous pressure that the inlet builds up with the exponent 8/11 (Ertel and
- * Grubin), of which an inlet that begins at x_min lacks missing_pressure. */
+ * Grubin), of which an inlet that begins at `start` lacks missing_pressure. */
 static double inlet_effect(const central_line *line, const ehd_contact *contact,
-                           const double *viscous) {
+                           const double *viscous, double start) {
     const double film_exponent = 8. / 11;
 
     if (contact->kind->dimensions > 1) return NAN;
-    return film_exponent * missing_pressure(line, contact) / viscous[line->centre];
+    return film_exponent * missing_pressure(line, contact, start) / viscous[line->centre];
 }
 
 static size_t count_inlet(const double *viscous, size_t centre) {
@@ -86,8 +90,12 @@ static size_t count_inlet(const double *viscous, size_t centre) {
     return count;
 }
 
-static ehd_status estimate_inlet(full_resolution *self, const central_line *line,
-                                 const ehd_contact *contact, ehd_error *error) {
+/* beginnings: effects of inlets that begin at x_min, and one, two and four steps before it, as those
+ * of the grids on which the step's effect is estimated do. */
+static ehd_status estimate_inlet(full_resolution *self, double beginnings[4],
+                                 const central_line *line, const ehd_contact *contact,
+                                 ehd_error *error) {
+    const ehd_grid *grid = &contact->grid;
     size_t num_nodes = line->num_nodes;
     double *memory = malloc(5 * num_nodes * sizeof *memory);
     if (!memory)
@@ -97,8 +105,11 @@ static ehd_status estimate_inlet(full_resolution *self, const central_line *line
     lubricant_evaluate(log_viscosity, unused, unused + num_nodes, unused + 2 * num_nodes,
                        &contact->lubricant, contact->hertz_pressure, line->pressure, num_nodes);
     viscous_pressure(viscous, log_viscosity, line->pressure, num_nodes);
-    self->effects.of[EFFECT_INLET] = inlet_effect(line, contact, viscous);
-    self->effects.of[EFFECT_INLET_MINIMUM] = self->effects.of[EFFECT_INLET];
+    for (int i = 0; i < 4; i++)
+        beginnings[i] =
+            inlet_effect(line, contact, viscous, grid->x_min - (i ? exp2(i - 1) : 0) * grid->step);
+    self->effects.of[EFFECT_INLET] = beginnings[1];
+    self->effects.of[EFFECT_INLET_MINIMUM] = beginnings[1];
     self->inlet_nodes = count_inlet(viscous, line->centre);
     free(memory);
     return EHD_OK;
@@ -154,27 +165,85 @@ static void restrict_state(full_state *coarse, const ehd_grid *grid, const full_
     coarse->rigid_approach = solution->rigid_approach;
 }
 
-/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. */
-static ehd_status solve_coarse(film_pair *films, const ehd_contact *coarse,
+/* A grid with a multiple of the step. */
+typedef struct coarse_grid {
+    ehd_contact contact;
+    full_solver *solver;
+    full_state state;
+} coarse_grid;
+
+/* Solves from the state as it is; NaN: not converged. */
+static ehd_status solve_on(film_pair *films, coarse_grid *self, ehd_error *error) {
+    full_info info;
+    ehd_status status = full_solve(&info, &self->state, self->solver, &self->contact, NULL, error);
+
+    *films = (film_pair){NAN, NAN};
+    if (!status && info.status == EHD_OK) *films = films_of(&self->state, &self->contact);
+    return status;
+}
+
+/* Mean size of the relative changes of a point contact's film at the lowest node and those beside it,
+ * with the sign of their mean. */
+static double change_of_minimum(const double *film, const double *before, const ehd_grid *grid) {
+    const size_t width = grid_width(grid);
+    size_t lowest = grid_node_of_row(grid, 0);
+    double sum = 0, sizes = 0;
+
+    for (size_t r = 1; r < grid->num_inner; r++)
+        if (before[grid_node_of_row(grid, r)] < before[lowest]) lowest = grid_node_of_row(grid, r);
+    const size_t below = lowest >= width ? lowest - width : lowest + width; // of a mirror line
+    const size_t nodes[] = {lowest, lowest - 1, lowest + 1, lowest + width, below};
+    for (int i = 0; i < 5; i++) {
+        const double change = film[nodes[i]] / before[nodes[i]] - 1;
+        sum += change;
+        sizes += fabs(change);
+    }
+    return copysign(sizes / 5, sum);
+}
+
+/* What the far field around the grid of a solved point contact does to its films. The lowest film
+ * follows the place of the exit, which jumps by nodes, so that it is not of the minimum itself. */
+static ehd_status solve_unbounded(film_effects *effects, coarse_grid *self, const film_pair *films,
+                                  ehd_error *error) {
+    const ehd_grid *grid = &self->contact.grid;
+    film_pair unbounded;
+    double *before = malloc(grid->num_nodes * sizeof *before);
+    if (!before)
+        return ehd_fail(error, EHD_MEMORY, "resolution: found no memory for %zu nodes",
+                        grid->num_nodes);
+
+    memcpy(before, self->state.film, grid->num_nodes * sizeof *before);
+    far_field_join(&self->state, &self->contact);
+    ehd_status status = solve_on(&unbounded, self, error);
+    if (!status && !isnan(unbounded.central)) {
+        effects->of[EFFECT_INLET] = unbounded.central / films->central - 1;
+        effects->of[EFFECT_INLET_MINIMUM] = change_of_minimum(self->state.film, before, grid);
+    }
+    free(before);
+    return status;
+}
+
+/* Films of the contact on a grid with `stride` times the solution's step; NaN: not converged. And
+ * effects of the inlet of a point contact, unless NULL. */
+static ehd_status solve_coarse(film_pair *films, film_effects *of_inlet, const ehd_contact *contact,
                                const full_state *solution, const ehd_grid *fine, size_t stride,
                                ehd_error *error) {
     full_settings settings = full_default_settings();
-    full_solver *solver = NULL;
-    full_state state = {0};
-    full_info info;
+    coarse_grid coarse = {.contact = *contact};
+    const ehd_grid *grid = &coarse.contact.grid;
 
-    *films = (film_pair){NAN, NAN};
     settings.tolerance = 1e-8;
     settings.max_iterations = 20; // more are needed only where the grid is too coarse
-    ehd_status status = full_solver_create(&solver, coarse->kind, &coarse->grid, &settings, error);
-    if (!status) status = full_state_init(&state, &coarse->grid, error);
+    ehd_status status = full_solver_create(&coarse.solver, contact->kind, grid, &settings, error);
+    if (!status) status = full_state_init(&coarse.state, grid, error);
     if (!status) {
-        restrict_state(&state, &coarse->grid, solution, fine, stride);
-        status = full_solve(&info, &state, solver, coarse, NULL, error);
+        restrict_state(&coarse.state, grid, solution, fine, stride);
+        status = solve_on(films, &coarse, error);
     }
-    if (!status && info.status == EHD_OK) *films = films_of(&state, coarse);
-    full_state_free(&state);
-    full_solver_free(solver);
+    if (!status && of_inlet && !isnan(films->central))
+        status = solve_unbounded(of_inlet, &coarse, films, error);
+    full_state_free(&coarse.state);
+    full_solver_free(coarse.solver);
     return status;
 }
 
@@ -184,47 +253,76 @@ double full_observed_order(const double films[3]) {
     return isfinite(order) ? order : NAN;
 }
 
-double full_step_effect(const double films[3], double max_order) {
+double full_step_effect(const double films[3]) {
     const double order = full_observed_order(films);
-    const double used = isnan(order) ? 2 : fmin(fmax(order, 1), max_order);
+    const double used = isnan(order) ? 2 : fmin(fmax(order, 1), 2);
 
     if (isnan(films[1])) return INFINITY;
     return (films[0] - films[1]) / films[0] / (exp2(used) - 1);
 }
 
 double full_step_effect_minimum(const double films[3]) {
-    const double max_order = 2, effect = full_step_effect(films, max_order);
-    const double left = (films[1] - films[2]) / films[0] / exp2(max_order) / (exp2(max_order) - 1);
+    const double effect = full_step_effect(films);
+    const double left = (films[1] - films[2]) / films[0] / 4 / 3; // of second order
 
     return isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left));
 }
 
-static void extrapolate(full_resolution *self, const film_pair films[3],
+double full_step_effect_accurate(const double films[3], double least, double most) {
+    const double order = full_observed_order(films);
+    const double used = isnan(order) ? 2 : fmin(fmax(order, least), most);
+    const double effect = (films[0] - films[1]) / films[0] / (exp2(used) - 1);
+    const double left = (films[1] - films[2]) / films[0] / 16 / 15; // of fourth order
+
+    if (isnan(films[1])) return INFINITY;
+    return copysign(isnan(left) ? fabs(effect) : fmax(fabs(effect), fabs(left)), effect);
+}
+
+/* Effect of the step on one film with the accurate rows, whose error has two parts: by where the
+ * zero before the inlet lies, which is known, and of higher order. They are not trusted to cancel. */
+static double accurate_effect(const double films[3], const double beginnings[4], double least,
+                              double most) {
+    const double beginning = isnan(beginnings[0]) ? 0 : beginnings[1] - beginnings[0];
+    double same[3] = {films[0], films[1], films[2]}; // with the beginning of the first
+
+    for (int g = 1; g < 3 && !isnan(beginnings[0]); g++)
+        same[g] *= 1 + beginnings[g + 1] - beginnings[1];
+    const double rest = full_step_effect_accurate(same, least, most);
+    return copysign(fabs(rest) + fabs(beginning), fabs(rest) > fabs(beginning) ? rest : beginning);
+}
+
+static void extrapolate(full_resolution *self, const film_pair films[3], const double beginnings[4],
                         ehd_discretization discretization) {
-    const double max_order = discretization == DISCRETIZATION_PUBLISHED ? 2 : 3;
     const double central[3] = {films[0].central, films[1].central, films[2].central};
     const double minimum[3] = {films[0].minimum, films[1].minimum, films[2].minimum};
+    const bool published = discretization == DISCRETIZATION_PUBLISHED;
 
     self->order = full_observed_order(central);
-    self->effects.of[EFFECT_STEP] = full_step_effect(central, max_order);
-    self->effects.of[EFFECT_STEP_MINIMUM] = full_step_effect_minimum(minimum);
+    self->effects.of[EFFECT_STEP] =
+        published ? full_step_effect(central) : accurate_effect(central, beginnings, 3, 4);
+    self->effects.of[EFFECT_STEP_MINIMUM] = published
+                                                ? full_step_effect_minimum(minimum)
+                                                : fabs(accurate_effect(minimum, beginnings, 2, 2));
 }
 
 ehd_status full_resolution_estimate(full_resolution *self, const full_state *state,
                                     const ehd_contact *contact, ehd_error *error) {
     film_pair films[3] = {films_of(state, contact), {NAN, NAN}, {NAN, NAN}};
     ehd_contact coarse = *contact;
+    double beginnings[4];
+    const bool is_point = contact->kind->dimensions > 1;
 
     const central_line line = central_line_of(state, &contact->grid);
 
     self->spike_nodes = count_spike(&line);
     self->outlet_nodes = count_outlet(&line);
-    ehd_status status = estimate_inlet(self, &line, contact, error);
+    ehd_status status = estimate_inlet(self, beginnings, &line, contact, error);
     for (size_t g = 1; g < 3 && !status; g++) {
         coarse.grid = full_coarser_grid(&coarse.grid);
-        status = solve_coarse(&films[g], &coarse, state, &contact->grid, (size_t)1 << g, error);
+        status = solve_coarse(&films[g], g == 1 && is_point ? &self->effects : NULL, &coarse, state,
+                              &contact->grid, (size_t)1 << g, error);
         if (isnan(films[g].central)) break;
     }
-    if (!status) extrapolate(self, films, contact->grid.discretization);
+    if (!status) extrapolate(self, films, beginnings, contact->grid.discretization);
     return status;
 }

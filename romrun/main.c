@@ -108,6 +108,7 @@ static run_result make_result(const ehdrom_result *solution, const double *press
                          .newton_iterations = solution->iterations,
                          .residual = solution->residual,
                          .indicated_deviation = solution->indicated,
+                         .indicated_deviation_minimum = solution->indicated_minimum,
                          .status = solution->status,
                          .seconds = solution->seconds,
                          .seconds_rows = solution->seconds_rows,

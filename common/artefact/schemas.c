@@ -140,6 +140,8 @@ static const artefact_field result_fields[] = {
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
          "indicated relative deviation of the central film thickness from the full model", "time"),
+    REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
+         "the same of the minimum film thickness; stationary", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
@@ -178,13 +180,15 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("solve_seconds_exit", ARTEFACT_REAL, "s", NEED_OPTIONAL,
               "part of it for finding the exit"),
     ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
-    ATTRIBUTE("inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
-              "estimated relative change of the central film with an inlet of any length, not from "
-              "x_min on, of a line contact, when stationary; this and the next three of a reduced "
-              "solution are interpolated between those of its training"),
+    ATTRIBUTE(
+        "inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+        "estimated relative change of the central film with an inlet of any length, not from "
+        "x_min on, of a point contact of the domain, when stationary; this and the next three "
+        "of a reduced solution are interpolated between those of its training"),
     ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "estimated relative change of the central film with ever smaller steps of x; not "
-              "where a grid of twice the step has no solution"),
+              "where a grid of twice the step has no solution; there none of the inlet of a point "
+              "contact either"),
     ATTRIBUTE("inlet_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL,
               "the first of the minimum film"),
     ATTRIBUTE("step_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL,

@@ -94,6 +94,9 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     if (!status) status = artefact_put(file, "exit_position", exits, error);
     if (!status && !isnan(result->indicated_deviation))
         status = artefact_put(file, "indicated_deviation", &result->indicated_deviation, error);
+    if (!status && !isnan(result->indicated_deviation_minimum))
+        status = artefact_put(file, "indicated_deviation_minimum",
+                              &result->indicated_deviation_minimum, error);
     if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
     if (!status) status = artefact_put_integers(file, "status", &outcome, error);
     return status;
@@ -168,7 +171,8 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     print_value("central film thickness", result->central_film_thickness, film, "µm");
     print_parts(result->indicated_deviation, effects.of[EFFECT_STEP], effects.of[EFFECT_INLET]);
     print_value("minimum film thickness", result->minimum_film_thickness, film, "µm");
-    print_parts(NAN, effects.of[EFFECT_STEP_MINIMUM], effects.of[EFFECT_INLET_MINIMUM]);
+    print_parts(result->indicated_deviation_minimum, effects.of[EFFECT_STEP_MINIMUM],
+                effects.of[EFFECT_INLET_MINIMUM]);
     print_value("central pressure", result->central_pressure, pressure, "GPa");
     print_value("rigid approach", result->rigid_approach, film, "µm");
     print_value("exit position", result->exit_position, width, "µm");

@@ -26,11 +26,12 @@ typedef struct run_result {
     double load;          // relative to the reference
     size_t newton_iterations;
     double residual;
-    double indicated_deviation;  // of the central film, relative; NaN: no indicator
-    const film_effects *effects; // of the grid, NULL: not known
-    ehd_status status;           // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
-    char reason[RESULT_REASON];  // why the status is not EHD_OK, or ""
-    double seconds;              // of the solution, without reading and writing
+    double indicated_deviation;         // of the central film, relative; NaN: no indicator
+    double indicated_deviation_minimum; // of the minimum film
+    const film_effects *effects;        // of the grid, NULL: not known
+    ehd_status status;                  // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
+    char reason[RESULT_REASON];         // why the status is not EHD_OK, or ""
+    double seconds;                     // of the solution, without reading and writing
     double seconds_rows, seconds_linear, seconds_exit; // parts of it; NaN: not measured apart
 } run_result;
 

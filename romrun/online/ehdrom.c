@@ -164,11 +164,15 @@ static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_con
                      const reduced_info *info) {
     const double factor = solver->model->indicator_factor, start = program_seconds();
 
-    result->bound = result->indicated = NAN;
+    result->bound = result->indicated = result->indicated_minimum = NAN;
     if (info->status == EHD_NOT_CONVERGED) return;
     result->bound = indicator_bound(solver->indicator, solver->reduced, &solver->state, contact,
                                     &info->scalars);
-    if (factor > 0) result->indicated = factor * result->bound;
+    if (factor > 0) {
+        result->indicated = factor * result->bound;
+        result->indicated_minimum =
+            factor * indicator_bound_minimum(solver->indicator, solver->reduced, &info->scalars);
+    }
     result->seconds += program_seconds() - start;
 }
 

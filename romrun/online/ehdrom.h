@@ -54,13 +54,14 @@ typedef struct ehdrom_result {
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     size_t iterations;
-    double residual;       // norm of the weighted least-squares residual
-    double bound;          // of the relative deviation of the central film, up to a factor
-    double indicated;      // that deviation; NaN: not calibrated at these sizes
-    double seconds;        // of the solution, of which:
-    double seconds_rows;   // rows and reduced Jacobian
-    double seconds_linear; // least squares
-    double seconds_exit;   // exit boundary and its updates
+    double residual;          // norm of the weighted least-squares residual
+    double bound;             // of the relative deviation of the central film, up to a factor
+    double indicated;         // that deviation; NaN: not calibrated at these sizes
+    double indicated_minimum; // the same of the minimum film
+    double seconds;           // of the solution, of which:
+    double seconds_rows;      // rows and reduced Jacobian
+    double seconds_linear;    // least squares
+    double seconds_exit;      // exit boundary and its updates
 } ehdrom_result;
 
 /* Loads a model. `sizes` NULL: all of it. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */

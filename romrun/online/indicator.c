@@ -15,6 +15,7 @@ struct indicator {
     double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
+    double residual;         // of the last bound
     arena memory;            // of all arrays
 };
 
@@ -118,14 +119,25 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
  * above it grows with its cube. */
 static const double LINEAR = 3e-4;
 
-double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
-                       const ehd_contact *contact, const contact_scalars *scalars) {
-    double residual =
-        hypot(reduced_remaining_residual(solver), indicator_control_residual(self, state, contact));
-    double film_change = reduced_central_sensitivity(solver) * residual;
-    double part = film_change / LINEAR;
-    double bound = film_change * (1 + part * part) / scalars->central_film_thickness;
+/* Of a film with this sensitivity. */
+static double bound_of(double residual, double sensitivity, double film) {
+    const double film_change = sensitivity * residual, part = film_change / LINEAR;
+    const double bound = film_change * (1 + part * part) / film;
 
     // at a control row the pressure may lie beyond the end of the viscosity law
     return isnan(bound) ? INFINITY : bound;
+}
+
+double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
+                       const ehd_contact *contact, const contact_scalars *scalars) {
+    self->residual =
+        hypot(reduced_remaining_residual(solver), indicator_control_residual(self, state, contact));
+    return bound_of(self->residual, reduced_central_sensitivity(solver),
+                    scalars->central_film_thickness);
+}
+
+double indicator_bound_minimum(const indicator *self, reduced_solver *solver,
+                               const contact_scalars *scalars) {
+    return bound_of(self->residual, reduced_minimum_sensitivity(solver),
+                    scalars->minimum_film_thickness);
 }

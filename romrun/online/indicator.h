@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error indicator of a reduced solution's central film (romrun/README.md, Knowing when it is
+/* Error indicator of a reduced solution's films (romrun/README.md, Knowing when it is
  * wrong).
  *
  * The residual of the selected rows, over-determined, and of the control rows samples that of the
- * Reynolds equation everywhere. Times the sensitivity of H_c to the rows, from the factors of the
+ * Reynolds equation everywhere. Times the sensitivity of a film to the rows, from the factors of the
  * last iteration, it is a bound up to a factor, which calibration fits. */
 #ifndef EHD_INDICATOR_H
 #define EHD_INDICATOR_H
@@ -25,5 +25,9 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
  * just solved `state` for `contact`, stationary, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
+
+/* The same of the minimum film, of the solution that indicator_bound was just called for. */
+double indicator_bound_minimum(const indicator *self, reduced_solver *solver,
+                               const contact_scalars *scalars);
 
 #endif

@@ -520,6 +520,23 @@ double reduced_central_sensitivity(reduced_solver *self) {
     return least_squares_sensitivity(self->system.factors, gradient);
 }
 
+double reduced_minimum_sensitivity(reduced_solver *self) {
+    const reduced_model *model = self->model;
+    const node_state *nodes = &self->nodes;
+    double *gradient = self->system.gradient;
+    size_t lowest = NO_NODE;
+
+    for (size_t q = 0; q < model->rows.num_needed; q++)
+        if (nodes->pressurised[q] &&
+            (lowest == NO_NODE || nodes->now.film[q] < nodes->now.film[lowest]))
+            lowest = q;
+    if (lowest == NO_NODE) return NAN;
+    memset(gradient, 0, model->num_unknowns * sizeof(double));
+    nodes_add_film_row(gradient, 1, nodes, lowest);
+    gradient[model->num_unknowns - 1] = 1;
+    return least_squares_sensitivity(self->system.factors, gradient);
+}
+
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {
     const reduced_model *model = self->model;
     const reduced_values *last = &self->nodes.now.values;

@@ -136,6 +136,9 @@ double reduced_remaining_residual(const reduced_solver *solver);
  * least_squares_solve. */
 double reduced_central_sensitivity(reduced_solver *solver);
 
+/* The same of the film at the lowest needed node with pressure; NaN where there is none. */
+double reduced_minimum_sensitivity(reduced_solver *solver);
+
 /* Values of a state and, identical to the last bit, of the last solution with `exit_at_node`. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);

@@ -154,11 +154,15 @@ PYTHON
                 -v f="$(number full.h5 central_film_thickness)" \
                 -v r="$(number red.h5 central_film_thickness)" \
                 'BEGIN { d = r / f - 1; d = d < 0 ? -d : d; exit !(i > 1.9 * d && i < 1e6 * d) }'
+            awk -v i="$(number red.h5 indicated_deviation_minimum)" \
+                -v f="$(number full.h5 minimum_film_thickness)" \
+                -v r="$(number red.h5 minimum_film_thickness)" \
+                'BEGIN { d = r / f - 1; d = d < 0 ? -d : d; exit !(i > d && i < 1e6 * d) }'
         done
     done
     run romrun scene.yml --model c.h5
     [[ $output == *"indicated deviation     "*" of the central film thickness"* ]]
-    [[ $output =~ $'\n'"  of this, about        the model "[0-9.e-]+" %, the grid "[0-9.e-]+" %, the inlet "[0-9.e-]+" %"$'\n' ]]
+    [ "$(grep -cE "^  of this, about        the model [0-9.e-]+ %, the grid [0-9.e-]+ %, the inlet [0-9.e-]+ %$" <<<"$output")" -eq 2 ]
     # a size that was not measured, and a model that is not calibrated, indicate nothing
     romrun scene.yml --model c.h5 --rows 23 -o other.h5
     romrun scene.yml --model m.h5 -o plain.h5

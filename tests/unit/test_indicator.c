@@ -182,7 +182,7 @@ static void bound_follows_the_deviation(void **state) {
         reduced_model model;
         reduced_solver *solver;
         reduced_info info;
-        double worst = 0, bound = 0;
+        double worst = 0, bound = 0, worst_minimum = 0, bound_minimum = 0;
         trained_basis(&basis, &training, DEFORMATION_COUPLED, modes, 0);
         check_ok(reduced_model_build(&model, &basis, NULL, 0, &error));
         check_ok(reduced_model_add_control(&model, &basis, control_nodes, NUM_CONTROL, &error));
@@ -198,6 +198,14 @@ static void bound_follows_the_deviation(void **state) {
             double found = indicator_bound(self, solver, &at, contact, &info.scalars);
             assert_true(info.status == EHD_OK && found > 0);
             bound = fmax(bound, found);
+            bound_minimum =
+                fmax(bound_minimum, indicator_bound_minimum(self, solver, &info.scalars));
+            worst_minimum =
+                fmax(worst_minimum,
+                     fabs(info.scalars.minimum_film_thickness /
+                              trained_least_film(training.film + s * training.set.grid.num_nodes,
+                                                 &training.set.grid) -
+                          1));
             worst = fmax(worst, fabs(info.scalars.central_film_thickness /
                                          training.set.central_film_thickness[s] -
                                      1));
@@ -205,6 +213,10 @@ static void bound_follows_the_deviation(void **state) {
         if (!(worst > 1e-7 && bound > 0.1 * worst && bound < 1e4 * worst))
             fail_msg("%zu modes: found bound %g, expected one near the deviation %g", modes, bound,
                      worst);
+        if (!(worst_minimum > 1e-7 && bound_minimum > 0.1 * worst_minimum &&
+              bound_minimum < 1e4 * worst_minimum))
+            fail_msg("%zu modes: found bound %g, expected one near the minimum film's deviation %g",
+                     modes, bound_minimum, worst_minimum);
         assert_true(before == 0 || bound < before);
         before = bound;
         free(z);
@@ -246,6 +258,11 @@ static void bound_grows_with_the_cube(void **state) {
             double bound = indicator_bound(self, solver, &at, contact, &info.scalars) *
                            info.scalars.central_film_thickness;
             check_close(bound, linear + pow(linear, 3) / pow(3e-4, 2), 1e-9, 0);
+            linear = reduced_minimum_sensitivity(solver) * residual;
+            bound = indicator_bound_minimum(self, solver, &info.scalars) *
+                    info.scalars.minimum_film_thickness;
+            check_close(bound, linear + pow(linear, 3) / pow(3e-4, 2), 1e-9, 0);
+            linear = reduced_central_sensitivity(solver) * residual;
             num_small += linear < 0.1 * 3e-4;
             num_large += linear > 10 * 3e-4;
 
@@ -253,6 +270,7 @@ static void bound_grows_with_the_cube(void **state) {
             double *weight = model.control.weight, kept = weight[0];
             weight[0] = NAN;
             assert_true(isinf(indicator_bound(self, solver, &at, contact, &info.scalars)));
+            assert_true(isinf(indicator_bound_minimum(self, solver, &info.scalars)));
             weight[0] = kept;
         }
         indicator_free(self);

@@ -108,9 +108,42 @@ static void inlet_effect_is_integrated_finely(void **state) {
     full_state_free(&solution);
 }
 
-/* Against the extrapolation from two finer grids. Of the accurate rows, whose order is higher and
- * whose errors are less than those of the place where the grid begins, it is an upper bound: up to
- * 2e-5 for 8e-7, 4e-4 for 9e-5. */
+/* A point contact on a domain from -length on, half as wide to either side. */
+static ehd_contact point_from(double moes_M, double moes_L, double length, double step) {
+    ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, true);
+
+    contact.grid =
+        grid_of(-length, step, (size_t)lround((length + 2) / step) + 1,
+                (size_t)lround(length / 2 / step) + 1, true, contact.grid.discretization);
+    return contact;
+}
+
+/* Against the films on long domains, whose effect goes with one over their length; on the grid of
+ * twice the step, on which it is estimated. The minimum film's is a bound. */
+static void inlet_effect_of_a_point_contact(void **state) {
+    (void)state;
+    static const struct {
+        double moes_M, moes_L, central; // error
+        double minimum[2];              // bounds of estimate over effect
+    } cases[] = {{10, 0, 0.04, {0.8, 8}}, {6, 0, 0.08, {0.8, 2}}, {15, 1, 0.04, {0.8, 8}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double lengths[] = {6, 24, 48}, M = cases[i].moes_M, L = cases[i].moes_L;
+        const ehd_contact contact = point_from(M, L, lengths[0], 0.125);
+        const film_effects found = estimate(&contact).effects;
+        film_pair films[3];
+        for (int d = 0; d < 3; d++) {
+            const ehd_contact on_domain = point_from(M, L, lengths[d], 0.25);
+            films[d] = films_of(&on_domain);
+        }
+        const double central = (2 * films[2].central - films[1].central) / films[0].central - 1;
+        const double minimum = (2 * films[2].minimum - films[1].minimum) / films[0].minimum - 1;
+        const double ratio = found.of[EFFECT_INLET_MINIMUM] / minimum;
+        check_close(found.of[EFFECT_INLET], central, cases[i].central, 0);
+        assert_true(ratio > cases[i].minimum[0] && ratio < cases[i].minimum[1]);
+    }
+}
+
+/* Against the extrapolation from two finer grids. */
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
     static const double cases[][2] = {{12, 12}, {40, 5}, {100, 2.5}, {20, 0}};
@@ -131,9 +164,9 @@ static void step_effect_is_what_a_fine_step_does(void **state) {
     }
 }
 
-/* The same of the minimum film, and of the accurate rows: what they do to the central film falls
- * with more than the third power of the step, up to which the estimate counts, so that it is an
- * upper bound, five and nine times the effect here. */
+/* The same of the minimum film, and of the accurate rows: what they do to the central film falls by
+ * 70 at M = 100, L = 20, more than with the fourth power up to which the estimate counts; with the
+ * first at M = 5, by where the zero before the inlet lies; with both, of unlike sign, at M = 20. */
 static void step_effects_are_of_the_right_size(void **state) {
     (void)state;
     static const struct {
@@ -141,8 +174,10 @@ static void step_effects_are_of_the_right_size(void **state) {
         double moes_M, moes_L, central[2], minimum[2]; // bounds of estimate over effect
     } cases[] = {{DISCRETIZATION_PUBLISHED, 40, 5, {0.87, 1.15}, {0.5, 2}},
                  {DISCRETIZATION_PUBLISHED, 100, 10, {0.87, 1.15}, {0.5, 2}},
-                 {DISCRETIZATION_ACCURATE, 50, 10, {1, 15}, {0.5, 2}},
-                 {DISCRETIZATION_ACCURATE, 100, 20, {1, 15}, {0.5, 2}}};
+                 {DISCRETIZATION_ACCURATE, 5, 20, {0.8, 1.25}, {0.7, 2.5}},
+                 {DISCRETIZATION_ACCURATE, 20, 5, {0.8, 1.25}, {0.7, 10}},
+                 {DISCRETIZATION_ACCURATE, 50, 10, {1, 5}, {0.4, 2}},
+                 {DISCRETIZATION_ACCURATE, 100, 20, {1, 7}, {0.5, 2}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_contact contact =
             sample_contact("roelands", "dowson-higginson", cases[i].moes_M, cases[i].moes_L, 0.01);
@@ -173,20 +208,24 @@ static void orders_of_manufactured_films(void **state) {
     double films[3];
 
     for (double order = 0.5; order <= 5; order += 0.5)
-        for (double max_order = 2; max_order <= 3; max_order++)
-            for (double error = -0.01; error <= 0.01; error += 0.02) {
-                make_films(films, 0.3, error, order);
-                check_close(full_observed_order(films), order, 1e-10, 0);
-                // exact within the bounds; beyond them what these make of the finest change
-                const double used = fmin(fmax(order, 1), max_order);
-                const double change = films[0] - films[1];
-                const double exact = 0.3 / films[0] - 1;
-                const double bounded = change / films[0] / (exp2(used) - 1);
-                check_close(full_step_effect(films, max_order), used == order ? exact : bounded,
-                            1e-9, 0);
-                if (order >= 1 && order <= 2)
-                    check_close(full_step_effect_minimum(films), fabs(exact), 1e-9, 0);
-            }
+        for (double error = -0.01; error <= 0.01; error += 0.02) {
+            make_films(films, 0.3, error, order);
+            check_close(full_observed_order(films), order, 1e-10, 0);
+            // exact within the bounds; beyond them what these make of the finest change
+            const double used = fmin(fmax(order, 1), 2);
+            const double change = films[0] - films[1];
+            const double exact = 0.3 / films[0] - 1;
+            const double bounded = change / films[0] / (exp2(used) - 1);
+            check_close(full_step_effect(films), used == order ? exact : bounded, 1e-9, 0);
+            if (order >= 1 && order <= 2)
+                check_close(full_step_effect_minimum(films), fabs(exact), 1e-9, 0);
+            if (order <= 4) check_close(full_step_effect_accurate(films, 0.5, 5), exact, 1e-9, 0);
+            if (order >= 4) // the coarser change is the larger one for fourth order
+                check_close(full_step_effect_accurate(films, 3, 4),
+                            change * exp2(order) / films[0] / 240, 1e-9, 0);
+            if (order <= 3)
+                check_close(full_step_effect_accurate(films, 3, 4), change / films[0] / 7, 1e-9, 0);
+        }
 }
 
 static void films_without_an_order(void **state) {
@@ -196,14 +235,18 @@ static void films_without_an_order(void **state) {
 
     assert_true(isnan(full_observed_order(to_and_fro)));
     assert_true(isnan(full_observed_order(no_third)));
-    check_close(full_step_effect(to_and_fro, 3), -0.01, 1e-12, 0);
-    check_close(full_step_effect(no_third, 3), -0.01, 1e-12, 0);
+    check_close(full_step_effect(to_and_fro), -0.01, 1e-12, 0);
+    check_close(full_step_effect(no_third), -0.01, 1e-12, 0);
     check_close(full_step_effect_minimum(no_third), 0.01, 1e-12, 0);
-    assert_true(isinf(full_step_effect(alone, 3)));
+    assert_true(isinf(full_step_effect(alone)));
     assert_true(isinf(full_step_effect_minimum(alone)));
     // the finest two agree though the third is far off: second order leaves 0.12 / 4 / 3
-    assert_true(fabs(full_step_effect(by_chance, 3)) < 1e-9);
+    assert_true(fabs(full_step_effect(by_chance)) < 1e-9);
     check_close(full_step_effect_minimum(by_chance), 0.01, 1e-6, 0);
+    check_close(full_step_effect_accurate(by_chance, 3, 4), -0.12 / 240, 1e-6, 0);
+    check_close(full_step_effect_accurate(to_and_fro, 3, 4), -0.01, 1e-12, 0);
+    check_close(full_step_effect_accurate(no_third, 3, 4), -0.01, 1e-12, 0);
+    assert_true(isinf(full_step_effect_accurate(alone, 3, 4)));
 }
 
 /* With the published rows: the accurate ones alternate before a spike that the grid does not resolve,
@@ -285,6 +328,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
         cmocka_unit_test(inlet_effect_is_integrated_finely),
+        cmocka_unit_test(inlet_effect_of_a_point_contact),
         cmocka_unit_test(step_effect_is_what_a_fine_step_does),
         cmocka_unit_test(step_effects_are_of_the_right_size),
         cmocka_unit_test(orders_of_manufactured_films),

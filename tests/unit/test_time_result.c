@@ -291,6 +291,7 @@ static void stationary_is_one_time(void **state) {
     (void)state;
     const program self = writer();
     const run_result result = {.indicated_deviation = NAN,
+                               .indicated_deviation_minimum = NAN,
                                .central_film_thickness = 0.25,
                                .minimum_film_thickness = 0.125,
                                .newton_iterations = 5,

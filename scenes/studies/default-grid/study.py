@@ -28,8 +28,6 @@ LENGTHS = 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64  # of inlets that contacts 
 # Domain on which the step of a point is varied, up to this M: -x_min, x_max, y_max.
 POINT_DOMAIN = {20: (4, 2, 3), 2000: (2.5, 1.5, 2)}
 
-MOST_NODES = 1.5e5  # of half a point contact; beyond, the domain is varied with twice the step
-
 # Reference of a line up to this M: length of the inlet, coarsest of three steps.
 LINE_REFERENCE = {20: (64, 0.02), 200: (16, 0.005), 2000: (4, 0.001)}
 
@@ -43,7 +41,7 @@ def solve(kind, lubricant, M, L, grid):
 regime: stationary
 moes: {{M: {M}, L: {L}}}
 lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
-output: {{fields: false, resolution: false}}
+output: {{fields: false, resolution: {str(kind == "point").lower()}}}
 """)
         code = results.run("fullrun", scene, "-q", "-o", file,
                            *results.sets({f"grid.{key}": f"{x:.10g}" for key, x in grid.items()})).returncode
@@ -51,6 +49,7 @@ output: {{fields: false, resolution: false}}
             results.stop(f"found {kind}, {lubricant}, M = {M}, L = {L}, {grid} not solved, expected a solution")
         found = results.solution(file)
         extent = {name: results.value(file, name) for name in ("x_min", "step")}
+        extent["inlet"] = results.value(file, "inlet_effect")
     return {"H_c": found["H_c"], "H_m": found["H_min"], "iterations": found["iterations"],
             "seconds": found["seconds"], **extent}
 
@@ -93,18 +92,13 @@ def line(lubricant, M, L):
 
 def point(lubricant, M, L):
     """A point contact on its own grid. Its reference has the effect of the step from a domain that is small, and that
-    of the domain from ones twice as long and wide with half the step, and four times with the step, or twice that
-    where they have too many nodes. The last is of H_c for both films: the place of nodes changes H_m by more."""
+    of the domain as fullrun estimates it, by the far field (../discretization measures how well): of H_c for both
+    films, since the place of nodes changes H_m by more."""
     def on(**grid):
         return solve("point", lubricant, M, L, grid)
 
     def domain(length, step):
-        return films(on(x_min=-length, x_max=max(2, length / 4), y_max=0.75 * length, step=step))
-
-    def doubled(length, step):
-        while 2 * length * 1.25 * 1.5 * length / step**2 > MOST_NODES:
-            step *= 2
-        return domain(2 * length, step) / domain(length, step)
+        return on(x_min=-length, x_max=max(2, length / 4), y_max=0.75 * length, step=step)
 
     own = on()
     step, length = own["step"], -own["x_min"]
@@ -112,14 +106,16 @@ def point(lubricant, M, L):
     small["x_min"] *= -1
     twice, here, half, quarter = (films(on(**small, step=step * 2**i)) for i in (1, 0, -1, -2))
     stepless = limit(here, half, quarter)
-    wide, wider = doubled(length, step / 2), doubled(2 * length, step)[0]
-    exact = films(own) * stepless / here * wide * wider
+    shorter = domain(max(LENGTHS[LENGTHS.index(length) - 1], 3), step)
+    unbounded = 1 + own["inlet"]
+    exact = films(own) * stepless / here * unbounded
     nodes = (round((max(2, length / 4) + length) / step) + 1) * (2 * round(0.75 * length / step) + 1)
-    return compared(own, nodes, exact, {
-        "error": films(own), "reference, step": exact * quarter / stepless, "reference, domain": exact * wider,
+    return compared({**own, "of the step": 100 * (here / stepless - 1)[0], "of H_m": 100 * (here / stepless - 1)[1]},
+                    nodes, exact, {
+        "error": films(own), "reference, step": exact * quarter / stepless,
+        "reference, domain": exact * (1 + shorter["inlet"]) * films(shorter)[0] / films(own)[0] / unbounded,
         "twice the step": films(own) * twice / here, "half the step": films(own) * half / here,
-        "shorter inlet": domain(max(LENGTHS[LENGTHS.index(length) - 1], 3), step),
-        "longer inlet": films(own) * wide})
+        "shorter inlet": films(shorter)})
 
 
 def lines(folder, all_M, all_L):

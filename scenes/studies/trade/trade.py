@@ -220,7 +220,7 @@ def stationary_rows(ways, reference, truth):
             off = abs(film / record["H_min" if quantity == "minimum" else "H_c"] - 1)
             formulas.setdefault((name, quantity), []).append((off, seconds, i, film))
         for name, effect in record.get("effects", {}).items():
-            if not np.isnan(effect):  # of the inlet it is known of a line contact
+            if not np.isnan(effect):  # none where twice the step has no solution
                 effects.setdefault(name, []).append(abs(effect))
     for name, found in formulas.items():
         off, seconds, scenes, films = zip(*found)
