@@ -630,11 +630,13 @@ static double dent(double x) {
     return -2e-3 * exp(-pow((x + 0.5) / 0.12, 2));
 }
 
-/* Adds a dent to the film of the only accepted state. Along the path the base is saved before it. */
+/* Adds a dent to the film of the only accepted state. Along the path the base is saved before it, and
+ * the time that it is of use to. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
     const size_t size = solver->saved_size(solver->self);
-    const size_t state = (size - 1) / (BDF_PREVIOUS + path), first_state = 1 + path * state;
+    const size_t state = (size - 1 - path) / (BDF_PREVIOUS + path);
+    const size_t first_state = 1 + path * (state + 1);
     double *saved = calloc(size, sizeof *saved);
     assert_non_null(saved);
     solver->save(saved, solver->self);
