@@ -31,6 +31,7 @@ struct full_march {
     double *previous;           // [num_nodes] their sum with the formula's weights
     double *taken_up;           // [num_nodes] errors in rho H of the last attempt's film
     double *film;               // [num_nodes] that film without them; scratch
+    double *exits;              // [lines of the whole grid, GRID_EXITS] of the last attempt
     full_march_effort effort;
     char reason[JUDGE_REASON];
     arena memory; // of the arrays of nodes
@@ -83,6 +84,8 @@ ehd_status full_march_create(full_march **created, const ehd_contact *reference,
     self->entrained = arena_array(memory, num_nodes, sizeof(double));
     self->taken_up = arena_array(memory, num_nodes, sizeof(double));
     self->film = arena_array(memory, num_nodes, sizeof(double));
+    self->exits =
+        arena_array(memory, grid_whole(&reference->grid).inner_lines * GRID_EXITS, sizeof(double));
     for (size_t i = 0; i < BDF_PREVIOUS; i++)
         self->mass[i] = arena_array(memory, num_nodes, sizeof(double));
     bool whole = !memory->failed;
@@ -186,7 +189,7 @@ static void judge_start(full_info *info, full_march *self, const previous_state 
     ehd_contact contact;
 
     frame_contact(&contact, &first->frame, &self->reference);
-    if (info->status || first->frame.speed == 0) return;
+    if (info->status || first->frame.speed == 0) return; // the dry contact
     info->status = full_judge(self->reason, info, &first->state, &contact);
     if (info->status) info->reason = self->reason;
 }
@@ -196,10 +199,11 @@ static bool is_along_path(const full_march *self) {
 }
 
 /* d/dX of rho H at the inner nodes, as the rows have it: what a unit of entrainment leaves of them
- * where no pressure flows. */
+ * where no pressure flows. Of a state that is entrained towards smaller X from that side. */
 static ehd_status entrain(double *entrained, const previous_state *state,
                           const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
+    const bool backwards = state->frame.speed < 0;
     double *memory = calloc(grid->num_nodes, NUM_FLUID_ARRAYS * sizeof *memory);
     reynolds_fluid fluid;
 
@@ -210,21 +214,86 @@ static ehd_status entrain(double *entrained, const previous_state *state,
                                              state->state.pressure[k] * reference->hertz_pressure *
                                                  state->frame.hertz_pressure);
     for (size_t r = 0; r < grid->num_inner; r++) {
-        const reynolds_stencil stencil = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
+        const size_t k = grid_node_of_row(grid, r);
+        const reynolds_stencil stencil =
+            backwards ? reynolds_stencil_reversed(grid, k) : reynolds_stencil_at(grid, k);
         reynolds_row row;
         reynolds_rows(&row, grid, 1, NULL, &stencil, 1, &fluid, state->state.pressure,
                       state->state.film);
-        entrained[r] = -row.residual;
+        entrained[r] = backwards ? row.residual : -row.residual;
     }
     free(memory);
     return EHD_OK;
 }
 
-/* The base, once it is set, is what previous states are told from. */
-static ehd_status use_base(full_march *self, ehd_error *error) {
-    previous_set_base(&self->carrier, &self->base);
+/* The base, once it is set, is what previous states are told from, up to a time. */
+static ehd_status use_base(full_march *self, double until, ehd_error *error) {
+    previous_set_base(&self->carrier, &self->base, until);
     previous_prepare(&self->base, &self->carrier);
     return entrain(self->entrained, &self->base, &self->reference, error);
+}
+
+/* The state to start from, in state_before(self, 0), of a speed that is not negative. */
+static ehd_status find_start(full_info *info, full_march *self, const contact_frame *frame,
+                             ehd_error *error) {
+    previous_state *first = state_before(self, 0);
+    ehd_status status = start_with_load(info, self, frame, error);
+
+    first->frame = *frame;
+    if (!status && info->status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
+        status = continue_to_approach(info, self, &first->frame, error);
+    if (status) return status;
+    add_effort(self, info);
+    judge_start(info, self, first);
+    return EHD_OK;
+}
+
+static void mirror_state(full_state *target, const full_state *source, const ehd_grid *grid) {
+    const size_t width = grid_width(grid);
+
+    target->rigid_approach = source->rigid_approach;
+    target->exit = 1;
+    target->exit_offset = NAN;
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        const size_t mirrored = k / width * width + width - 1 - k % width;
+        target->pressure[k] = source->pressure[mirrored];
+        target->film[k] = source->film[mirrored];
+        target->ruptured[k] = !full_has_pressure(source, mirrored);
+        if (!target->ruptured[k]) target->exit = k + 1;
+    }
+    if (grid->inner_lines > 1) target->exit = grid->num_nodes - 1;
+}
+
+/* The same of a negative one: the mirror image of what the opposite speed leads to on the mirrored
+ * grid. *exit: X where its pressure ends. */
+static ehd_status find_mirrored_start(full_info *info, double *exit, full_march *self,
+                                      const contact_frame *frame, ehd_error *error) {
+    const ehd_grid *grid = &self->reference.grid;
+    previous_state *first = state_before(self, 0);
+    ehd_contact reference = self->reference;
+    contact_frame forward = *frame;
+    full_march *mirror;
+
+    reference.transport = TRANSPORT_UPWIND; // there it takes no step
+    reference.grid.x_min = -grid_x(grid, grid->inner_x);
+    forward.speed = -frame->speed;
+    ehd_status status = full_march_create(&mirror, &reference, full_solver_settings(self->solver),
+                                          self->start_film, error);
+    if (!status) status = find_start(info, mirror, &forward, error);
+    if (!status) {
+        const previous_state *found = state_before(mirror, 0);
+        *exit = -full_evaluate_scalars(&found->state, &reference).exit_position;
+        add_effort(self, info);
+        memcpy(self->reason, mirror->reason, sizeof self->reason);
+        if (info->reason == mirror->reason) info->reason = self->reason;
+        if (full_is_cut(&found->state, grid)) // the other end of our grid
+            info->reason = "found the exit boundary outside the domain (grid.x_min)";
+        first->frame = found->frame;
+        first->frame.speed = frame->speed;
+        mirror_state(&first->state, &found->state, grid);
+    }
+    full_march_free(mirror);
+    return status;
 }
 
 static void accept(void *solver);
@@ -233,27 +302,27 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                         ehd_error *error) {
     full_march *self = solver;
     previous_state *first = state_before(self, 0);
+    const bool backwards = frame->speed < 0;
+    double exit = NAN;
     full_info info;
-    ehd_status status = start_with_load(&info, self, frame, error);
+    ehd_status status = backwards ? find_mirrored_start(&info, &exit, self, frame, error)
+                                  : find_start(&info, self, frame, error);
 
-    first->frame = *frame;
-    if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
-        status = continue_to_approach(&info, self, &first->frame, error);
     if (status) return status;
-    add_effort(self, &info);
-    judge_start(&info, self, first);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .frame = first->frame,
                             .scalars = full_evaluate_scalars(&first->state, &self->reference),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
+    if (backwards) outcome->scalars.exit_position = exit;
+    full_list_exits(self->exits, &first->state, &self->reference.grid, backwards);
     self->ring.num_previous = 0;
     memset(self->taken_up, 0, self->reference.grid.num_nodes * sizeof(double));
     if (is_along_path(self)) {
         self->base.frame = first->frame;
         full_state_copy(&self->base.state, &first->state, &self->reference.grid);
-        status = use_base(self, error);
+        status = use_base(self, INFINITY, error);
         if (status) return status;
     }
     accept(self);
@@ -358,13 +427,14 @@ static double missed_mass(const full_march *self, const bdf_formula *formula,
  * ruptured in the inlet where a narrow peak of pressure travels: after a load step by a half it
  * misses 0.2 of the central film and more. In the paper's transient case no step misses more than
  * 0.014. With a load of +-50 % one in a hundred misses 0.1; it is repeated with a quarter of its
- * length, which costs steps alone. */
+ * length, which costs steps alone. At rest there is no inlet. */
 static bool is_another_solution(const full_march *self, const bdf_formula *formula,
-                                const full_state *state, const ehd_contact *contact) {
+                                const full_state *state, const ehd_contact *contact,
+                                double entrainment) {
     const double most = 0.05 * full_evaluate_scalars(state, contact).central_film_thickness;
 
     for (size_t r = 0; r < contact->grid.num_inner; r++)
-        if (grid_x(&contact->grid, grid_node_of_row(&contact->grid, r)) < 0 &&
+        if (grid_x(&contact->grid, grid_node_of_row(&contact->grid, r)) * entrainment < 0 &&
             formula->error * fabs(missed_anywhere(self, formula, state, contact, r)) > most)
             return true;
     return false;
@@ -388,7 +458,7 @@ static bool is_in_dry_contact(const ehd_grid *grid, size_t node) {
  * sum along the grid's lines, where errors of both signs cancel and what passes a
  * node without being left in the film does not count. Before the dry contact the film is what the
  * pressure lets in: there errors fifty times as large do no harm. It is on its way for the time that
- * this takes, a unit of T at most. */
+ * this takes, a unit of T at most. It comes from where the entrainment comes from. */
 static double error_on_the_way(const full_march *self, const bdf_formula *formula,
                                const full_state *state, const ehd_contact *contact,
                                double entrainment, double step) {
@@ -396,9 +466,10 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
     double largest = 0, sum = 0, lowest = 0, highest = 0, last = 0;
     bool inside = false;
 
-    for (size_t r = 0; r < grid->num_inner; r++) {
+    for (size_t i = 0; i < grid->num_inner; i++) {
+        const size_t r = entrainment < 0 ? grid->num_inner - 1 - i : i;
         const size_t k = grid_node_of_row(grid, r);
-        const bool before = inside && r % grid->inner_x > 0;
+        const bool before = inside && i % grid->inner_x > 0;
         inside = is_in_dry_contact(grid, k);
         if (!inside) continue;
         const double missed = missed_mass(self, formula, state, contact, r);
@@ -410,14 +481,14 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
         if (fabs(grid_x(grid, k)) <= grid->step)
             largest = fmax(largest, fmax(sum - lowest, highest - sum));
     }
-    return largest / (step * fmax(entrainment, 1));
+    return largest / (step * fmax(fabs(entrainment), 1));
 }
 
 /* Local error, relative to the central film, as the march takes it (march.h). */
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
                           const ehd_contact *contact, double entrainment, double step) {
     const double central_film = full_evaluate_scalars(state, contact).central_film_thickness;
-    const bool on_the_way = is_along_path(self) && step * entrainment <= march_short_path;
+    const bool on_the_way = is_along_path(self) && step * fabs(entrainment) <= march_short_path;
     double error;
 
     if (!(formula->error > 0)) return 0;
@@ -466,12 +537,26 @@ static void set_effects(march_step *outcome, const full_march *self, const full_
         scalars.minimum_film_thickness / outcome->scalars.minimum_film_thickness - 1;
 }
 
-/* Whether the grid's end cuts a pressure of consequence off. The pressure of a squeezed film may
- * reach the end, but is small there. */
-static bool is_cut(const full_state *state, const ehd_grid *grid) {
-    for (size_t r = grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
+/* Whether the grid's end downstream cuts a pressure of consequence off. The pressure of a squeezed
+ * film may reach the end, but is small there. */
+static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards) {
+    for (size_t r = backwards ? 0 : grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
         if (state->pressure[grid_node_of_row(grid, r)] > MAX_END_GRADIENT * grid->step) return true;
     return false;
+}
+
+/* The exits of the state just solved. */
+static void list_exits(march_step *outcome, full_march *self, const ehd_contact *contact,
+                       const reynolds_squeeze *squeeze, bool backwards) {
+    const full_state *state = &state_before(self, 0)->state;
+    const ehd_grid *grid = &contact->grid;
+
+    if (grid->inner_lines > 1)
+        full_list_exits(self->exits, state, grid, backwards);
+    else
+        full_place_exits(self->exits, state, self->solver, contact, squeeze, backwards);
+    const double farthest = self->exits[grid_whole(grid).inner_lines / 2 * GRID_EXITS];
+    if (is_along_path(self) && !isnan(farthest)) outcome->scalars.exit_position = farthest;
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
@@ -487,9 +572,11 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     frame_contact(&contact, frame, &self->reference);
     carry_over(self, &formula, frame);
     const double entrainment = contact.entrainment;
+    const bool backwards = entrainment < 0;
     if (is_along_path(self)) {
-        cblas_daxpy((int)contact.grid.num_inner, entrainment, self->entrained, 1, self->previous,
-                    1);
+        if (previous_base(&self->carrier, frame))
+            cblas_daxpy((int)contact.grid.num_inner, entrainment, self->entrained, 1,
+                        self->previous, 1);
         contact.entrainment = 0; // the rest is in the time derivative
     }
     predict(self, &formula);
@@ -501,7 +588,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         info.reason = "a pressure beyond the viscosity law's limit";
     }
     if (info.status == EHD_OK && is_along_path(self) &&
-        is_another_solution(self, &formula, &next->state, &contact)) {
+        is_another_solution(self, &formula, &next->state, &contact, entrainment)) {
         info.status = EHD_NOT_CONVERGED;
         info.reason = "a film far from its prediction";
     }
@@ -514,12 +601,14 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         outcome->local_error =
             local_error(self, &formula, &next->state, &contact, entrainment, step);
     if (info.status == EHD_OK) {
+        list_exits(outcome, self, &contact, &squeeze, backwards);
         take_up_errors(self, &formula, &next->state, &contact, frame, step);
         set_effects(outcome, self, &next->state, &contact);
     }
-    if (info.status == EHD_OK && is_cut(&next->state, &contact.grid)) {
+    if (info.status == EHD_OK && is_cut(&next->state, &contact.grid, backwards)) {
         outcome->status = EHD_UNTRUSTED;
-        outcome->reason = "the exit boundary outside the domain (grid.x_max)";
+        outcome->reason = backwards ? "the exit boundary outside the domain (grid.x_min)"
+                                    : "the exit boundary outside the domain (grid.x_max)";
     }
     return EHD_OK;
 }
@@ -542,6 +631,7 @@ static void accept(void *solver) {
     full_march *self = solver;
     previous_state *solved = state_before(self, 0);
 
+    previous_watch_base(&self->carrier, &solved->frame);
     previous_prepare(solved, &self->carrier);
     keep_errors(self, solved);
     bdf_ring_accept(&self->ring, solved->frame.time);
@@ -627,10 +717,13 @@ static saved_states saved_states_of(const full_march *self) {
     return (saved_states){.size = state_size(self), .save = save_state, .restore = restore_state};
 }
 
-/* Along the path the base goes first. */
+/* Along the path the base goes first, and at its end the time that it is of use to, NEVER while that
+ * is not known. */
 static size_t saved_base_size(const full_march *self) {
-    return is_along_path(self) ? NUM_FRAME + state_size(self) : 0;
+    return is_along_path(self) ? NUM_FRAME + state_size(self) + 1 : 0;
 }
+
+static const double NEVER = -1;
 
 /* Then the errors taken up, then the states. */
 static size_t saved_size(const void *solver) {
@@ -648,6 +741,8 @@ static void save(double *saved, const void *solver) {
     if (is_along_path(self)) {
         memcpy(saved, &self->base.frame, sizeof self->base.frame);
         save_previous(saved + NUM_FRAME, &self->base, &self->reference.grid);
+        const double until = self->carrier.base_until;
+        saved[NUM_FRAME + state_size(self)] = isinf(until) ? NEVER : until;
     }
     saved += saved_base_size(self);
     previous_kept_errors(saved, &self->carrier);
@@ -657,12 +752,13 @@ static void save(double *saved, const void *solver) {
 static ehd_status restore_base(full_march *self, const double *saved, ehd_error *error) {
     contact_frame frame;
     if (!is_along_path(self)) return EHD_OK;
-    ehd_status status = saved_frame(&frame, saved, state_size(self), error);
+    const double until = saved[NUM_FRAME + state_size(self)];
+    ehd_status status = saved_frame(&frame, saved, state_size(self) + 1, error);
 
     if (!status)
-        status = restore_previous(&self->base, &frame, saved + NUM_FRAME, &self->reference.grid,
-                                  error);
-    return status ? status : use_base(self, error);
+        status =
+            restore_previous(&self->base, &frame, saved + NUM_FRAME, &self->reference.grid, error);
+    return status ? status : use_base(self, until == NEVER ? INFINITY : until, error);
 }
 
 static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
@@ -692,10 +788,11 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     return EHD_OK;
 }
 
-static void exits(size_t *columns, const void *solver) {
+static void exits(double *positions, const void *solver) {
     const full_march *self = solver;
 
-    grid_exit_columns(columns, full_march_state(self, NULL)->pressure, &self->reference.grid);
+    memcpy(positions, self->exits,
+           grid_whole(&self->reference.grid).inner_lines * GRID_EXITS * sizeof *positions);
 }
 
 march_solver full_march_solver(full_march *self) {

@@ -622,22 +622,42 @@ static bool is_solved(const full_solver *self, double residual, double last_resi
     return residual < MAX_ROUNDING && residual > 0.5 * last_residual;
 }
 
-/* Where the exit of a solution with exits at nodes lies. */
+/* By how many steps behind its last node with pressure, downstream, an interval of a solution with
+ * exits at nodes ends; NaN: at the next node. */
 static double place_of_exit(const full_solver *self, double entrainment,
-                            const reynolds_squeeze *squeeze, const full_state *state) {
-    const size_t r = row_of_exit(state, &self->grid);
-    const reynolds_squeeze around =
-        squeeze ? (reynolds_squeeze){squeeze->rate, squeeze->previous + r - 1}
-                : (reynolds_squeeze){0, NULL};
+                            const reynolds_squeeze *squeeze, const full_state *state, size_t last,
+                            bool backwards) {
+    const ehd_grid *grid = &self->grid;
+    const size_t before = backwards ? grid->num_nodes - 1 - last : last;
 
-    if (!exit_is_within_node(&self->grid) || state->exit < 4 ||
-        state->exit + 1 >= self->grid.num_nodes)
-        return NAN;
-    const double flux = reynolds_flux(&self->grid, entrainment, &self->stencils[r], &self->fluid,
-                                      state->pressure, state->film)
-                            .residual;
-    return exit_place(&self->grid, entrainment, flux, squeeze ? &around : NULL, &self->stencils[r],
-                      &self->fluid, state->film);
+    if (!exit_is_within_node(grid) || before < 3 || before + 2 >= grid->num_nodes) return NAN;
+    const size_t r = grid_row_of_node(grid, last);
+    const reynolds_stencil reversed = reynolds_stencil_reversed(grid, last);
+    const reynolds_stencil *stencil = backwards ? &reversed : &self->stencils[r];
+    const double speed = backwards ? -entrainment : entrainment;
+    double previous[3]; // behind, at and ahead of the node
+    const reynolds_squeeze around = {squeeze ? squeeze->rate : 0, previous};
+
+    for (size_t i = 0; i < 3 && squeeze; i++)
+        previous[i] = squeeze->previous[backwards ? r + 1 - i : r + i - 1];
+    const double flux =
+        reynolds_flux(grid, speed, stencil, &self->fluid, state->pressure, state->film).residual;
+    return exit_place(grid, speed, flux, squeeze ? &around : NULL, stencil, &self->fluid,
+                      state->film);
+}
+
+void full_place_exits(double *positions, const full_state *state, const full_solver *self,
+                      const ehd_contact *contact, const reynolds_squeeze *squeeze, bool backwards) {
+    const ehd_grid *grid = &self->grid;
+    const double downstream = backwards ? -1 : 1;
+
+    full_list_exits(positions, state, grid, backwards);
+    for (size_t i = 0; i < GRID_EXITS && !isnan(positions[i]); i++) {
+        const double column = round((positions[i] - grid->x_min) / grid->step) + 1 - downstream;
+        const double place =
+            place_of_exit(self, contact->entrainment, squeeze, state, (size_t)column, backwards);
+        if (!isnan(place)) positions[i] += downstream * (place - 1) * grid->step;
+    }
 }
 
 static ehd_status newton(full_info *info, full_state *state, full_solver *self,
@@ -672,7 +692,8 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
             info->complementarity = complementarity(self, state);
             info->reason = "";
             if (self->settings.exit_at_node)
-                state->exit_offset = place_of_exit(self, contact->entrainment, squeeze, state);
+                state->exit_offset = place_of_exit(self, contact->entrainment, squeeze, state,
+                                                   state->exit - 1, false);
             return EHD_OK;
         }
         if (self->settings.watcher)

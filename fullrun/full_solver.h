@@ -146,6 +146,21 @@ ehd_status full_solve_cold(full_info *info, full_state *state, full_solver *solv
 ehd_status full_solve_from(full_info *info, full_state *state, full_solver *solver,
                            const ehd_contact *contact, ehd_error *error);
 
+/* X of the exits on each line: one after each interval of nodes with pressure, on the side that the
+ * entrainment leads to, the farthest downstream first; of more than GRID_EXITS the others are left
+ * out. At nodes. */
+void full_list_exits(
+    // output:
+    double *positions, // [inner lines of grid_whole, GRID_EXITS], NaN where there is none
+    // input:
+    const full_state *state, const ehd_grid *grid,
+    bool backwards); // entrainment towards smaller x
+
+/* The same of a line contact whose state full_solve has just found with the exit at a node, within
+ * nodes where exit_place finds them there. */
+void full_place_exits(double *positions, const full_state *state, const full_solver *solver,
+                      const ehd_contact *contact, const reynolds_squeeze *squeeze, bool backwards);
+
 /* Film and deflection of the pressure in `state`, from scratch. */
 void full_film(full_state *state, full_solver *solver);
 

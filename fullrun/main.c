@@ -6,9 +6,11 @@
 #include "common/output/print.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
+#include "common/physics/grid_choice.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
 #include "common/settings/scene_contact.h"
+#include "common/time/history.h"
 #include "fullrun/continuation.h"
 #include "fullrun/formulas.h"
 #include "fullrun/full_march.h"
@@ -454,6 +456,25 @@ static ehd_status take_grid(ehd_contact *contact, const scene *given, const char
     return status ? status : scene_check_approach(given, contact, error);
 }
 
+/* An entrainment that reverses needs an inlet on either side, as far as the scene does not say where
+ * the grid ends. */
+static ehd_status widen_for_reversal(ehd_contact *contact, const scene *given, ehd_error *error) {
+    ehd_histories *histories;
+    grid_extent needed;
+    ehd_status status = histories_init(&histories, given, error);
+
+    if (status) return status;
+    const bool reverses = histories_reverse(histories);
+    histories_free(histories);
+    if (!reverses || !isnan(contact->grid_given.x_max)) return EHD_OK;
+    needed = grid_extent_needed(contact);
+    needed.x_max =
+        fmax(needed.x_max,
+             -(isnan(contact->grid_given.x_min) ? needed.x_min : contact->grid_given.x_min));
+    status = scene_set_grid(contact, &needed, error);
+    return status ? status : scene_check_approach(given, contact, error);
+}
+
 /* Everything between the command line and the exit code. */
 static ehd_status run(const program *self, const fullrun_options *options, ehd_error *error) {
     ehd_contact contact;
@@ -462,6 +483,7 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     ehd_status status = contact_load(&contact, &given, &text, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
+    if (transient) status = widen_for_reversal(&contact, &given, error);
     if (!status) status = take_grid(&contact, &given, options->grid_of, error);
     if (!status) status = check_usage(self, options, transient, error);
     if (!status)

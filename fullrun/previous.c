@@ -119,30 +119,45 @@ static void fit_lines(gsl_spline **splines, const double *field, const previous_
         gsl_spline_init(splines[l], carrier->nodes, field + l * width, width);
 }
 
-void previous_set_base(previous_carrier *self, const previous_state *base) {
+void previous_set_base(previous_carrier *self, const previous_state *base, double until) {
     self->base = base;
+    self->base_until = until;
 }
 
-/* Copies a field to carrier->values; along the path its difference from the base is filtered. */
+/* Against the start's direction; one at rest is taken for forwards. */
+static bool is_reversed(const previous_carrier *self, const contact_frame *frame) {
+    return self->base && (self->base->frame.speed < 0 ? frame->speed > 0 : frame->speed < 0);
+}
+
+const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame) {
+    return frame->time < self->base_until && !is_reversed(self, frame) ? self->base : NULL;
+}
+
+void previous_watch_base(previous_carrier *self, const contact_frame *frame) {
+    if (is_reversed(self, frame)) self->base_until = fmin(self->base_until, frame->time);
+}
+
+/* Copies a field to carrier->values; along the path its difference from the base is filtered, or all
+ * of it where that is NULL. */
 static void set_values(previous_carrier *self, const double *field, const double *base) {
     const size_t width = grid_width(&self->reference.grid);
     const size_t num_nodes = self->reference.grid.num_nodes;
 
     memcpy(self->values, field, num_nodes * sizeof *field);
-    if (!self->base) return;
-    for (size_t k = 0; k < num_nodes; k++)
+    if (self->reference.transport != TRANSPORT_PATH) return;
+    for (size_t k = 0; k < num_nodes && base; k++)
         self->values[k] -= base[k];
     for (size_t l = 0; l < self->filter.num_lines; l++)
         path_filter_apply(&self->filter, self->values + l * width, l, 1);
-    for (size_t k = 0; k < num_nodes; k++)
+    for (size_t k = 0; k < num_nodes && base; k++)
         self->values[k] += base[k];
 }
 
 void previous_prepare(previous_state *self, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
-    const full_state *base = carrier->base ? &carrier->base->state : &self->state;
+    const previous_state *base = previous_base(carrier, &self->frame);
 
-    set_values(carrier, self->state.film, base->film);
+    set_values(carrier, self->state.film, base ? base->state.film : NULL);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         carrier->filtered[k] = carrier->values[k] - self->state.film[k];
         // natural splines of the film without gap, whose curvature at the grid's ends is small
@@ -150,7 +165,7 @@ void previous_prepare(previous_state *self, previous_carrier *carrier) {
     }
     fit_lines(self->deflection, carrier->values, carrier);
     if (!self->pressure) return;
-    set_values(carrier, self->state.pressure, base->pressure);
+    set_values(carrier, self->state.pressure, base ? base->state.pressure : NULL);
     fit_lines(self->pressure, carrier->values, carrier);
 }
 
@@ -261,13 +276,15 @@ void previous_mass(double *mass, const previous_state *self, const contact_frame
     const origin before = {here.stretch, frame_shift(now, &self->frame)};
 
     memset(mass, 0, carrier->reference.grid.num_inner * sizeof *mass);
-    if (!carrier->base) {
+    if (carrier->reference.transport != TRANSPORT_PATH) {
         add_mass(mass, ratio, self, here, carrier);
         return;
     }
+    const previous_state *base = previous_base(carrier, now);
     add_mass(mass, ratio, self, before, carrier);
-    add_mass(mass, -ratio, carrier->base, before, carrier);
-    add_mass(mass, ratio, carrier->base, here, carrier);
+    if (!base) return;
+    add_mass(mass, -ratio, base, before, carrier);
+    add_mass(mass, ratio, base, here, carrier);
 }
 
 void previous_keep_errors(previous_carrier *self, const double *errors) {

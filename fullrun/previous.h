@@ -35,7 +35,8 @@ typedef struct previous_carrier {
     arena memory;                  // of all arrays
     // along the path:
     path_filter filter;         // of what differs from the start
-    const previous_state *base; // the start, which is carried at fixed places; NULL: not along it
+    const previous_state *base; // the start, which is carried at fixed places; NULL: none yet
+    double base_until;          // T from which on none is: where the entrainment first reversed
 } previous_carrier;
 
 /* EHD_MEMORY. */
@@ -50,9 +51,16 @@ void previous_free(previous_state *self);
 /* Bytes of a carrier and of num_states states. */
 double previous_bytes(const ehd_contact *reference, size_t num_states);
 
-/* From now on states are carried along the path of the fluid, but for what they have in common with
- * `base`, which the caller keeps and has prepared: that the rows carry (common/time/README.md). */
-void previous_set_base(previous_carrier *self, const previous_state *base);
+/* States are carried along the path of the fluid, but for what they have in common with `base`, which
+ * the caller keeps and has prepared: that the rows carry (common/time/README.md). `until`: the time
+ * up to which they do, INFINITY where that is not known. */
+void previous_set_base(previous_carrier *self, const previous_state *base, double until);
+
+/* The base of a state in a frame: NULL from the first reversal of the entrainment on. */
+const previous_state *previous_base(const previous_carrier *self, const contact_frame *frame);
+
+/* A state in this frame is accepted: with one of the other direction the base is done with. */
+void previous_watch_base(previous_carrier *self, const contact_frame *frame);
 
 /* Makes the splines of a state that is set. Along the path its film and pressure are filtered;
  * carrier->filtered is then what that changed of the film, else zero. */

@@ -42,6 +42,42 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
+/* Whether an interval that ends before an exit has pressure, not only noise of the active set. */
+static bool ends_pressure(const full_state *state, size_t before, bool backwards) {
+    size_t node = before;
+
+    while (full_has_pressure(state, node) && !(state->pressure[node] > 0))
+        node = backwards ? node + 1 : node - 1;
+    return full_has_pressure(state, node);
+}
+
+static void list_exits_of_line(double *positions, const full_state *state, const ehd_grid *grid,
+                               size_t first, bool backwards) {
+    const size_t last = grid_width(grid) - 1;
+    size_t count = 0;
+
+    for (size_t i = last; i > 0 && count < GRID_EXITS; i--) {
+        const size_t exit = first + (backwards ? last - i : i);
+        const size_t before = backwards ? exit + 1 : exit - 1;
+        if (!full_has_pressure(state, exit) && ends_pressure(state, before, backwards))
+            positions[count++] = grid_x(grid, exit);
+    }
+    while (count < GRID_EXITS)
+        positions[count++] = NAN;
+}
+
+void full_list_exits(double *positions, const full_state *state, const ehd_grid *grid,
+                     bool backwards) {
+    const ehd_grid whole = grid_whole(grid);
+    const size_t first = grid_first_line(grid);
+
+    for (size_t l = 0; l < whole.inner_lines; l++) {
+        const size_t own = first + grid_row_of_whole(grid, l * grid->inner_x) / grid->inner_x;
+        list_exits_of_line(positions + l * GRID_EXITS, state, grid, own * grid_width(grid),
+                           backwards);
+    }
+}
+
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     size_t line = grid_central_line(grid), exit = state->exit;

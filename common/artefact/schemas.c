@@ -110,6 +110,9 @@
 static const artefact_axis result_axes[] = {
     AXIS("time", "1", "dimensionless time T of the entries; 0 when stationary"),
     Y_AXIS,
+    {"exit", "1",
+     "index of the exit, the farthest downstream first; of films that are carried along their path",
+     true},
     X_AXIS,
     AXIS("restart_slot", "1", "index of the restart slot"),
     AXIS("restart_entry", "1", "index of the number in a restart slot"),
@@ -134,8 +137,11 @@ static const artefact_field result_fields[] = {
          "half width that scales the frame, relative to the reference; where the approach is "
          "given, of the expected load",
          "time"),
-    REAL("exit_position", "1", NEED_OWN,
-         "X at which the pressure ends; NaN on a line without pressure", "time", "y"),
+    REAL(
+        "exit_position", "1", NEED_OWN,
+        "X at which the pressure ends, along the path of each of its intervals; NaN where there is "
+        "none",
+        "time", "y", "exit"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
@@ -214,7 +220,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 6, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 7, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots

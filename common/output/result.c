@@ -214,14 +214,15 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
-/* Of a point contact the file has one a line. */
+/* The first one at Y = 0: of a point contact the file has some a line, along a path several. */
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
+    const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;
-    double *exits = malloc(stored->num_lines * sizeof *exits);
+    double *exits = malloc(stored->num_lines * each * sizeof *exits);
     if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
     ehd_status status = artefact_get(file, "exit_position", exits, error);
-    if (!status) stored->exit_position = exits[stored->num_lines / 2];
+    if (!status) stored->exit_position = exits[stored->num_lines / 2 * each];
     free(exits);
     return status;
 }

@@ -28,13 +28,9 @@ static const struct {
     SCALAR(residual_norm, residual),
     SCALAR(time_step, step),
     SCALAR(time_effect, effect),
-    SCALAR(time_effect_minimum, effect_minimum),
-    SCALAR(exit_position, exit_position)};
+    SCALAR(time_effect_minimum, effect_minimum)};
 
-enum {
-    NUM_REALS = sizeof reals / sizeof *reals,
-    EXIT_POSITION = NUM_REALS - 1 // of a point contact one a line
-};
+enum { NUM_REALS = sizeof reals / sizeof *reals };
 
 // ---- creating
 
@@ -43,6 +39,7 @@ static ehd_status declare_scalars(artefact *file, ehd_error *error) {
 
     for (size_t i = 0; i < NUM_REALS && !status; i++)
         status = artefact_declare(file, reals[i].name, error);
+    if (!status) status = artefact_declare(file, "exit_position", error);
     if (!status) status = artefact_declare(file, "newton_iterations", error);
     if (!status) status = artefact_declare(file, "status", error);
     return status;
@@ -75,6 +72,9 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
     // the exits of a point contact lie on lines
     if (!status && (with_fields || whole.inner_lines > 1))
         status = grid_write_axes(*file, &whole, error);
+    // any number of them where films go along their paths
+    if (!status && reference->transport == TRANSPORT_PATH)
+        status = artefact_put_axis(*file, "exit", GRID_EXITS, NULL, error);
     if (!status) status = declare_scalars(*file, error);
     if (!status && with_fields) status = declare_fields(*file, error);
     if (!status && restart_size > 0) status = declare_restart(*file, restart_size, error);
@@ -84,6 +84,21 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
 }
 
 // ---- entries
+
+/* Those that the file has of each line: all, or the first one. */
+static ehd_status put_exits(artefact *file, const time_entry *entries, size_t count,
+                            size_t num_lines, size_t index, ehd_error *error) {
+    const size_t each = artefact_length(file, "exit") > 0 ? GRID_EXITS : 1;
+    double *exits = malloc((count * num_lines * each + 1) * sizeof *exits);
+
+    if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+    for (size_t l = 0; l < count * num_lines; l++)
+        memcpy(exits + l * each, entries[l / num_lines].exits + l % num_lines * GRID_EXITS,
+               each * sizeof *exits);
+    ehd_status status = artefact_put_part(file, "exit_position", index, count, exits, error);
+    free(exits);
+    return status;
+}
 
 /* `column` is work of [count]. */
 static ehd_status put_real(artefact *file, const char *name, size_t offset,
@@ -95,16 +110,14 @@ static ehd_status put_real(artefact *file, const char *name, size_t offset,
 }
 
 static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t count, size_t index,
-                              double *column, int64_t *integers, ehd_error *error) {
-    size_t num_reals = count > 0 && entries[0].exits ? EXIT_POSITION : NUM_REALS;
+                              double *column, int64_t *integers, size_t num_lines,
+                              ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < num_reals && !status; i++)
+    for (size_t i = 0; i < NUM_REALS && !status; i++)
         status =
             put_real(file, reals[i].name, reals[i].entry, entries, count, index, column, error);
-    for (size_t i = 0; i < count && num_reals == EXIT_POSITION && !status; i++)
-        status = artefact_put_part(file, reals[EXIT_POSITION].name, index + i, 1, entries[i].exits,
-                                   error);
+    if (!status) status = put_exits(file, entries, count, num_lines, index, error);
     for (size_t i = 0; i < count; i++)
         integers[i] = (int64_t)entries[i].newton_iterations;
     if (!status)
@@ -137,7 +150,9 @@ ehd_status time_result_append(artefact *file, const ehd_grid *grid, const time_e
         status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     for (size_t i = 0; i < count && !status; i++)
         status = put_fields(file, &entries[i], grid, index + i, error);
-    if (!status) status = put_scalars(file, entries, count, index, column, integers, error);
+    if (!status)
+        status = put_scalars(file, entries, count, index, column, integers,
+                             grid_whole(grid).inner_lines, error);
     for (size_t i = 0; i < count && !status; i++)
         column[i] = entries[i].time;
     if (!status) status = artefact_put_axis_part(file, "time", index, count, column, error);
@@ -193,6 +208,9 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
     if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
     if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
+    if (!status && reference->transport == TRANSPORT_PATH && artefact_length(file, "exit") == 0)
+        return ehd_fail(error, EHD_DATA, "%s.partial: found no axis exit, expected one",
+                        artefact_path(file));
     if (status || found == restart_size) return status;
     return ehd_fail(error, EHD_DATA, "%s.partial: restart_entry: found length %zu, expected %zu",
                     artefact_path(file), found, restart_size);
@@ -276,9 +294,11 @@ static ehd_status allocate(time_series *series, const char *path, ehd_error *err
 
     for (size_t i = 0; i < NUM_REALS && allocated; i++)
         allocated = (*series_array(series, i) = calloc(count, sizeof(double))) != NULL;
+    series->exit_position = calloc(count, sizeof(double));
     series->newton_iterations = calloc(count, sizeof(int64_t));
     series->status = calloc(count, sizeof(int64_t));
-    if (allocated && series->newton_iterations && series->status) return EHD_OK;
+    if (allocated && series->exit_position && series->newton_iterations && series->status)
+        return EHD_OK;
     return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu times", path, count);
 }
 
@@ -296,31 +316,33 @@ static ehd_status get_time(time_series *series, artefact *file, ehd_error *error
     return status;
 }
 
-/* Of one value a line that at Y = 0. */
+/* The number at `place` of the `each` that an entry of time has; NaN where there are none. */
 static ehd_status get_real(double *values, size_t num_times, artefact *file, const char *name,
-                           size_t num_lines, ehd_error *error) {
-    double *of_lines = malloc(num_times * num_lines * sizeof *of_lines);
-    if (!of_lines) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
+                           size_t each, size_t place, ehd_error *error) {
+    for (size_t t = 0; t < num_times; t++)
+        values[t] = NAN;
+    if (!artefact_has(file, name)) return EHD_OK;
+    double *all = malloc(num_times * each * sizeof *all);
+    if (!all) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
-    ehd_status status = artefact_get(file, name, of_lines, error);
+    ehd_status status = artefact_get(file, name, all, error);
     for (size_t t = 0; t < num_times && !status; t++)
-        values[t] = of_lines[t * num_lines + num_lines / 2];
-    free(of_lines);
+        values[t] = all[t * each + place];
+    free(all);
     return status;
 }
 
 static ehd_status get_reals(time_series *series, artefact *file, size_t num_lines,
                             ehd_error *error) {
+    const size_t count = series->num_times;
+    const size_t exits = artefact_length(file, "exit") > 0 ? artefact_length(file, "exit") : 1;
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < NUM_REALS && !status; i++) {
-        double *values = *series_array(series, i);
-        for (size_t t = 0; t < series->num_times; t++)
-            values[t] = NAN;
-        if (artefact_has(file, reals[i].name))
-            status = get_real(values, series->num_times, file, reals[i].name,
-                              i == EXIT_POSITION ? num_lines : 1, error);
-    }
+    for (size_t i = 0; i < NUM_REALS && !status; i++)
+        status = get_real(*series_array(series, i), count, file, reals[i].name, 1, 0, error);
+    if (!status)
+        status = get_real(series->exit_position, count, file, "exit_position", num_lines * exits,
+                          num_lines / 2 * exits, error);
     return status;
 }
 
@@ -369,6 +391,7 @@ void time_series_free(time_series *series) {
     for (size_t i = 0; i < NUM_REALS; i++)
         free(*series_array(series, i));
     free(series->time);
+    free(series->exit_position);
     free(series->newton_iterations);
     free(series->status);
     memset(series, 0, sizeof *series);

@@ -23,9 +23,7 @@ typedef struct time_entry {
     double rigid_approach;
     double load;               // relative to the reference
     double contact_half_width; // relative to the reference
-    double exit_position;
-    const double *exits; // [lines of the whole grid] of a point contact, NULL of a line; NaN: no
-                         // pressure
+    const double *exits;       // [lines of the whole grid, GRID_EXITS] as of march_solver
     size_t newton_iterations;
     double residual;
     ehd_status status;             // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
@@ -100,7 +98,7 @@ typedef struct time_series {
     double *rigid_approach;
     double *load;
     double *contact_half_width;
-    double *exit_position;
+    double *exit_position; // the farthest downstream at Y = 0
     double *residual_norm;
     double *time_step;
     double *time_effect, *time_effect_minimum;

@@ -38,8 +38,7 @@ typedef struct runner {
     artefact *file; // NULL: nothing is written
     double *restart;
     double *pressure, *film; // [num_nodes], NULL: no fields
-    size_t *exit_columns;    // [lines of the grid] of a point contact, else NULL
-    double *exits;           // [MAX_WAITING, lines of the whole grid]
+    double *exits;           // [MAX_WAITING, lines of the whole grid, GRID_EXITS]
     time_entry
         waiting[MAX_WAITING]; // to be written together, since a write costs as much as a step
     size_t num_waiting, num_written;
@@ -164,18 +163,18 @@ static ehd_status checkpoint(runner *self, double now, ehd_error *error) {
     return time_result_checkpoint(self->file, self->restart, self->num_written, error);
 }
 
-/* Exits of a point contact in the reference frame, kept for the entry that waits next; NULL of a
- * line. */
-static const double *take_exits(runner *self, const contact_frame *frame) {
-    const ehd_grid *grid = &self->task->reference->grid;
-    size_t num_lines = grid_whole(grid).inner_lines;
+/* Exits in the reference frame, kept for the entry that waits next. Of a line contact the first one
+ * is that of the scalars. */
+static const double *take_exits(runner *self, const march_step *step,
+                                const contact_scalars *scalars) {
+    const size_t num_lines = grid_whole(&self->task->reference->grid).inner_lines;
+    const size_t count = num_lines * GRID_EXITS;
+    double *exits = self->exits + self->num_waiting * count;
 
-    if (!self->exits) return NULL;
-    double *exits = self->exits + self->num_waiting * num_lines;
-    self->march.solver.exits(self->exit_columns, self->march.solver.self);
-    grid_exits(exits, self->exit_columns, grid);
-    for (size_t l = 0; l < num_lines; l++)
-        exits[l] *= frame->half_width;
+    self->march.solver.exits(exits, self->march.solver.self);
+    for (size_t i = 0; i < count; i++)
+        exits[i] *= step->frame.half_width;
+    if (num_lines == 1) exits[0] = scalars->exit_position;
     return exits;
 }
 
@@ -203,8 +202,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .rigid_approach = scalars.rigid_approach,
                               .load = scalars.load,
                               .contact_half_width = step->frame.half_width,
-                              .exit_position = scalars.exit_position,
-                              .exits = take_exits(self, &step->frame),
+                              .exits = take_exits(self, step, &scalars),
                               .newton_iterations = step->iterations,
                               .residual = step->residual,
                               .status = step->status,
@@ -383,7 +381,8 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
     const ehd_grid *grid = &task->reference->grid;
     size_t num_nodes = grid->num_nodes;
     bool whole;
-    ehd_status status = histories_init(histories, task->given, error);
+    ehd_status status =
+        (task->model ? histories_init_forward : histories_init)(histories, task->given, error);
 
     if (status) return status;
     self->march =
@@ -398,12 +397,8 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
         self->pressure = malloc(num_nodes * sizeof(double));
         self->film = malloc(num_nodes * sizeof(double));
     }
-    whole = self->restart && (!task->with_fields || (self->pressure && self->film));
-    if (grid->inner_lines > 1) {
-        self->exit_columns = malloc(grid_lines(grid) * sizeof *self->exit_columns);
-        self->exits = malloc(MAX_WAITING * grid_whole(grid).inner_lines * sizeof(double));
-        whole = whole && self->exit_columns && self->exits;
-    }
+    self->exits = malloc(MAX_WAITING * grid_whole(grid).inner_lines * GRID_EXITS * sizeof(double));
+    whole = self->restart && self->exits && (!task->with_fields || (self->pressure && self->film));
     return whole ? EHD_OK
                  : ehd_fail(error, EHD_MEMORY, "result: found no memory for %zu nodes", num_nodes);
 }
@@ -439,7 +434,6 @@ ehd_status time_run(time_trace *trace, const time_run_task *task, ehd_error *err
     free(self.restart);
     free(self.pressure);
     free(self.film);
-    free(self.exit_columns);
     free(self.exits);
     return status;
 }

@@ -143,6 +143,9 @@ void grid_exits(
     const size_t *columns, // [grid_lines]
     const ehd_grid *grid);
 
+/* Exits that are told of a line in time. */
+enum { GRID_EXITS = 8 };
+
 /* Quadrature weight of a node in cells: on a half grid 2 off the mirror line, else 1. */
 double grid_weight(const ehd_grid *grid, size_t node);
 /* Length (line contact) or area (point contact) of a cell. */
@@ -170,7 +173,7 @@ typedef struct ehd_contact {
     grid_extent grid_given; // what the scene says of it, NaN where nothing
     ehd_lubricant lubricant;
     double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
-    double entrainment; // 1, U there, not negative; 1 when stationary
+    double entrainment; // 1, U there; 1 when stationary
     contact_closure closure;
     ehd_transport transport; // in time
     double smoothing;        // half widths, of films carried along their paths; NaN: as usual

@@ -67,10 +67,11 @@ void exit_cell_at(exit_cell *cell, const ehd_grid *grid, double entrainment, dou
  * the cell: reynolds_flux of its stencil. */
 void exit_cell_add_flux(exit_cell *cell, const reynolds_row *flux);
 
-/* By how many steps behind the HERE of a stencil the exit lies, where a solution has exits at nodes
+/* By how many steps ahead of the HERE of a stencil the exit lies, where a solution has exits at nodes
  * and that is the last one with pressure: where an unpressurised film carries what flows through
  * the half node before, but for what the cell takes in time. That is 0 to 1 but for what is left by
- * an exit at a node, and at most a half beyond. NaN where the film does not rise there. */
+ * an exit at a node, and at most a half beyond. NaN where the film does not rise there. With a
+ * reversed stencil entrainment and flux count towards smaller x. */
 double exit_place(
     const ehd_grid *grid, double entrainment,
     double flux,                     // through the half node before

@@ -49,6 +49,19 @@ reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node) {
     return stencil;
 }
 
+reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node) {
+    const bool wide = grid->discretization == DISCRETIZATION_ACCURATE;
+    const size_t width = grid_width(grid), column = grid->inner_lines > 1 ? node % width : node;
+    reynolds_stencil stencil = reynolds_stencil_at(grid, node);
+
+    stencil.node[NODE_BACK3] = wide && column + 3 < width ? node + 3 : NO_NODE;
+    stencil.node[NODE_BACK2] = column + 2 < width ? node + 2 : NO_NODE;
+    stencil.node[NODE_BACK] = node + 1;
+    stencil.node[NODE_AHEAD] = node - 1;
+    stencil.node[NODE_AHEAD2] = wide && column > 1 ? node - 2 : NO_NODE;
+    return stencil;
+}
+
 // ---- fluid
 
 reynolds_fluid reynolds_fluid_in(double *memory, size_t num_nodes, const ehd_contact *contact) {

@@ -72,6 +72,9 @@ size_t reynolds_reach_ahead(const ehd_grid *grid);
  * mirror line of a half grid the nodes to the left and right are the same. */
 reynolds_stencil reynolds_stencil_at(const ehd_grid *grid, size_t node);
 
+/* The same for entrainment towards smaller x: its mirror image. */
+reynolds_stencil reynolds_stencil_reversed(const ehd_grid *grid, size_t node);
+
 /* Fluid properties at the given pressures. */
 void reynolds_fluid_evaluate(
     // output:

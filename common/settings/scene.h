@@ -19,6 +19,7 @@ extern const char *const vary_names[NUM_VARY]; // "load", …: the keys of their
 typedef struct history_settings {
     char law[16];          // constant, sine, ramp, step, table
     double amplitude;      // 1
+    double mean;           // 1; NaN: 1
     double period;         // of T
     double phase;          // rad
     double from;           // factor
@@ -56,11 +57,12 @@ typedef struct output_settings {
 } output_settings;
 
 typedef struct transient_settings {
-    double end_time;   // T
-    double tolerance;  // 1, on the local error, or along the path on the film's
-    double smoothing;  // half widths, of films carried along their paths
-    double fixed_step; // of T; NaN: step size control by the local error
-    double start_film; // H at the start from rest
+    double end_time;    // T
+    double tolerance;   // 1, on the local error, or along the path on the film's
+    double smoothing;   // half widths, of films carried along their paths
+    double fixed_step;  // of T; NaN: step size control by the local error
+    double start_film;  // H at the start from rest
+    double start_speed; // factor; NaN: that of its history at T = 0
     history_settings vary[NUM_VARY];
 } transient_settings;
 

@@ -100,6 +100,9 @@ static const setting run_rows[] = {
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(transient.start_film), NULL, NULL, 1e-9, 1, "1",
      "Film H of the start when the speed starts at zero", IN_TIME, false},
+    {"transient.start_speed", REAL(transient.start_speed), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
+     "Speed, a factor on the reference value, whose stationary film is the start; default that of the "
+     "speed's history at T = 0", IN_TIME, false},
     LAST_ROW};
 
 /* The keys of one history, below "transient.<quantity>.". */
@@ -108,7 +111,9 @@ static const setting history_rows[] = {
      "How it varies: a factor over time; a load only with closure load, an approach only with "
      "closure approach", IN_TIME, false},
     {"amplitude", HISTORY_REAL(amplitude), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
-     "Of the factor 1 + amplitude sin(2 pi T/period + phase)", LAW("sine"), true},
+     "Of the factor mean + amplitude sin(2 pi T/period + phase)", LAW("sine"), true},
+    {"mean", HISTORY_REAL(mean), NULL, NULL, -MAX_FACTOR, MAX_FACTOR, "1",
+     "Mean of the factor, default 1; a speed with a mean of 0 goes to and fro", LAW("sine"), false},
     {"period", HISTORY_REAL(period), NULL, NULL, 1e-6, 1e12, "1",
      "Time T of one oscillation", LAW("sine"), true},
     {"phase", HISTORY_REAL(phase), "0", NULL, -1e3, 1e3, "rad",

@@ -24,8 +24,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
 }
 
 bool frame_is_valid(const contact_frame *frame) {
-    return isfinite(frame->time) && isfinite(frame->path) && frame->speed >= 0 && frame->load > 0 &&
-           frame->radius > 0 && frame->modulus > 0 && frame->half_width > 0 &&
+    return isfinite(frame->time) && isfinite(frame->path) && isfinite(frame->speed) &&
+           frame->load > 0 && frame->radius > 0 && frame->modulus > 0 && frame->half_width > 0 &&
            frame->hertz_pressure > 0 && frame->film_scale > 0 && isfinite(frame->film_scale);
 }
 
@@ -61,7 +61,7 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     contact->hertz_pressure *= frame->hertz_pressure;
     contact->alpha_p_H *= frame->hertz_pressure;
     // the stationary contact of the same lambda U
-    contact->moes_M = fmin(kind->moes_M(contact->lambda * contact->entrainment), MAX_MOES_M);
+    contact->moes_M = fmin(kind->moes_M(contact->lambda * fabs(contact->entrainment)), MAX_MOES_M);
     contact->moes_L = reference->moes_L * frame->hertz_pressure *
                       kind->alpha_p_H(reference->moes_M, 1) / kind->alpha_p_H(contact->moes_M, 1);
     contact->half_width *= width;

@@ -11,7 +11,7 @@
 typedef struct contact_frame {
     double time;  // T = u_ref t / a_ref
     double load;  // that scales the frame; the load itself where it is given
-    double speed; // entrainment, not negative
+    double speed; // entrainment, of either sign
     double radius;
     double modulus;
     double approach;       // H0 that is given, in the reference frame; NaN: the load is given
@@ -30,7 +30,8 @@ contact_frame frame_at(const contact_kind *kind, double time, const double *valu
 bool frame_is_valid(const contact_frame *frame);
 
 /* The reference contact as it is in the frame: lambda, Hertz pressure, U, Moes numbers, closure.
- * Moes M grows beyond all bounds as the speed goes to zero and is cut at 1e5. */
+ * Moes M, that of the same speed in either direction, grows beyond all bounds as it goes to zero and
+ * is cut at 1e5. */
 void frame_contact(
     // output:
     ehd_contact *contact,

@@ -28,13 +28,15 @@ typedef struct history {
     gsl_spline *spline; // NULL: linear
 } history;
 
-struct ehd_histories {
-    history of[NUM_VARY];
-};
-
 typedef struct minimum_value {
     double value, time;
 } minimum_value;
+
+struct ehd_histories {
+    history of[NUM_VARY];
+    minimum_value slowest; // speed
+    double start_speed;    // NaN: that of the history
+};
 
 /* A law is a row of a table. */
 struct history_law {
@@ -77,14 +79,14 @@ static double constant_integral(const history *self, double time) {
 
 static double sine_value(const history *self, double time) {
     const history_settings *given = &self->given;
-    return 1 + given->amplitude * sin(2 * M_PI * time / given->period + given->phase);
+    return given->mean + given->amplitude * sin(2 * M_PI * time / given->period + given->phase);
 }
 
 static double sine_integral(const history *self, double time) {
     const history_settings *given = &self->given;
     const double rate = 2 * M_PI / given->period, half = rate * time / 2;
     // the difference of the cosines at both ends
-    return time + 2 * given->amplitude / rate * sin(half) * sin(half + given->phase);
+    return given->mean * time + 2 * given->amplitude / rate * sin(half) * sin(half + given->phase);
 }
 
 static minimum_value sine_minimum(const history *self, double end_time) {
@@ -93,7 +95,7 @@ static minimum_value sine_minimum(const history *self, double end_time) {
     const double turns = (trough - given->phase) / (2 * M_PI);
     const double first = (turns - floor(turns)) * given->period; // its first time from 0 on
     if (first > end_time) return minimum_of_ends(self, end_time);
-    return (minimum_value){1 - fabs(given->amplitude), first};
+    return (minimum_value){given->mean - fabs(given->amplitude), first};
 }
 
 static double sine_shortest_time(const history *self) {
@@ -308,22 +310,24 @@ static const history_law *find_law(const char *name) {
     return &laws[0];
 }
 
-static ehd_status check_speed(minimum_value minimum, ehd_error *error) {
-    if (minimum.value >= -ROUNDING) return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "transient.speed: found %.6g at T = %.6g, expected at least 0: a reversal of "
-                    "the entrainment direction is not supported",
-                    minimum.value, minimum.time);
-}
-
 static ehd_status check_history(const history *self, int quantity, double end_time,
                                 ehd_error *error) {
     const minimum_value minimum = self->law->minimum(self, end_time);
-    if (quantity == VARY_APPROACH) return EHD_OK; // any finite value
-    if (quantity == VARY_SPEED) return check_speed(minimum, error);
-    if (minimum.value > 0) return EHD_OK;
+    // any finite value; that of the speed is checked below
+    if (quantity == VARY_APPROACH || quantity == VARY_SPEED || minimum.value > 0) return EHD_OK;
     return ehd_fail(error, EHD_DATA, "transient.%s: found %.6g at T = %.6g, expected more than 0",
                     vary_names[quantity], minimum.value, minimum.time);
+}
+
+/* Where the speed may not be below 0, for the reason given. */
+static ehd_status check_forward(const ehd_histories *self, const char *reason, ehd_error *error) {
+    if (self->start_speed < 0)
+        return ehd_fail(error, EHD_DATA, "transient.start_speed: found %.6g, expected at least 0%s",
+                        self->start_speed, reason);
+    if (self->slowest.value >= -ROUNDING) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "transient.speed: found %.6g at T = %.6g, expected at least 0%s",
+                    self->slowest.value, self->slowest.time, reason);
 }
 
 ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error *error) {
@@ -331,16 +335,34 @@ ehd_status histories_init(ehd_histories **result, const scene *given, ehd_error 
     ehd_status status = EHD_OK;
     *result = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "transient: found no memory for histories");
+    self->start_speed = given->transient.start_speed;
     for (int i = 0; i < NUM_VARY && !status; i++) {
         history *of = &self->of[i];
         of->given = given->transient.vary[i];
+        if (isnan(of->given.mean)) of->given.mean = 1;
         of->law = find_law(of->given.law);
         if (of->law->prepare) status = of->law->prepare(of, given->transient.end_time, error);
         if (!status) status = check_history(of, i, given->transient.end_time, error);
+        if (!status && i == VARY_SPEED)
+            self->slowest = of->law->minimum(of, given->transient.end_time);
     }
+    if (!status && strcmp(given->transport, "path") != 0)
+        status = check_forward(self, "; transport: path can reverse", error);
     if (status) self = histories_free(self);
     *result = self;
     return status;
+}
+
+ehd_status histories_init_forward(ehd_histories **self, const scene *given, ehd_error *error) {
+    ehd_status status = histories_init(self, given, error);
+    if (!status)
+        status = check_forward(*self, " with a reduced model, which is of one direction", error);
+    if (status) *self = histories_free(*self);
+    return status;
+}
+
+bool histories_reverse(const ehd_histories *self) {
+    return self->slowest.value < -ROUNDING || self->start_speed < 0;
 }
 
 ehd_histories *histories_free(ehd_histories *self) {
@@ -357,7 +379,8 @@ ehd_histories *histories_free(ehd_histories *self) {
 void histories_at(double value[NUM_VARY], const ehd_histories *self, double time) {
     for (int i = 0; i < NUM_VARY; i++)
         value[i] = self->of[i].law->value(&self->of[i], time);
-    value[VARY_SPEED] = fmax(value[VARY_SPEED], 0); // below only by rounding
+    // of one direction below only by rounding
+    if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }
 
 double histories_path(const ehd_histories *self, double time) {

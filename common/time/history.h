@@ -13,13 +13,24 @@ typedef struct ehd_histories ehd_histories;
 /* Reads tables and checks all histories on 0 <= T <= end_time of a valid scene; those of a
  * stationary scene are constant. EHD_DATA or EHD_NOINPUT: a table that is missing, unreadable, too
  * short, not finite, not increasing in time or does not cover the time; load, radius or modulus not
- * above 0 somewhere, or speed below 0. EHD_MEMORY. Reads HDF5, so only one at a time
- * (artefact.h). */
+ * above 0 somewhere, or speed below 0 where films are not carried along their paths. EHD_MEMORY.
+ * Reads HDF5, so only one at a time (artefact.h). */
 ehd_status histories_init(
     // output:
     ehd_histories **self, // free with histories_free; NULL after a failure
     // input:
     const scene *given, ehd_error *error);
+
+/* The same for a reduced model, which is trained on one direction: EHD_DATA also where the speed, or
+ * that of the start, is below 0. */
+ehd_status histories_init_forward(
+    // output:
+    ehd_histories **self,
+    // input:
+    const scene *given, ehd_error *error);
+
+/* Whether the speed or that of the start is below 0 somewhere. */
+bool histories_reverse(const ehd_histories *self);
 
 /* Accepts and returns NULL. */
 ehd_histories *histories_free(ehd_histories *self);

@@ -43,6 +43,7 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     march_settings settings = {.end_time = given->transient.end_time,
                                .tolerance = path ? tolerance : tolerance / PASSAGE,
                                .fixed_step = given->transient.fixed_step,
+                               .start_speed = given->transient.start_speed,
                                .approach_given = strcmp(given->closure, "approach") == 0,
                                .reference_approach = reference_approach};
     double shortest = fmin(histories_shortest_time(histories), given->transient.end_time);
@@ -75,14 +76,24 @@ static void watch_trust(march *self, const march_step *outcome) {
 }
 
 ehd_status march_check_start(double speed, bool approach_given, ehd_error *error) {
-    if (speed > 0 || !approach_given) return EHD_OK;
+    if (speed != 0 || !approach_given) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
-                    "speed: found 0 at the start, expected above 0 where the approach is given");
+                    "speed: found 0 at the start, expected another one, or transient.start_speed, "
+                    "where the approach is given");
+}
+
+/* The frame of the start. */
+static contact_frame start_frame(const march *self) {
+    const march_settings *settings = &self->settings;
+    contact_frame frame = march_frame(settings, self->reference->kind, self->histories, 0, 1);
+
+    if (!isnan(settings->start_speed)) frame.speed = settings->start_speed;
+    return frame;
 }
 
 ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     march_settings *settings = &self->settings;
-    contact_frame frame = march_frame(settings, self->reference->kind, self->histories, 0, 1);
+    contact_frame frame = start_frame(self);
     ehd_status status = march_check_start(frame.speed, settings->approach_given, error);
 
     if (!status) status = self->solver.start(outcome, self->solver.self, &frame, error);
@@ -90,7 +101,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
         isnan(settings->reference_approach)) {
         settings->reference_approach =
             frame_to_reference(&outcome->scalars, &outcome->frame, self->reference).rigid_approach;
-        frame = march_frame(settings, self->reference->kind, self->histories, 0, 1);
+        frame = start_frame(self);
         if (frame.approach != settings->reference_approach)
             status = self->solver.start(outcome, self->solver.self, &frame, error);
     }
@@ -198,7 +209,7 @@ static double accepted_error(const march *self) {
 /* Along the path no step is shortened beyond it. */
 static double shortest_step(const march *self, const contact_frame *frame) {
     return is_along_path(self) ? SHORTEST_PATH * self->reference->grid.step /
-                                     fmax(frame->speed / frame->half_width, 1)
+                                     fmax(fabs(frame->speed) / frame->half_width, 1)
                                : 0;
 }
 

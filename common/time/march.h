@@ -59,17 +59,18 @@ typedef struct march_solver {
     ehd_status (*restore)(void *self, const double *saved, ehd_error *error);
     /* P and H of the last accepted state at all nodes, [num_nodes]. */
     ehd_status (*fields)(double *pressure, double *film, void *self, ehd_error *error);
-    /* Its exits: the first column without pressure on all lines of the grid (1: none has any),
-     * counted with the boundary nodes, [grid_lines]. */
-    void (*exits)(size_t *columns, const void *self);
+    /* Its exits, [inner lines of grid_whole, GRID_EXITS]: X in its frame on each line, the farthest
+     * downstream first, NaN where there is none. */
+    void (*exits)(double *positions, const void *self);
 } march_solver;
 
 typedef struct march_settings {
     double end_time;
-    double tolerance;  // on the local error of one step, or on what a film takes up; NaN with a
-                       // fixed step
-    double fixed_step; // NaN: steps by the local error
-    double first_step; // after the start and after a jump
+    double tolerance;   // on the local error of one step, or on what a film takes up; NaN with a
+                        // fixed step
+    double fixed_step;  // NaN: steps by the local error
+    double first_step;  // after the start and after a jump
+    double start_speed; // factor; NaN: that of its history at T = 0
     bool approach_given;
     double reference_approach; // H0 that a factor of 1 stands for; when the approach is given
 } march_settings;

@@ -848,11 +848,18 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
                           error);
 }
 
-static void exits(size_t *columns, const void *solver) {
+/* One a line. */
+static void exits(double *positions, const void *solver) {
     const reduced_march *self = solver;
     const reduced_state state = reduced_march_state(self, NULL);
+    const ehd_grid *grid = &self->model->grid;
 
-    memcpy(columns, reduced_state_exits(&state), self->model->band.num_lines * sizeof *columns);
+    grid_exits(positions, reduced_state_exits(&state), grid);
+    for (size_t l = grid_whole(grid).inner_lines; l-- > 0;) {
+        positions[l * GRID_EXITS] = positions[l];
+        for (size_t i = 1; i < GRID_EXITS; i++)
+            positions[l * GRID_EXITS + i] = NAN;
+    }
 }
 
 march_solver reduced_march_solver(reduced_march *self) {

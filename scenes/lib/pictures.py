@@ -91,7 +91,8 @@ def maps(picture, files, title=None, case=None, times=(), width=1200):
     figure.suptitle(title or next(known.title for known in results.read_cases() if known.name == case))
     levels = {"pressure": np.arange(13) / 10}
     for row, file, kind in zip(grid, files, ("full", "reduced")):
-        fields, exits = results.printed(file, "x", "y", *QUANTITIES), results.printed(file, "exit_position", "y")
+        fields = results.printed(file, "x", "y", *QUANTITIES)
+        exits = results.farthest_exits(results.printed(file, "exit_position", "y"))
         widths = results.printed(file, "time", "contact_half_width")
         row[0].set(ylabel=f"{kind} model      $Y = y/a$", xlim=(-2, 1.6), ylim=(-1.7, 1.7))
         for axes, (name, time) in zip(row, panels):

@@ -515,6 +515,15 @@ far" ]
     [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
 }
 
+@test "a contact that goes to and fro: an example at a small size" {
+    copy_scene examples/reciprocating
+    run_make
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [[ $output == *"601 nodes from -6 to 6"*"T = 0 to 24"* ]]
+    [ "$(head -c 4 out/picture.png | tail -c 3)" = PNG ]
+}
+
 @test "a point contact in SI units: an example at a small size" {
     copy_scene examples/point
     sed -i 's/step: 0.02/step: 0.1875/' scene.yml

@@ -272,7 +272,7 @@ bad_history() {
         transient.radius.law=ramp transient.radius.to=-1 transient.radius.duration=1
     bad_history "transient.modulus: found 0 at T" \
         transient.modulus.law=step transient.modulus.to=0 transient.modulus.at=0.5
-    bad_history "transient.speed: found -0.5 .*reversal of the entrainment" \
+    bad_history "transient.speed: found -0.5 .*expected at least 0; transport: path can reverse" \
         transient.speed.law=sine transient.speed.amplitude=1.5 transient.speed.period=1
 }
 
@@ -612,8 +612,8 @@ PYTHON
     romrun scene.yml --model m.h5 -o x.h5 --quiet --against f.h5 >log
     close_to "$(/usr/bin/python3 -c "import h5py; print(h5py.File('x.h5')['central_film_thickness'][-1])")" \
         "$(/usr/bin/python3 -c "import h5py; print(h5py.File('f.h5')['central_film_thickness'][-1])")" 1e-3
-    leads_back path.yml fullrun
-    leads_back path.yml romrun --model m.h5
+    leads_back scene.yml fullrun
+    leads_back scene.yml romrun --model m.h5
     # the filter too: what the scene does not name is that of the training
     sed 's/^transient:/&\n  smoothing: 0.05/' scene.yml >smooth.yml
     refused 65 "transient.smoothing: found 0.05, expected 0.0" \
@@ -629,6 +629,9 @@ PYTHON
     romrun scene.yml --model m2.h5 -o x.h5 --force --quiet
     romrun smooth.yml --model m2.h5 -o y.h5 --quiet
     scalars_equal x.h5 y.h5
+    refused 65 "transient.speed: found -1 at T = 0.75, expected at least 0 with a reduced model, which is of one direction" \
+        romrun scene.yml --model m.h5 -o z.h5 --set transient.speed.law=sine --set transient.speed.mean=0 \
+        --set transient.speed.amplitude=1 --set transient.speed.period=1
     # two ways in one basis, and in one plan
     snapgen upwind-plan.yml -o u.h5 --quiet
     refused 65 "u.h5: transport: found upwind, expected path, as in s.h5" podbuild s.h5 u.h5 -o x2.h5
@@ -646,4 +649,55 @@ PYTHON
     stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 fullrun rows.yml -o r.h5 --quiet
     fullrun rows.yml -o r.h5 --resume --quiet
     scalars_equal r.h5 whole.h5
+}
+
+@test "an entrainment that reverses: exits on either side, killed and resumed, refused elsewhere" {
+    cat >fro.yml <<'YAML'
+contact: line
+regime: transient
+transport: path
+lubricant: {viscosity: {law: barus, alpha: 2e-8}}
+moes: {M: 20, L: 5}
+grid: {x_min: -2.5, step: 0.025}
+transient:
+  end_time: 6
+  speed: {law: sine, mean: 0, amplitude: 1, period: 4, phase: 1.5707963267948966}
+YAML
+    fullrun fro.yml -o whole.h5 --quiet --formulas >log
+    grep -q "201 nodes from -2.5 to 2.5" log # flooded on either side
+    ! grep -q "nan\|inf" log
+    fullrun --check whole.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("whole.h5") as file:
+    time, exits = file["time"][...], file["exit_position"][...]
+    assert exits.shape == (len(time), 8)
+    speed = numpy.cos(2 * numpy.pi * time / 4)
+    moving = abs(speed) > 0.3
+    assert (exits[moving, 0] * speed[moving] > 0).all() and (abs(exits[moving, 0]) < 1.6).all()
+    # the farthest downstream first, then none
+    for line, direction in zip(exits, numpy.sign(speed)):
+        there = ~numpy.isnan(line)
+        assert there[0] and (numpy.diff(there.astype(int)) <= 0).all()
+        assert (numpy.diff(line[there]) * (direction or 1) < 0).all()
+    assert (file["status"][...] == 0).all()
+PYTHON
+    fullrun --print whole.h5 time exit_position | head -1 | grep -qx "exit,time,exit_position"
+
+    stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 \
+        fullrun fro.yml -o r.h5 --quiet --set transient.fixed_step=0.002
+    fullrun fro.yml -o r.h5 --resume --quiet --set transient.fixed_step=0.002
+    fullrun fro.yml -o at-once.h5 --quiet --set transient.fixed_step=0.002
+    scalars_equal r.h5 at-once.h5
+
+    refused 65 "transient.speed: found -1 at T = 2, expected at least 0; transport: path can reverse" \
+        fullrun fro.yml -o x.h5 --set transport=upwind
+    refused 65 "transient.speed: found -1 at T = 2, expected at least 0 with a reduced model" snapgen fro.yml -o x.h5
+    # from rest
+    rest="--set transient.speed.phase=0 --set transient.speed.mean=0"
+    refused 65 "found 0 at the start, expected another one, or transient.start_speed, where the approach is given" \
+        fullrun fro.yml -o x.h5 $rest --set closure=approach --set approach_length=10
+    fullrun fro.yml -o x.h5 --quiet $rest --set transient.start_speed=-1
+    [ "$(fullrun --print x.h5 central_film_thickness | sed -n 2p)" = \
+        "$(fullrun --print whole.h5 central_film_thickness | sed -n 2p)" ]
 }

@@ -650,12 +650,12 @@ static double dent(double x) {
 }
 
 /* Adds a dent to the film of the only accepted state. Along the path the base is saved before it, and
- * always the errors taken up. */
+ * the time that it is of use to, and always the errors taken up. */
 static void add_dent(march_solver *solver, const ehd_grid *grid, bool path,
                      double (*of)(double x)) {
-    const size_t size = solver->saved_size(solver->self);
-    const size_t state = (size - grid->num_nodes - 1) / (BDF_PREVIOUS + path);
-    const size_t first_state = path * state + grid->num_nodes + 1;
+    const size_t size = solver->saved_size(solver->self), errors = grid->num_nodes;
+    const size_t state = (size - errors - 1 - path) / (BDF_PREVIOUS + path);
+    const size_t first_state = 1 + errors + path * (state + 1);
     double *saved = calloc(size, sizeof *saved);
     assert_non_null(saved);
     solver->save(saved, solver->self);

@@ -56,6 +56,19 @@ static void refuses_with(ehd_status expected, const char *histories, const char 
         fail_msg("status %d, text \"%s\", expected \"%s\"", status, error.text, part);
 }
 
+/* Along the path a speed may reverse, but not with a reduced model. */
+static void is_refused_by_reduced_models(const char *speed, const char *part) {
+    scene of = scene_of(speed);
+    ehd_histories *self;
+    ehd_error error = {""};
+    strcpy(of.transport, "path");
+    assert_int_equal(histories_init(&self, &of, &error), EHD_OK);
+    assert_true(histories_reverse(self));
+    histories_free(self);
+    if (histories_init_forward(&self, &of, &error) != EHD_DATA || !strstr(error.text, part) || self)
+        fail_msg("text \"%s\", expected \"%s\"", error.text, part);
+}
+
 static void refuses(const char *histories, const char *part) {
     refuses_with(EHD_DATA, histories, part);
 }
@@ -99,6 +112,8 @@ static void sine_and_ramp_have_their_values(void **state) {
                (double[]){0, 0.125, 0.25, 0.375, 1.625}, (double[]){1, 1.1, 1, 0.9, 1.1}, 1e-15);
     check_load("load: {law: sine, amplitude: 0.5, period: 4, phase: 1.5707963267948966}", 3,
                (double[]){0, 1, 2}, (double[]){1.5, 1, 0.5}, 1e-15);
+    check_load("load: {law: sine, mean: 3, amplitude: 2, period: 4}", 4, (double[]){0, 1, 2, 3},
+               (double[]){3, 5, 3, 1}, 1e-15);
     check_load("load: {law: ramp, from: 2, to: 4, start: 0.5, duration: 0.5}", 6,
                (double[]){0, 0.5, 0.625, 0.75, 1, 2}, (double[]){2, 2, 2.5, 3, 4, 4}, 1e-15);
     check_load("load: {law: ramp, to: 0.5, duration: 2}", 2, (double[]){1, 2},
@@ -152,6 +167,7 @@ static void path_is_the_integral_of_the_speed(void **state) {
     (void)state;
     check_path("load: {law: sine, amplitude: 0.1, period: 0.5}");
     check_path("speed: {law: sine, amplitude: 0.7, period: 0.8, phase: 0.4}");
+    check_path("speed: {law: sine, mean: 0.9, amplitude: 0.7, period: 0.8, phase: 0.4}");
     check_path("speed: {law: ramp, from: 2, to: 0.5, start: 0.5, duration: 0.7}");
     check_path("speed: {law: ramp, from: 0, to: 3, start: -0.5, duration: 0.9}");
     check_path("speed: {law: ramp, from: 0, to: 3, start: -2, duration: 1}");
@@ -256,10 +272,16 @@ static void histories_that_reach_zero_are_refused(void **state) {
 static void a_reversal_is_refused_but_not_rest(void **state) {
     (void)state;
     refuses("speed: {law: sine, amplitude: 1.01, period: 1}",
-            "transient.speed: found -0.01 at T = 0.75, expected at least 0: a reversal of the "
-            "entrainment direction is not supported");
+            "transient.speed: found -0.01 at T = 0.75, expected at least 0; transport: path can "
+            "reverse");
     refuses("speed: {law: step, to: -1, at: 1}", "transient.speed: found -1 at T = 2");
+    refuses("start_speed: -0.5", "transient.start_speed: found -0.5, expected at least 0; trans");
+    is_refused_by_reduced_models("speed: {law: sine, mean: 0, amplitude: 1, period: 2}",
+                                 "transient.speed: found -1 at T = 1.5, expected at least 0 with a "
+                                 "reduced model, which is of one direction");
+    is_refused_by_reduced_models("start_speed: -1", "transient.start_speed: found -1");
     ehd_histories *self = accepts("speed: {law: sine, amplitude: 1, period: 1}");
+    assert_false(histories_reverse(self));
     check_close(value_at(self, VARY_SPEED, 0.75), 0, 0, 0);
     histories_free(self);
     self = accepts("speed: {law: ramp, to: 0, duration: 0.3}");

@@ -696,8 +696,8 @@ static void refuses_bad_histories(void **state) {
     refuses_moving("transient: 1\n",
                    "expected keys below it: transient.end_time, "
                    "transient.tolerance, transient.smoothing, transient.fixed_step, "
-                   "transient.start_film, transient.load, transient.speed, "
-                   "transient.radius, transient.modulus, transient.approach");
+                   "transient.start_film, transient.start_speed, transient.load, "
+                   "transient.speed, transient.radius, transient.modulus, transient.approach");
     refuses_moving("transient: {load: {interpolation: cubic}}\n", "found cubic, expected spline|");
     refuses_moving("transient: {end_time: 0}\n", "transient.end_time: found 0, expected a number");
     refuses_moving("transient: {start_film: 1.5}\n", "transient.start_film: found 1.5");
@@ -972,7 +972,7 @@ static void help_shows_every_key(void **state) {
         if (count(printed, shown) != 1)
             fail_msg("found %zu times \"%s\"", count(printed, shown), shown);
     }
-    assert_int_equal(count(printed, histories), 12);
+    assert_int_equal(count(printed, histories), 13);
     assert_int_equal(count(printed, "Settings of a scene"), 1);
     assert_non_null(strstr(printed, "--set KEY= unsets"));
     assert_non_null(

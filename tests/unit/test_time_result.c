@@ -92,6 +92,15 @@ static double time_at(size_t index) {
     return 0.25 * (double)index;
 }
 
+/* The exits of an entry. */
+static const double *exits_at(size_t index) {
+    static double exits[GRID_EXITS];
+
+    for (size_t e = 0; e < GRID_EXITS; e++)
+        exits[e] = e <= index % 3 ? (double)index + 0.6 - (double)e : NAN;
+    return exits;
+}
+
 static time_entry entry_at(size_t index) {
     const double i = (double)index;
     time_entry entry = {.time = time_at(index),
@@ -101,7 +110,7 @@ static time_entry entry_at(size_t index) {
                         .rigid_approach = -i,
                         .load = i + 0.4,
                         .contact_half_width = i + 0.5,
-                        .exit_position = i + 0.6,
+                        .exits = exits_at(index),
                         .newton_iterations = index % 7,
                         .residual = i + 0.7,
                         .status = index % 5 == 4 ? EHD_NOT_CONVERGED : EHD_OK,
@@ -177,7 +186,7 @@ static void check_series(const time_series *series, size_t num_times) {
         check_close(series->rigid_approach[i], entry.rigid_approach, 0, 0);
         check_close(series->load[i], entry.load, 0, 0);
         check_close(series->contact_half_width[i], entry.contact_half_width, 0, 0);
-        check_close(series->exit_position[i], entry.exit_position, 0, 0);
+        check_close(series->exit_position[i], entry.exits[0], 0, 0);
         check_close(series->residual_norm[i], entry.residual, 0, 0);
         check_close(series->time_step[i], entry.step, 0, 0);
         check_close(series->time_effect[i], entry.effect, 0, 0);
@@ -242,6 +251,33 @@ static void grows_and_reads_back(void **state) {
         check_ok(append(file, i, true));
     finish(&file, num_times);
     check_result(num_times, true);
+}
+
+/* Where films are carried along their paths a line has any number of exits, the farthest downstream
+ * first. */
+static void all_exits_are_stored(void **state) {
+    (void)state;
+    static const artefact_schema *const schemas[] = {&schema_result, NULL};
+    const size_t num_times = 7;
+    double exits[7 * GRID_EXITS];
+
+    contact.transport = TRANSPORT_PATH;
+    artefact *file = start(false);
+    for (size_t i = 0; i < num_times; i++)
+        check_ok(append(file, i, false));
+    finish(&file, num_times);
+    check_result(num_times, false);
+    check_ok(artefact_open(&file, path, schemas, &error));
+    assert_int_equal(artefact_length(file, "exit"), GRID_EXITS);
+    check_ok(artefact_get(file, "exit_position", exits, &error));
+    artefact_close(&file);
+    for (size_t i = 0; i < num_times; i++)
+        for (size_t e = 0; e < GRID_EXITS; e++) {
+            if (e <= i % 3)
+                check_close(exits[i * GRID_EXITS + e], exits_at(i)[e], 0, 0);
+            else
+                assert_true(isnan(exits[i * GRID_EXITS + e]));
+        }
 }
 
 static void summary_is_stored(void **state) {
@@ -727,6 +763,7 @@ int main(void) {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, remove_folder)
     const struct CMUnitTest tests[] = {
         TEST(grows_and_reads_back),
+        TEST(all_exits_are_stored),
         TEST(summary_is_stored),
         TEST(unwritten_fields_take_no_space),
         TEST(stationary_is_one_time),

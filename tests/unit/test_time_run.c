@@ -111,6 +111,12 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     return EHD_OK;
 }
 
+static void exits(double *positions, const void *solver) {
+    (void)solver;
+    for (size_t i = 0; i < GRID_EXITS; i++)
+        positions[i] = NAN;
+}
+
 static void effort(double *rows, double *linear, double *exit_part, const void *solver) {
     const stub_solver *self = solver;
     *rows = (double)self->num_attempts;
@@ -156,7 +162,7 @@ static int run_child(bool resume, bool written) {
         .given = &given,
         .reference = &contact,
         .settings_text = "scene",
-        .solver = {&stub, attempt, accept, restart, start, saved_size, save, restore, NULL},
+        .solver = {&stub, attempt, accept, restart, start, saved_size, save, restore, NULL, exits},
         .resume = resume,
         .effort = effort};
     ehd_status status = time_run(&trace, &task, &why);
