@@ -314,7 +314,8 @@ small_oscillator() {
     copy_scene studies/discretization
     mkdir ../transient-load
     cp "$BATS_TEST_DIRNAME/../../scenes/studies/transient-load/scene.yml" ../transient-load
-    small=(LINE_STEPS='0.02 0.01 0.005' POINT_STEPS='0.1875 0.125 0.0625' TIME_STEPS='0.04 0.02 0.01' END=0.3)
+    small=(LINE_STEPS='0.02 0.01 0.005' POINT_STEPS='0.1875 0.125 0.0625' TIME_STEPS='0.04 0.02 0.01' END=0.3
+        ALL_M='10 50' ALL_L=5 INLET_M=5 INLET_L=5 POINT_M=20 POINT_L=5)
     run_make figures "${small[@]}"
     echo "$output"
     [ "$status" -eq 0 ]

@@ -107,7 +107,7 @@ def estimates(folder, steps, all_M, all_L):
                 ratios = estimated[counted] / true[counted]
                 rows.append([discretization, step, film, len(found), sum(~known), sum(counted), sum(ratios < 1 / 3),
                              sum(ratios < 0.5), sum(ratios > 2), sum(ratios > 3),
-                             *(f"{x:.2g}" for x in np.percentile(ratios, [10, 50, 90])),
+                             *(f"{x:.2g}" for x in np.percentile(ratios if len(ratios) else np.nan, [10, 50, 90])),
                              sum((estimated > LIMITS[i]) & (true <= LIMITS[i])),
                              sum(known & (estimated <= LIMITS[i]) & (true > LIMITS[i]))])
     print("estimated over true effect of the step, where one of them is above 1e-4\n")
