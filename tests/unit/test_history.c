@@ -28,11 +28,11 @@ static scene scene_of(const char *histories) {
     char text[1024];
     scene of;
     ehd_error error = {""};
-    snprintf(text, sizeof text,
-             "contact: line\nregime: transient\nmoes: {M: 12, L: 12}\nclosure: %s\n"
-             "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\ntransient: {end_time: 2%s%s}\n",
-             strstr(histories, "approach") ? "approach" : "load", *histories ? ", " : "",
-             histories);
+    snprintf(
+        text, sizeof text,
+        "contact: line\nregime: transient\ntransport: upwind\nmoes: {M: 12, L: 12}\nclosure: %s\n"
+        "lubricant: {viscosity: {law: barus, alpha: 1e-8}}\ntransient: {end_time: 2%s%s}\n",
+        strstr(histories, "approach") ? "approach" : "load", *histories ? ", " : "", histories);
     const ehd_status status = scene_parse(&of, text, strlen(text), "s.yml", NULL, 0, &error);
     if (status) fail_msg("status %d: %s", status, error.text);
     return of;

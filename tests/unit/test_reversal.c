@@ -147,7 +147,7 @@ static void every_interval_has_an_exit(void **state) {
     assert_true(isnan(exits[2]));
     for (size_t k = 1; k <= 17; k++) {
         of.ruptured[k] = k % 2 == 0;
-        of.pressure[k] = k % 2;
+        of.pressure[k] = (double)(k % 2);
     }
     full_list_exits(exits, &of, &grid, false); // the farthest downstream
     for (size_t i = 0; i < GRID_EXITS; i++)
