@@ -107,7 +107,7 @@ static void half_a_period_later_is_the_mirror_image(void **state) {
         for (int half = 0; half < 2; half++) {
             snprintf(transient, sizeof transient, "end_time: %d, %s", 12 + 4 * half, to_and_fro);
             scene of = scene_of(point, transient);
-            if (point) of.transient.fixed_step = 0.125;
+            if (point) of.transient.fixed_step = 0.0625;
             marched_all(half ? &second : &first, &of);
         }
         const size_t period = second.count - first.count; // half of one
