@@ -23,17 +23,22 @@ static double film_at(const void *film, size_t node) {
     return ((const double *)film)[node];
 }
 
-/* Smallest film: interpolated around the smallest node. Of a line around all nodes that are lower
- * than those beside them: the smallest one need not be in the deepest valley. */
-static double smallest_film(const double *film, const ehd_grid *grid) {
+/* Smallest film and its node: interpolated around the smallest node. Of a line around all nodes that
+ * are lower than those beside them: the smallest one need not be in the deepest valley. */
+static double smallest_film(size_t *node, const double *film, const ehd_grid *grid) {
     size_t lowest = grid_node_of_row(grid, 0);
 
     for (size_t r = 1; r < grid->num_inner; r++)
         if (film[grid_node_of_row(grid, r)] < film[lowest]) lowest = grid_node_of_row(grid, r);
     double smallest = minimum_around(grid, lowest, film_at, film);
-    for (size_t k = 1; k <= grid->num_inner && grid->inner_lines == 1; k++)
-        if (film[k] <= film[k - 1] && film[k] <= film[k + 1])
-            smallest = fmin(smallest, minimum_around(grid, k, film_at, film));
+    *node = lowest;
+    for (size_t k = 1; k <= grid->num_inner && grid->inner_lines == 1; k++) {
+        if (film[k] > film[k - 1] || film[k] > film[k + 1]) continue;
+        const double here = minimum_around(grid, k, film_at, film);
+        if (!(here < smallest)) continue;
+        smallest = here;
+        *node = k;
+    }
     return smallest;
 }
 
@@ -80,7 +85,8 @@ void full_list_exits(double *positions, const full_state *state, const ehd_grid 
 
 contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
-    size_t line = grid_central_line(grid), exit = state->exit;
+    size_t line = grid_central_line(grid), exit = state->exit, lowest;
+    const double minimum = smallest_film(&lowest, state->film, grid);
     double sum = 0;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -92,7 +98,8 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
              exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
     contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
-                               .minimum_film_thickness = smallest_film(state->film, grid),
+                               .minimum_film_thickness = minimum,
+                               .minimum_position = grid_x(grid, lowest),
                                .central_pressure = central_value(state->pressure + line, grid),
                                .rigid_approach = state->rigid_approach,
                                .exit_position = grid->inner_lines > 1

@@ -190,6 +190,7 @@ typedef struct ehd_contact {
 typedef struct contact_scalars {
     double central_film_thickness; // H at X = Y = 0, interpolated (cubic) where no node lies there
     double minimum_film_thickness; // interpolated; published: the smallest at a node
+    double minimum_position;       // X of the smallest node's
     double central_pressure;
     double rigid_approach; // H0
     double exit_position;  // X at which the pressure ends, at Y = 0: within a node or at one

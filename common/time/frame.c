@@ -95,6 +95,7 @@ contact_scalars frame_to_reference(const contact_scalars *current, const contact
 
     scalars.central_film_thickness *= frame->film_scale;
     scalars.minimum_film_thickness *= frame->film_scale;
+    scalars.minimum_position *= frame->half_width;
     scalars.central_pressure *= frame->hertz_pressure;
     scalars.rigid_approach = (current->rigid_approach + shift) * frame->film_scale;
     scalars.exit_position *= frame->half_width;

@@ -193,6 +193,10 @@ static bool is_coupled(const reduced_model *model) {
     return model->deformation == DEFORMATION_COUPLED;
 }
 
+static size_t film_offset(const reduced_model *model) {
+    return is_coupled(model) ? 0 : model->num_pressure;
+}
+
 static ehd_status make_film_table(film_splines *self, const reduced_model *model,
                                   const double *pressure_basis, const double *deformation_basis,
                                   ehd_error *error) {
@@ -375,6 +379,18 @@ void previous_film_prepare_path(previous_film *self, const path_films *path,
         self->difference[j] = self->state.coordinates[j] - path->base->state.coordinates[j];
     prepare_runs(self, model, splines);
     if (reference->lubricant.density && is_line(model)) prepare_window(self, path, model, splines);
+}
+
+double path_filter_change(const previous_film *self, size_t node, const path_films *path,
+                          const reduced_model *model, const film_splines *splines) {
+    const spline_layout *layout = &splines->layout;
+    const size_t width = grid_width(&model->grid);
+    const size_t at = (node / width + splines->side) * layout->line +
+                      (node % width + splines->margin) * layout->column;
+    const double *difference = self->difference + film_offset(model);
+
+    return cblas_ddot((int)layout->width, path->film + at, 1, difference, 1) -
+           cblas_ddot((int)layout->width, splines->film + at, 1, difference, 1);
 }
 
 // ---- evaluation
@@ -686,10 +702,6 @@ static void evaluate_all(double *sum, const spline_point *along, const spline_po
             next++;
         evaluate(sum + i, along + i, across + i, next - i, table, layout, coordinates + i);
     }
-}
-
-static size_t film_offset(const reduced_model *model) {
-    return is_coupled(model) ? 0 : model->num_pressure;
 }
 
 /* Deflection by the pressures that the state's own exits cut. */

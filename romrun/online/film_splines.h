@@ -108,6 +108,10 @@ void previous_film_prepare_path(previous_film *self, const path_films *path,
                                 const reduced_model *model, const film_splines *splines,
                                 const ehd_contact *reference);
 
+/* What the filter changes of the film of a state prepared so, at a node of its own frame. */
+double path_filter_change(const previous_film *self, size_t node, const path_films *path,
+                          const reduced_model *model, const film_splines *splines);
+
 /* rho H of up to BDF_PREVIOUS states, mass[num_films], at node `node` of frame `now`. The density
  * of a point contact is that of the uncut modes before the exit line, linear between grid lines. */
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,

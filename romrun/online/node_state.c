@@ -257,33 +257,36 @@ static double film_around(const node_state *self, size_t q) {
     return fall > 0 && rise > 0 ? film[q] - slope * slope / (4 * curvature) : film[q];
 }
 
-/* Smallest film of the needed nodes with pressure, since in time a minimum also passes through the
+/* Smallest film of the needed nodes with pressure, and its node, since in time a minimum also passes through the
  * front of the contact. With the accurate rows that of a line is taken between them before the
  * band. */
-static double smallest_needed(const node_state *self) {
+static double smallest_needed(size_t *node, const node_state *self) {
     const reduced_model *model = self->model;
     const bool between =
         model->band.num_lines == 1 && model->grid.discretization == DISCRETIZATION_ACCURATE;
     const double *film = self->now.film;
-    double smallest = INFINITY;
-    size_t best = 0; // before the band
+    size_t lowest = model->rows.num_needed, best = 0; // of all, before the band
 
     for (size_t q = 0; q < model->rows.num_needed; q++) {
         if (!self->pressurised[q]) continue;
-        smallest = fmin(smallest, film[q]);
+        if (lowest == model->rows.num_needed || film[q] < film[lowest]) lowest = q;
         if (model->rows.needed_node[q] < model->band.lines[0].begin && film[q] < film[best])
             best = q;
     }
+    if (lowest == model->rows.num_needed) return INFINITY;
+    const double smallest = film[lowest];
+    *node = model->rows.needed_node[lowest];
     if (!between || best == 0 || best + 1 == model->rows.num_needed) return smallest;
     return fmin(smallest, film_around(self, best));
 }
 
-double nodes_minimum_film(node_state *self, const double *z) {
+double nodes_minimum_film(size_t *node_of_smallest, node_state *self, const double *z) {
     const film_of_state film = {self, z};
     const exit_band *band = &self->model->band;
     double smallest = INFINITY;
-    size_t node_of_smallest = 0;
+    size_t needed = 0;
 
+    *node_of_smallest = 0;
     nodes_expand_runs(self, z);
     for (size_t l = band->first_minimum; l <= band->last_minimum; l++) {
         size_t first = l * grid_width(&self->model->grid);
@@ -292,11 +295,13 @@ double nodes_minimum_film(node_state *self, const double *z) {
         double here = film_at(&film, node);
         if (!(here < smallest)) continue;
         smallest = here;
-        node_of_smallest = node;
+        *node_of_smallest = node;
     }
     if (isfinite(smallest))
-        smallest = minimum_around(&self->model->grid, node_of_smallest, film_in_band, &film);
-    return fmin(smallest, smallest_needed(self));
+        smallest = minimum_around(&self->model->grid, *node_of_smallest, film_in_band, &film);
+    const double beside = smallest_needed(&needed, self);
+    if (beside < smallest) *node_of_smallest = needed;
+    return fmin(smallest, beside);
 }
 
 // ---- derivatives of the film

@@ -68,8 +68,8 @@ double nodes_band_film(const node_state *self, const double *z, size_t node);
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
-/* Smallest H of the present state at nodes of the band and at needed nodes. */
-double nodes_minimum_film(node_state *self, const double *z);
+/* Smallest H of the present state at nodes of the band and at needed nodes, and its node. */
+double nodes_minimum_film(size_t *node, node_state *self, const double *z);
 
 /* Adds dH/dz at a needed node, times a factor, to [num_unknowns], without the rigid approach. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);

@@ -5,6 +5,7 @@
 #include "common/time/path_filter.h"
 #include "common/time/saved_ring.h"
 #include "romrun/online/fields.h"
+#include "romrun/online/film_errors.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -29,6 +30,9 @@ typedef struct error_estimate {
     size_t num_way;
     size_t *way;     // [num_way] nodes
     size_t *way_row; // [num_way] the row there, or NO_ROW
+    double *x;       // [num_way] X there
+    double
+        *missed; // [num_way] what the attempt misses of rho H there, but for the formula's factor
 } error_estimate;
 
 static const size_t NO_ROW = SIZE_MAX;
@@ -57,6 +61,7 @@ struct reduced_march {
     double *entrained, *band_entrained; // [num_rows], [nodes of the band]
     double entrainment;                 // of the attempt
     error_estimate estimate;
+    film_errors taken_up; // along the path
     factors_origin factors;
     // frames scaled by the load of the solution, of the attempt and of the last accepted state:
     // where the approach is given they differ from the frames solved in
@@ -74,6 +79,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
         previous_film_free(&self->states[i]);
     previous_film_free(&self->base);
     path_films_free(&self->path);
+    film_errors_free(&self->taken_up);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
     free(self);
@@ -116,6 +122,11 @@ static bool is_along_path(const reduced_march *self) {
     return self->reference.transport == TRANSPORT_PATH;
 }
 
+/* The minimum film of a point contact lies beside the central line. */
+static bool tells_minimum(const reduced_march *self) {
+    return is_along_path(self) && self->model->band.num_lines == 1;
+}
+
 /* Finds the places on the way to the centre: those of rows on the central line, and nodes between
  * them where these are farther apart than errors in time are long. */
 static bool find_way(reduced_march *self) {
@@ -128,6 +139,8 @@ static bool find_way(reduced_march *self) {
 
     estimate->way = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way);
     estimate->way_row = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way_row);
+    estimate->x = arena_array(&self->memory, grid_width(grid), sizeof(double));
+    estimate->missed = arena_array(&self->memory, grid_width(grid), sizeof(double));
     if (!row_of || self->memory.failed) {
         free(row_of);
         return false;
@@ -144,6 +157,7 @@ static bool find_way(reduced_march *self) {
         if (!taken && estimate->num_way > 0 && grid_x(grid, k + 1) - grid_x(grid, last) <= widest)
             continue;
         estimate->way[estimate->num_way] = last = k;
+        estimate->x[estimate->num_way] = grid_x(grid, k);
         estimate->way_row[estimate->num_way++] = row_of[k - begin];
     }
     free(row_of);
@@ -158,6 +172,7 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
                         reference->lubricant.density != NULL, error);
 
     if (!status) status = previous_film_init(&self->base, self->model, error);
+    if (!status) status = film_errors_init(&self->taken_up, error);
     return status || find_way(self) ? status
                                     : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
 }
@@ -360,6 +375,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .reason = info.reason,
                             .frame = first->frame,
                             .scalars = info.scalars,
+                            .effect = is_along_path(self) ? 0 : NAN,
+                            .effect_minimum = tells_minimum(self) ? 0 : NAN,
                             .iterations = info.iterations,
                             .residual = info.residual};
     self->ring.num_previous = 0;
@@ -372,6 +389,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     drop_factors(self);
     if (is_along_path(self)) {
         self->base.frame = first->frame;
+        film_errors_set(&self->taken_up, NULL);
         reduced_state_copy(&self->base.state, &first->state, self->model);
         status = use_base(self, error);
         if (status) return status;
@@ -537,22 +555,34 @@ static double missed_at(const reduced_march *self, size_t node) {
     return mass - cblas_ddot((int)self->ring.num_previous, self->formula.predictor, 1, before, 1);
 }
 
-/* What a film takes up of them on its way to the centre, as in the full model: along the central
- * line, linear between the places. */
-static double error_on_the_way(reduced_march *self, double step) {
-    const error_estimate *estimate = &self->estimate;
-    const ehd_grid *grid = &self->model->grid;
-    double largest = 0, sum = 0, lowest = 0, highest = 0, last_x = NAN, last = 0;
+/* Density below the pressure of the dry contact. */
+static double hertz_density(const ehd_contact *contact, double x) {
+    return lubricant_density(&contact->lubricant,
+                             contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
+}
+
+/* Finds them at the places on the way to the centre. */
+static void miss_on_the_way(reduced_march *self) {
+    error_estimate *estimate = &self->estimate;
 
     previous_film_prepare(state_before(self, 0), self->model, self->splines, &self->reference);
     for (size_t i = 0; i < estimate->num_way; i++) {
         const size_t node = estimate->way[i], r = estimate->way_row[i];
-        const double x = grid_x(grid, node);
-        if (!is_before_exit(self, node)) continue;
-        const double missed = r == NO_ROW ? missed_at(self, node) : missed_mass(self, r);
-        if (!isnan(last_x)) sum += (x - last_x) * (missed + last) / 2;
-        last_x = x;
-        last = missed;
+        estimate->missed[i] = !is_before_exit(self, node) ? 0
+                              : r == NO_ROW               ? missed_at(self, node)
+                                                          : missed_mass(self, r);
+    }
+}
+
+/* What a film takes up of them on its way to the centre, as in the full model: along the central
+ * line, linear between the places. */
+static double error_on_the_way(const reduced_march *self, double step) {
+    const error_estimate *estimate = &self->estimate;
+    const double *x = estimate->x, *missed = estimate->missed;
+    double largest = 0, sum = 0, lowest = 0, highest = 0;
+
+    for (size_t i = 1; i < estimate->num_way; i++) {
+        sum += (x[i] - x[i - 1]) * (missed[i] + missed[i - 1]) / 2;
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
         largest = fmax(sum - lowest, highest - sum);
@@ -565,8 +595,30 @@ static double local_error(reduced_march *self, double central_film, double step)
     const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
 
     find_error_end(self);
+    if (is_along_path(self)) miss_on_the_way(self);
     return self->formula.error * (on_the_way ? error_on_the_way(self, step) : largest_error(self)) /
            central_film;
+}
+
+/* Carries the errors of the films along and adds those of the attempt; sets what ever smaller steps
+ * would change of the films, relative, as in the full model. By the rows it is not
+ * told. */
+static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact,
+                        double step) {
+    const contact_scalars *scalars = &outcome->scalars;
+    const previous_film *next = state_before(self, 0);
+
+    if (!is_along_path(self)) return;
+    film_errors_carry(&self->taken_up, &state_before(self, 1)->frame, &next->frame);
+    if (self->formula.error > 0)
+        film_errors_add(&self->taken_up, self->formula.rate * step * self->formula.error,
+                        self->estimate.missed, self->estimate.x, self->estimate.num_way);
+    outcome->effect = -film_errors_at(&self->taken_up, 0) /
+                      (scalars->central_film_thickness * hertz_density(contact, 0));
+    if (!tells_minimum(self)) return;
+    outcome->effect_minimum =
+        -film_errors_at(&self->taken_up, scalars->minimum_position) /
+        (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
 }
 
 /* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
@@ -620,6 +672,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         reduced_row_values(self->estimate.pressure, self->estimate.mass, self->solver, &contact);
         if (self->formula.error > 0)
             outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
+        set_effects(outcome, self, &contact, step);
         judge(outcome, self, &next->state, frame);
     }
     self->effort.seconds += program_seconds() - start;
@@ -676,6 +729,21 @@ static void prepare_film(previous_film *film, const reduced_march *self) {
         previous_film_prepare(film, self->model, self->splines, &self->reference);
 }
 
+/* The filter's errors are taken up too. */
+static void keep_errors(reduced_march *self, const previous_film *solved) {
+    const double passed_on = 1.5; // by steps of equal length
+    error_estimate *estimate = &self->estimate;
+    ehd_contact contact;
+
+    frame_contact(&contact, &solved->frame, &self->reference);
+    for (size_t i = 0; i < estimate->num_way; i++)
+        estimate->missed[i] =
+            hertz_density(&contact, estimate->x[i]) *
+            path_filter_change(solved, estimate->way[i], &self->path, self->model, self->splines);
+    film_errors_add(&self->taken_up, passed_on, estimate->missed, estimate->x, estimate->num_way);
+    film_errors_keep(&self->taken_up);
+}
+
 static void accept(void *solver) {
     reduced_march *self = solver;
     previous_film *solved = state_before(self, 0);
@@ -684,6 +752,7 @@ static void accept(void *solver) {
     reduced_last_values(&solved->values, self->solver);
     if (self->formula.rate > 0) renew_factors(self, solved);
     prepare_film(solved, self);
+    if (is_along_path(self)) keep_errors(self, solved);
     bdf_ring_accept(&self->ring, solved->frame.time);
     self->last_load_frame = self->load_frame;
     self->effort.seconds += program_seconds() - start;
@@ -777,9 +846,9 @@ typedef struct saved_rest {
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
 _Static_assert(sizeof(saved_rest) == NUM_REST * sizeof(double), "these are doubles alone");
 
-/* Along the path the base goes before all else. */
+/* Along the path the base and the errors taken up go before all else. */
 static size_t saved_base_size(const reduced_march *self) {
-    return is_along_path(self) ? NUM_FRAME + saved_state_size(self->model) : 0;
+    return is_along_path(self) ? NUM_FRAME + saved_state_size(self->model) + NUM_ERROR_PLACES : 0;
 }
 
 static size_t saved_size(const void *solver) {
@@ -802,6 +871,7 @@ static void save(double *saved, const void *solver) {
     if (is_along_path(self)) {
         memcpy(saved, &self->base.frame, sizeof self->base.frame);
         save_state(saved + NUM_FRAME, &self->base.state, self->model);
+        memcpy(ring - NUM_ERROR_PLACES, self->taken_up.kept, sizeof self->taken_up.kept);
     }
     ring_save(ring, &self->ring, &states, self);
     if (self->factors.valid) {
@@ -813,8 +883,10 @@ static void save(double *saved, const void *solver) {
 
 static ehd_status restore_base(reduced_march *self, const double *saved, ehd_error *error) {
     if (!is_along_path(self)) return EHD_OK;
-    ehd_status status = saved_frame(&self->base.frame, saved, saved_state_size(self->model), error);
+    const size_t size = saved_base_size(self) - NUM_FRAME;
+    ehd_status status = saved_frame(&self->base.frame, saved, size, error);
     if (!status) status = restore_state(&self->base.state, saved + NUM_FRAME, self->model, error);
+    if (!status) film_errors_set(&self->taken_up, saved + NUM_FRAME + size - NUM_ERROR_PLACES);
     return status ? status : use_base(self, error);
 }
 

@@ -464,11 +464,13 @@ static void expand(reduced_solver *self, const reduced_state *state, const reduc
 static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state) {
     const reduced_model *model = self->model;
     node_state *nodes = &self->nodes;
+    size_t lowest;
+    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates);
 
     return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
-                             .minimum_film_thickness =
-                                 nodes_minimum_film(nodes, state->coordinates),
+                             .minimum_film_thickness = minimum,
+                             .minimum_position = grid_x(&model->grid, lowest),
                              .rigid_approach = state->coordinates[model->num_unknowns - 1],
                              .exit_position = reduced_exit_position(state, model),
                              .load = nodes_load(nodes) / model->kind->load};

@@ -103,7 +103,7 @@ static void march_as_the_full_model(const problem *of, bool compressible, size_t
     full_march *full;
     march_step step;
     marching self;
-    double least = INFINITY, most = 0;
+    double least = INFINITY, most = 0, effects = 0, off = 0;
 
     marching_init(&self, of, true, compressible);
     const contact_frame start = frame_after(&self, 0, 1);
@@ -121,10 +121,14 @@ static void march_as_the_full_model(const problem *of, bool compressible, size_t
         // on so coarse a grid the reduced model looks at four nodes less before the exit
         assert_true(self.last.local_error <= 1.1 * step.local_error);
         assert_true(self.last.local_error >= 0.2 * step.local_error);
+        effects += step.effect * step.effect;
+        off += pow(self.last.effect - step.effect, 2);
         least = fmin(least, film);
         most = fmax(most, film);
     }
     assert_true(most > 1.04 * least);
+    // as they are carried in splines of other places
+    assert_true(effects > 0 && sqrt(off / effects) < 0.1);
     full_march_free(full);
     marching_free(&self);
 }
@@ -162,6 +166,7 @@ static void check_same_bits(const problem *of) {
     check_ok(self.solver.attempt(&again, self.solver.self, &near, STEP, &error));
     assert_memory_equal(&one.scalars, &again.scalars, sizeof one.scalars);
     check_close(one.local_error, again.local_error, 0, 0);
+    check_close(one.effect, again.effect, 0, 0);
 
     double *saved = calloc(self.solver.saved_size(self.solver.self), sizeof *saved);
     assert_non_null(saved);
@@ -174,6 +179,7 @@ static void check_same_bits(const problem *of) {
         step_on(&restored.last, &restored.solver, &frame, STEP);
         assert_memory_equal(&self.last.scalars, &restored.last.scalars, sizeof one.scalars);
         check_close(self.last.local_error, restored.last.local_error, 0, 0);
+        check_close(self.last.effect, restored.last.effect, 0, 0);
     }
     marching_free(&self);
     marching_free(&restored);

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Errors of rho H that films take up on the central line of the dry contact and carry along with them
+ * (common/time/README.md, Errors in time): what steps and filter do to the films. */
+#ifndef EHD_FILM_ERRORS_H
+#define EHD_FILM_ERRORS_H
+
+#include "common/program/status.h"
+#include "common/time/frame.h"
+
+#include <gsl/gsl_spline.h>
+
+enum { NUM_ERROR_PLACES = 201 }; // from X = -1 to 1
+
+typedef struct film_errors {
+    double kept[NUM_ERROR_PLACES]; // of the last accepted state, in its frame
+    double next[NUM_ERROR_PLACES]; // of the attempt
+    gsl_spline *spline;            // of those kept
+} film_errors;
+
+/* None. EHD_MEMORY. */
+ehd_status film_errors_init(film_errors *self, ehd_error *error); // free with film_errors_free
+void film_errors_free(film_errors *self);
+
+/* Sets those kept, [NUM_ERROR_PLACES]; NULL: none. */
+void film_errors_set(film_errors *self, const double *kept);
+
+/* Takes the kept ones to where the fluid is now; what was before the dry contact has none. */
+void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
+
+/* Adds to those of the attempt `factor` times errors told at ascending places, linear in between. */
+void film_errors_add(film_errors *self, double factor, const double *errors, const double *x,
+                     size_t num);
+
+/* Of the attempt at X; none outside of the dry contact. */
+double film_errors_at(const film_errors *self, double x);
+
+/* The attempt is accepted. */
+void film_errors_keep(film_errors *self);
+
+#endif
