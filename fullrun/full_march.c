@@ -286,7 +286,7 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
         add_effort(self, info);
         memcpy(self->reason, mirror->reason, sizeof self->reason);
         if (info->reason == mirror->reason) info->reason = self->reason;
-        if (full_is_cut(&found->state, grid)) // the other end of our grid
+        if (strstr(self->reason, "outside the domain")) // at the other end of our grid
             info->reason = "found the exit boundary outside the domain (grid.x_min)";
         first->frame = found->frame;
         first->frame.speed = frame->speed;
