@@ -305,6 +305,25 @@ static void report_shortfall(const runner *self, ehd_status outcome) {
                self->march.untrusted);
 }
 
+/* Root of the mean square over time of what the steps do to the central film; NaN: not told. */
+static double mean_effect(const run_totals *totals, const march_state *state) {
+    return state->time > 0 ? sqrt(totals->effect_squares / state->time) : NAN;
+}
+
+/* Where error control did not come to what it was asked for. */
+static void note_effect(const runner *self, const run_totals *totals) {
+    const double much = 3; // times the tolerance, within which usual histories are
+    const double tolerance = self->task->given->transient.tolerance;
+    const double effect = mean_effect(totals, &self->march.state);
+
+    if (self->task->reference->transport == TRANSPORT_PATH &&
+        isnan(self->task->given->transient.fixed_step) && effect > much * tolerance)
+        program_note(self->task->caller,
+                     "%s: the steps in time do %.2g %% to the central film (root mean square), "
+                     "more than %g times transient.tolerance; a smaller one makes it less",
+                     self->task->caller->arguments[0], 100 * effect, much);
+}
+
 static void report(const runner *self, const run_totals *totals, ehd_status outcome) {
     const ehd_contact *contact = self->task->reference;
     const march_state *state = &self->march.state;
@@ -323,10 +342,10 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     if (isfinite(scale)) printf("      %.6g µm", totals->max_film * scale);
 
     printf("\n");
-    if (!isnan(totals->effect_squares))
+    if (!isnan(mean_effect(totals, state)))
         printf("%-24scentral film %.2g %% rms, %.2g %% at most; minimum film %.2g %%\n",
-               "effect of the steps", 100 * sqrt(totals->effect_squares / state->time),
-               100 * totals->max_effect, 100 * totals->max_effect_minimum);
+               "effect of the steps", 100 * mean_effect(totals, state), 100 * totals->max_effect,
+               100 * totals->max_effect_minimum);
     printf("%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
     printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
@@ -372,6 +391,7 @@ static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
 
     if (status) return status;
     report(self, &totals, outcome);
+    note_effect(self, &totals);
     return judge(self, outcome, error);
 }
 

@@ -177,6 +177,7 @@ typedef struct ehd_contact {
     contact_closure closure;
     ehd_transport transport; // in time
     double smoothing;        // half widths, of films carried along their paths; NaN: as usual
+    double time_tolerance;   // of the steps in time, by which it is then; NaN: not known
     double approach_length;  // reference half widths; 1: the half width, as in eq. 4 there
     double hertz_pressure;   // Pa
     double moes_M, moes_L;   // 1

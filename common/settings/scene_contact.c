@@ -26,6 +26,7 @@ static void set_transport(ehd_contact *contact, const scene *given) {
     contact->transport = TRANSPORT_UPWIND;
     transport_find(&contact->transport, given->transport); // a choice, or none when stationary
     contact->smoothing = given->transient.smoothing;
+    contact->time_tolerance = isnan(given->transient.fixed_step) ? given->transient.tolerance : NAN;
 }
 
 ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *error) {

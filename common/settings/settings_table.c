@@ -90,12 +90,12 @@ static const setting run_rows[] = {
     {"transient.end_time", REAL(transient.end_time), NULL, NULL, 1e-9, 1e12, "1",
      "Time T = u_ref t/a_ref at which the run ends", IN_TIME, true},
     {"transient.tolerance", REAL(transient.tolerance), NULL, NULL, 1e-12, 0.1, "1",
-     "Accuracy of the time steps, relative to the central film: with transport path the error of a "
-     "film on its way through the contact, default 1.5e-3; with upwind thirty times the local error of a "
-     "step, default 1e-4", IN_TIME, false},
+     "Accuracy of the time steps, relative to the central film: with transport path what they do to it "
+     "(root mean square over time), default 1.5e-3; with upwind thirty times the local error of a step, "
+     "default 1e-4", IN_TIME, false},
     {"transient.smoothing", REAL(transient.smoothing), NULL, NULL, 0, 1, "1",
      "Length below which waves of a film are damped on its path, in contact half widths; default "
-     "0.014, or 0.85 steps of the grid where that is more", {{"transport", "path"}}, false},
+     "0.014, less with a tolerance below 1.5e-3, at least 0.85 steps of the grid", {{"transport", "path"}}, false},
     {"transient.fixed_step", REAL(transient.fixed_step), NULL, NULL, 1e-9, 1e12, "1",
      "Length of all time steps, of T; switches error control off", IN_TIME, false},
     {"transient.start_film", REAL(transient.start_film), NULL, NULL, 1e-9, 1, "1",

@@ -49,7 +49,13 @@ static bool factorise(double *matrix, size_t width) {
 }
 
 double path_filter_length(const ehd_contact *contact) {
-    return isnan(contact->smoothing) ? fmax(0.014, 0.85 * contact->grid.step) : contact->smoothing;
+    const double usual = 0.014, usual_tolerance = 1.5e-3;
+    // of a central film at fronts, what the filter changes goes as the third power of the length
+    const double share = fmin( // 1 where no tolerance is known
+        cbrt(contact->time_tolerance / usual_tolerance), 1);
+
+    if (!isnan(contact->smoothing)) return contact->smoothing;
+    return fmax(share * usual, 0.85 * contact->grid.step);
 }
 
 ehd_carriage path_carriage(const ehd_contact *contact) {

@@ -104,6 +104,25 @@ makes_nothing() {
     [[ $output == *"cases.csv: found no cases"* ]]
 }
 
+@test "the steps in time: what results tell of them, and what is true" {
+    copy_scene studies/time-steps
+    sed -i 's/step: 0.005}.*/step: 0.02}/' scene.yml
+    (head -n 2 cases.csv; grep -E '^(soft|speed),' cases.csv) >few.csv
+    mv few.csv cases.csv
+    run_make effects TOLERANCES=1.5e-3 TRUTH_STEP=0.01
+    [ "$status" -eq 0 ]
+    [ "$(head -c 4 out/effects.png | tail -c 3)" = PNG ]
+    # the tolerance is met within a factor 3, and told within 4, though the grid is four times the usual one
+    awk '/ central / && /1.5e-3/ { n++; for (i = 1; i <= NF; i++) if ($i == "central") { true = $(i + 1); told = $(i + 3) }
+             if (!($NF < 3 && $NF > 1 / 3 && told < 4 * true && true < 4 * told)) bad = 1 }
+         END { exit bad || n != 2 }' out/effects.txt
+    # what misses it by more is noted
+    run --separate-stderr "$BIN/fullrun" scene.yml -o x.h5 --set transient.tolerance=5e-4 \
+        --set transient.load.law=sine --set transient.load.amplitude=0.4 --set transient.load.period=1.5
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"scene.yml: the steps in time do 0."*" % to the central film (root mean square), more than 3 times transient.tolerance"* ]]
+}
+
 # Two short trajectories on the small grid.
 small_transient() {
     copy_scene studies/transient-load

@@ -123,8 +123,24 @@ static void a_length_of_too_many_steps_is_refused(void **state) {
         strstr(error.text, "transient.smoothing: found 0.5, expected at most about 0.25"));
 }
 
+static void the_length_goes_with_the_tolerance(void **state) {
+    (void)state;
+    ehd_contact contact = {.grid = line_grid(0.0025), .smoothing = NAN, .time_tolerance = NAN};
+
+    check_close(path_filter_length(&contact), 0.014, 1e-15, 0);
+    contact.time_tolerance = 1e-2;
+    check_close(path_filter_length(&contact), 0.014, 1e-15, 0);
+    contact.time_tolerance = 1.5e-3 / 8;
+    check_close(path_filter_length(&contact), 0.007, 1e-12, 0);
+    contact.time_tolerance = 1e-9; // at least 0.85 steps
+    check_close(path_filter_length(&contact), 0.85 * 0.0025, 1e-12, 0);
+    contact.smoothing = 0;
+    check_close(path_filter_length(&contact), 0, 0, 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_length_goes_with_the_tolerance),
         cmocka_unit_test(a_length_of_too_many_steps_is_refused),
         cmocka_unit_test(polynomials_of_degree_four_pass),
         cmocka_unit_test(waves_shorter_than_the_length_are_damped),
