@@ -111,8 +111,7 @@ static const artefact_axis result_axes[] = {
     AXIS("time", "1", "dimensionless time T of the entries; 0 when stationary"),
     Y_AXIS,
     {"exit", "1",
-     "index of the exit, the farthest downstream first; of films that are carried along their path",
-     true},
+     "index of the exit, the farthest downstream first; where the entrainment reverses", true},
     X_AXIS,
     AXIS("restart_slot", "1", "index of the restart slot"),
     AXIS("restart_entry", "1", "index of the number in a restart slot"),
@@ -137,11 +136,11 @@ static const artefact_field result_fields[] = {
          "half width that scales the frame, relative to the reference; where the approach is "
          "given, of the expected load",
          "time"),
-    REAL(
-        "exit_position", "1", NEED_OWN,
-        "X at which the pressure ends, along the path of each of its intervals; NaN where there is "
-        "none",
-        "time", "y", "exit"),
+    REAL("exit_position", "1", NEED_OWN,
+         "X at which the pressure ends, where the entrainment reverses of each of its intervals; "
+         "NaN "
+         "where there is none",
+         "time", "y", "exit"),
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,

@@ -63,7 +63,8 @@ static ehd_status declare_restart(artefact *file, size_t restart_size, ehd_error
 
 ehd_status time_result_create(artefact **file, const program *caller, const ehd_contact *reference,
                               const char *settings_text, const char *const *inputs,
-                              bool with_fields, size_t restart_size, ehd_error *error) {
+                              bool with_fields, bool with_all_exits, size_t restart_size,
+                              ehd_error *error) {
     const ehd_grid whole = grid_whole(&reference->grid);
     ehd_status status = artefact_create_growing(file, caller->output, &schema_result, "time",
                                                 caller, settings_text, inputs, error);
@@ -72,8 +73,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
     // the exits of a point contact lie on lines
     if (!status && (with_fields || whole.inner_lines > 1))
         status = grid_write_axes(*file, &whole, error);
-    // any number of them where films go along their paths
-    if (!status && reference->transport == TRANSPORT_PATH)
+    if (!status && with_all_exits)
         status = artefact_put_axis(*file, "exit", GRID_EXITS, NULL, error);
     if (!status) status = declare_scalars(*file, error);
     if (!status && with_fields) status = declare_fields(*file, error);
@@ -208,9 +208,6 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
     if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
     if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
-    if (!status && reference->transport == TRANSPORT_PATH && artefact_length(file, "exit") == 0)
-        return ehd_fail(error, EHD_DATA, "%s.partial: found no axis exit, expected one",
-                        artefact_path(file));
     if (status || found == restart_size) return status;
     return ehd_fail(error, EHD_DATA, "%s.partial: restart_entry: found length %zu, expected %zu",
                     artefact_path(file), found, restart_size);

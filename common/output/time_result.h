@@ -42,7 +42,8 @@ typedef struct time_summary {
     size_t newton_iterations; // of all steps, rejected ones too
 } time_summary;
 
-/* Starts caller->output, streaming. `with_fields`: pressure and film at some times at least.
+/* Starts caller->output, streaming. `with_fields`: pressure and film at some times at least;
+ * `with_all_exits`: of every interval of pressure, as where the entrainment reverses, else one a line.
  * `restart_size`: numbers that a run needs to go on, 0: it cannot be resumed. `inputs`: paths, NULL
  * at the end. Errors as artefact_create. */
 ehd_status time_result_create(
@@ -50,7 +51,8 @@ ehd_status time_result_create(
     artefact **file, // give to time_result_finish; artefact_close leaves NAME.partial
     // input:
     const program *caller, const ehd_contact *reference, const char *settings_text,
-    const char *const *inputs, bool with_fields, size_t restart_size, ehd_error *error);
+    const char *const *inputs, bool with_fields, bool with_all_exits, size_t restart_size,
+    ehd_error *error);
 
 /* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows
  * last, so that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY;

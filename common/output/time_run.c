@@ -270,7 +270,7 @@ static ehd_status create(runner *self, ehd_error *error) {
     num_inputs = inputs_add(inputs, num_inputs, task->input);
     inputs[num_inputs] = NULL;
     return time_result_create(&self->file, task->caller, task->reference, task->settings_text,
-                              inputs, task->with_fields,
+                              inputs, task->with_fields, histories_reverse(self->march.histories),
                               AT_SOLVER + solver->saved_size(solver->self), error);
 }
 

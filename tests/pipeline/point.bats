@@ -121,7 +121,7 @@ YAML
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
 half, whole = (h5py.File(f"{name}.h5") for name in ("half", "whole"))
-assert half["pressure"].shape == (7, 33, len(half["x"]))
+assert half["pressure"].shape == (11, 33, len(half["x"]))
 for name in "pressure", "film_thickness", "central_film_thickness", "exit_position", "load":
     assert numpy.allclose(half[name], whole[name], rtol=0, atol=1e-9, equal_nan=True), name
 assert numpy.ptp(half["central_film_thickness"]) > 1e-3

@@ -273,7 +273,7 @@ bad_history() {
     bad_history "transient.modulus: found 0 at T" \
         transient.modulus.law=step transient.modulus.to=0 transient.modulus.at=0.5
     bad_history "transient.speed: found -0.5 .*expected at least 0; transport: path can reverse" \
-        transient.speed.law=sine transient.speed.amplitude=1.5 transient.speed.period=1
+        transport=upwind transient.speed.law=sine transient.speed.amplitude=1.5 transient.speed.period=1
 }
 
 @test "missing and misplaced keys are refused" {
