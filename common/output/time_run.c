@@ -324,6 +324,15 @@ static void note_effect(const runner *self, const run_totals *totals) {
                      self->task->caller->arguments[0], 100 * effect, much);
 }
 
+static void report_effects(const run_totals *totals, const march_state *state) {
+    if (isnan(mean_effect(totals, state))) return;
+    printf("%-24scentral film %.2g %% rms, %.2g %% at most", "effect of the steps",
+           100 * mean_effect(totals, state), 100 * totals->max_effect);
+    if (!isnan(totals->max_effect_minimum))
+        printf("; minimum film %.2g %% at most", 100 * totals->max_effect_minimum);
+    printf("\n");
+}
+
 static void report(const runner *self, const run_totals *totals, ehd_status outcome) {
     const ehd_contact *contact = self->task->reference;
     const march_state *state = &self->march.state;
@@ -332,6 +341,7 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "reference",
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
     printf("%-24s%s\n", "discretization", discretization_name(contact->grid.discretization));
+    printf("%-24s%s\n", "transport", transport_name(contact->transport));
     grid_print(contact, "the reference's M and L");
     printf("%-24sT = 0 to %.6g in %.0f steps, %.0f more rejected\n", "time", state->time,
            state->num_steps, state->num_rejected);
@@ -340,12 +350,8 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     if (isfinite(scale)) printf("      %.6g µm", totals->min_film * scale);
     printf("\n%-24s%.8g", "largest central film", totals->max_film);
     if (isfinite(scale)) printf("      %.6g µm", totals->max_film * scale);
-
     printf("\n");
-    if (!isnan(mean_effect(totals, state)))
-        printf("%-24scentral film %.2g %% rms, %.2g %% at most; minimum film %.2g %%\n",
-               "effect of the steps", 100 * mean_effect(totals, state), 100 * totals->max_effect,
-               100 * totals->max_effect_minimum);
+    report_effects(totals, state);
     printf("%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
     printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
