@@ -3,11 +3,16 @@
 
 void marching_start(marching *self, const ehd_contact *contact, const reduced_basis *of,
                     const contact_frame *frame) {
+    marching_start_with(self, contact, of, NULL, 0, frame);
+}
+
+void marching_start_with(marching *self, const ehd_contact *contact, const reduced_basis *of,
+                         const size_t *rows, size_t num_rows, const contact_frame *frame) {
     ehd_error error = {""};
 
     self->reference = *contact;
     self->reference.grid = of->grid;
-    ehd_status status = reduced_model_build(&self->model, of, NULL, 0, &error);
+    ehd_status status = reduced_model_build(&self->model, of, rows, num_rows, &error);
     self->model.carriage = (ehd_carriage){contact->transport, contact->smoothing};
     if (!status)
         status = film_splines_build(&self->splines, &self->model, of->pressure,

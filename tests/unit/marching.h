@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A march of a reduced model with all rows, for tests of transients. */
+/* A march of a reduced model, with all rows or some, for tests of transients. */
 #ifndef EHD_MARCHING_H
 #define EHD_MARCHING_H
 
@@ -22,6 +22,9 @@ void marching_start(
     marching *self, // free with marching_free
     // input:
     const ehd_contact *contact, const reduced_basis *of, const contact_frame *frame);
+/* The same with some rows alone (as in reduced_model_build). */
+void marching_start_with(marching *self, const ehd_contact *contact, const reduced_basis *of,
+                         const size_t *rows, size_t num_rows, const contact_frame *frame);
 void marching_free(marching *self);
 
 #endif

@@ -147,6 +147,50 @@ static void so_does_a_point(void **state) {
     march_as_the_full_model(&problems[POINT], true, 10, 1e-5, 2e-4);
 }
 
+static bool is_on_the_way(const ehd_grid *grid, size_t row) {
+    const size_t k = grid_node_of_row(grid, row);
+
+    return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
+}
+
+/* Where rows on the way to the centre are few, the error is told at nodes: with one of them left it is
+ * no less than that of all rows. */
+static void check_error_of_few_rows(const problem *of) {
+    const ehd_grid *grid = &of->basis.grid;
+    size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;
+    marching all, few;
+    double largest = 0;
+
+    assert_non_null(rows);
+    for (size_t r = 0; r < grid->num_inner; r++)
+        if (!is_on_the_way(grid, r) || on_the_way++ == 0)
+            rows[num_rows++] = grid_node_of_row(grid, r);
+    assert_true(on_the_way > 5);
+    marching_init(&all, of, false, true);
+    const contact_frame start = frame_after(&all, 0, 1);
+    ehd_contact contact = all.reference;
+    marching_start_with(&few, &contact, &of->basis, rows, num_rows, &start);
+    for (size_t i = 1; i <= 10; i++) {
+        const contact_frame frame = frame_after(&all, (double)i * STEP, 1);
+        step_on(&all.last, &all.solver, &frame, STEP);
+        step_on(&few.last, &few.solver, &frame, STEP);
+        assert_true(few.last.local_error >= 0.8 * all.last.local_error);
+        // the few modes of a line, stationary ones, do not carry a film where no row asks them to
+        assert_true(of == &problems[LINE] || few.last.local_error <= 1.25 * all.last.local_error);
+        largest = fmax(largest, all.last.local_error);
+    }
+    assert_true(largest > 0);
+    marching_free(&all);
+    marching_free(&few);
+    free(rows);
+}
+
+static void few_rows_tell_the_error_of_all(void **state) {
+    (void)state;
+    for (size_t p = 0; p < NUM_PROBLEMS; p++)
+        check_error_of_few_rows(&problems[p]);
+}
+
 /* A step repeated, or taken after one of another length, and a march restored into another object
  * have the same bits. */
 static void check_same_bits(const problem *of) {
@@ -196,6 +240,7 @@ int main(void) {
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
         cmocka_unit_test(so_does_a_point),
+        cmocka_unit_test(few_rows_tell_the_error_of_all),
         cmocka_unit_test(repeated_and_restored_steps_have_the_same_bits),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
