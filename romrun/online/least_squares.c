@@ -51,7 +51,8 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
     return memory->failed ? least_squares_free(self) : self;
 }
 
-/* Gram matrix of the columns scaled to unit norm, lower part; zero columns get the scale zero. */
+/* Gram matrix of the columns scaled to unit norm, lower part. Zero columns get the scale zero, those
+ * that are not finite NaN: taken for zero columns they would leave a solution of the others. */
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
@@ -59,7 +60,7 @@ static void scaled_gram(least_squares *self, const double *matrix, size_t num_ro
                 0, self->gram, (int)n);
     for (size_t j = 0; j < n; j++) {
         double square = self->gram[j * n + j];
-        self->scale[j] = square > 0 ? 1 / sqrt(square) : 0;
+        self->scale[j] = square == 0 ? 0 : isfinite(square) ? 1 / sqrt(square) : NAN;
     }
     for (size_t j = 0; j < n; j++) {
         for (size_t i = j + 1; i < n; i++)

@@ -11,6 +11,10 @@ V      ?= 0
 # has by default: ACCURATE in the Makefile of the scene, settings for that. What they lead to is in out-accurate.
 ACCURATE ?=
 
+# Not empty where that is so and SET does not say which rows; and the same target there.
+as_published := $(and $(ACCURATE),$(if $(findstring discretization=,$(SET)),,published))
+in_accurate   = @$(MAKE) $@ OUT=out-accurate SET='$(strip $(ACCURATE) $(SET))'
+
 # $(call accurate,FOLDER): those of another folder, none where the scene has accurate rows as it is; where their results
 # are; and make there.
 accurate      = $(if $(wildcard $1/Makefile),$(shell sed -n 's/^ACCURATE *= *//p' $1/Makefile))

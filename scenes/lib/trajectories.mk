@@ -26,13 +26,27 @@ tables: $(OUT)/tables.txt ## sizes, steps and times, deviations
 figures: tables $(OUT)/figure4.png ## tables and pictures
 	@printf '%s\n' $(patsubst %,'picture: %',$(abspath $(filter %.png,$^)))
 
-.PHONY: runs tables figures
+# With accurate rows, along the path.
+ifneq ($(as_published),)
+distances:
+	$(in_accurate)
+else
+distances: $(OUT)/distances.txt ## steps, times, and distances from the truth
+	@cat $<
+endif
+
+.PHONY: runs tables figures distances
 
 # ---- Runs
 
 # A run that stops early (exit code 3) or is not to be trusted (4) has a result too, which says so.
 run = mkdir -p $(@D); $(BIN)/$1 scene.yml -o $@ --force --quiet $2 --set output.fields=false $(SET) >/dev/null; \
       code=$$?; case $$code in 0 | 4) ;; 3) mv $@.partial $@ ;; *) exit $$code ;; esac
+
+# Half the steps of grid and time, of whatever SET says.
+$(OUT)/full/truth-%.h5: $(OUT)/full/fixed-%.h5
+	$(call quiet,fullrun   ,$@)$(BIN)/fullrun scene.yml -o $@ --force --quiet $(SET) $(settings.truth-$*) \
+	    --set grid.step=$$($(trajectories) half-step $<) --set output.fields=false >/dev/null
 
 FULL_NEEDS    := scene.yml $(BIN)/fullrun $(call options,fullrun,$(SET))
 REDUCED_NEEDS := scene.yml $(BIN)/romrun
@@ -52,6 +66,10 @@ report = $(trajectories) tables $(OUT) '$(PUBLISHED_SIZES)' \
 
 $(OUT)/tables.txt: $(SHARED)trajectories.py cases.csv $(call runs_of,$(MODEL))
 	$(call quiet,tables    ,$@)$(call report,$(MODEL))
+
+$(OUT)/distances.txt: $(SHARED)trajectories.py cases.csv $(PERIODS:%=$(OUT)/full/truth-%.h5) \
+                      $(foreach kind,full $(MODEL),$(foreach steps,adaptive fixed,$(PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5)))
+	$(call quiet,table     ,$@)$(trajectories) distances $(OUT) $(MODEL) > $@
 
 FIGURE4_RUNS := $(foreach kind,full $(MODEL),$(PERIODS:%=$(OUT)/$(kind)/adaptive-%.h5))
 

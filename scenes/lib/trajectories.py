@@ -3,7 +3,8 @@
 
 cases.csv has a line for each period: transient.load.period, transient.end_time and transient.fixed_step, and what was
 published. Runs are OUT/full/STEPS-PERIOD.h5 and OUT/MODEL/STEPS-PERIOD.h5, with STEPS of a length by error control
-(adaptive), of a tenth of its tolerance (tenth), or of a fixed length (fixed).
+(adaptive), of a tenth of its tolerance with published rows (tenth), or of a fixed length (fixed); truth: half of that on
+a grid of half the step, with accurate rows and films along their paths, not smoothed.
 """
 import numpy as np
 
@@ -31,8 +32,16 @@ def for_make():
     for case in cases:
         own = {key: text for key, text in case.settings.items() if key != FIXED_STEP}
         for steps, settings in (("adaptive", own), ("tenth", own | {"transient.tolerance": "1e-5"}),
-                                ("fixed", case.settings)):
+                                ("fixed", case.settings),
+                                ("truth", own | {FIXED_STEP: f"{float(case.settings[FIXED_STEP]) / 2:.12g}",
+                                                 "discretization": "accurate", "transport": "path",
+                                                 "transient.smoothing": "0"})):
             print(f"settings.{steps}-{own[PERIOD]} :=", *results.sets(settings))
+
+
+def half_step(file):
+    """Prints half the step of the grid of a result."""
+    print(f"{results.value(file, 'step') / 2:.12g}")
 
 
 def largest(reference, other, column):
@@ -121,6 +130,34 @@ def tables(out, published, *models):
         print("\n* stopped early, + not to be trusted")
 
 
+def distances(out, model):
+    """Prints for each period the steps and times of both models, by error control and of a fixed length, and the largest
+    deviations over time of central and minimum film: from the truth, and of the reduced model from the full one."""
+    print(f"Largest deviations over time in per cent (rms in brackets): from the truth, and of {model} from the full\n"
+          "model with the same kind of steps\n")
+    rows = [["T_exc", "model", "steps", "number ", "ms a step", "seconds", "truth: H_c", "H_min", "full: H_c", "H_min"],
+            None]
+    for case in results.read_cases():
+        period = case.settings[PERIOD]
+        runs = {(kind, steps): results.read_trajectory(f"{out}/{kind}/{steps}-{period}.h5")
+                for kind, steps in (("full", "truth"), *((kind, steps) for steps in ("adaptive", "fixed")
+                                                         for kind in ("full", model)))}
+        for (kind, steps), run in runs.items():
+            row = [period, kind, steps, f"{run.steps}{mark(run)}", f"{1000 * run.seconds / run.steps:.3f}",
+                   f"{run.seconds:.3f}"]
+            for column in ("H_c", "H_min"):
+                off = results.deviations(runs["full", "truth"], run, column)
+                rms = 100 * np.sqrt(np.mean(off[~np.isnan(off)]**2))
+                row.append(f"{largest(runs['full', 'truth'], run, column):.3f} ({rms:.3f})" if steps != "truth" else "")
+            row += [f"{largest(runs['full', steps], run, column):.4f}" if kind == model else ""
+                    for column in ("H_c", "H_min")]
+            rows.append(row)
+        rows.append(None)
+    results.table(rows, left=3)
+    if any(row and row[3][-1] in "*+" for row in rows):
+        print("\n* stopped early, + not to be trusted")
+
+
 # ---- Picture
 
 
@@ -151,4 +188,4 @@ def picture(out, model, target):
 
 
 if __name__ == "__main__":
-    results.commands(for_make, tables, picture)
+    results.commands(for_make, half_step, tables, distances, picture)

@@ -248,6 +248,10 @@ static void not_finite_is_said(void **state) {
         random_vector(right, ROWS);
         matrix[17] = bad[i];
         assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
+        // in the first column alone, which is not one of zeros
+        random_matrix(matrix, ROWS, 5);
+        matrix[COLUMNS] = bad[i];
+        assert_int_equal(least_squares_solve(x, workspace, matrix, right, ROWS), EHD_NOT_CONVERGED);
     }
     least_squares_free(workspace);
 }

@@ -11,24 +11,25 @@ TRADE_TOLERANCES ?= 1e-4 1e-2 1e-1
 TRADE_REPEAT     ?= 3
 
 # Of stationary scenes: the truth is extrapolated from two grids of so many times the step (the last two), and has the
-# effect of a domain so many times as long and wide (the first).
-TRADE_TRUTH ?= 4 0.5 0.25
+# effect of a domain so many times as long and wide (the first). In time: films along their paths, not smoothed, on a grid
+# of so many times the step, in fixed steps of this length.
+TRADE_TRUTH ?= $(if $(filter stationary,$(TRADE_REGIME)),4 0.5 0.25,0.5 0.0025)
 
 # In time: tolerances and fixed lengths of the steps, and stationary solutions at so many times. The reference has the
-# first one.
-TRADE_STEPS ?= 1e-5 1e-4 1e-3 1e-2 fixed0.005 fixed0.02 still300
+# first one, which is where the shortest steps along the path begin to count; the second is the default.
+TRADE_STEPS ?= 5e-4 1.5e-3 5e-3 1.5e-2 fixed0.005 fixed0.02 still300
 
 # Of the picture, in pixels.
-TRADE_WIDTH ?= $(if $(filter stationary,$(TRADE_REGIME)),1500,1000)
+TRADE_WIDTH ?= 1500
 
 TRADE_SCRIPT  := $(dir $(lastword $(MAKEFILE_LIST)))trade.py
 TRADE_OPTIONS := $(TRADE_REGIME) '$(TRADE_STRETCHES)' '$(TRADE_TOLERANCES)' '$(TRADE_STEPS)' '$(TRADE_TRUTH)' $(TRADE_REPEAT)
 
 # Where the scene asks for published rows, all of this is with accurate ones: the same in a folder of its own.
-ifneq ($(and $(ACCURATE),$(if $(findstring discretization=,$(SET)),,published)),)
+ifneq ($(as_published),)
 
 trade:
-	@$(MAKE) trade OUT=out-accurate SET='$(strip $(ACCURATE) $(SET))'
+	$(in_accurate)
 
 else
 

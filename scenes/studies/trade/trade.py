@@ -16,11 +16,14 @@ A way is a tuple, which also names the file of OUT/trade that its films are kept
     (full, STRETCH, STEPS)                               in time; STEPS is a tolerance, fixedLENGTH, or stillN: all goes
                                                          10^4 times as slowly in N steps, so that the contact is
                                                          stationary at each time (not where a history is a table)
+    (published, STEPS)                                   in time, full model with published rows on the scene's grid
     (reduced, MODES, DEFORMATION_MODES, ROWS, STEPS)     in time
+    (truth, STRETCH, fixedLENGTH)                        in time, full model with films along their paths, not smoothed
 
-Films are kept, not deviations: any way can be the reference that the others are compared with. Of stationary scenes
-there are two: the full model on the scene's grid, and the truth, which is extrapolated from two finer steps, times what
-a longer inlet makes of the film on the scene's step.
+Films are kept, not deviations: any way can be the reference that the others are compared with. There are two: the full
+model on the scene's grid, and the truth. Of stationary scenes that is extrapolated from two finer steps, times what a
+longer inlet makes of the film on the scene's step; in time it is the solution with finer steps of grid and time, of the
+same inlet.
 """
 import glob
 import os
@@ -37,6 +40,7 @@ HEADER = ("alternative,position,quantity,scenes,failures,worst,deviation_95,medi
           "true_worst,true_95,true_median").split(",")
 FINEST = "1e-10"  # Newton's tolerance where no other is asked for
 SLOWER = 1e4      # times as slowly where each time is taken as stationary
+PUBLISHED = "1e-4"  # the default tolerance in time of published rows
 
 # ---- Scenes
 
@@ -147,8 +151,9 @@ def truths(own, wide, coarse, fine, ratio):
             for a, b, c, d in zip(own, wide, coarse, fine)]
 
 
-def transient_films(way, scenes, files, model, _repeat, work):
-    """Runs trajectories. The record of one has its exit code, times, films, seconds, and the deviations of formulas."""
+def transient_films(way, scenes, files, model, repeat, work):
+    """Runs trajectories, of the reduced model repeatedly. The record of one has its exit code, times, films, the least
+    seconds, and the deviations of formulas."""
     steps = way[-1]
     records = []
     for scene, file in zip(scenes, files):
@@ -158,20 +163,28 @@ def transient_films(way, scenes, files, model, _repeat, work):
             settings.update((key, slower * float(value)) for key, value in scene.items()
                             if re.fullmatch(r"transient\.(.*\.)?(period|start|duration|at|end_time)", key))
             settings["transient.fixed_step"] = settings["transient.end_time"] / int(steps[len("still"):])
+            settings["transport"] = "upwind"  # paths would be hundreds of contacts long
         elif steps.startswith("fixed"):
             settings["transient.fixed_step"] = steps[len("fixed"):]
         else:
             settings["transient.tolerance"] = steps
-        if way[0] == "full":
-            settings.update(stretched(scene, way[1]))
+        if way[0] != "reduced":
+            if way[0] == "published":
+                settings.update({"discretization": "published", "transport": "upwind"})
+            else:
+                settings.update(stretched(scene, way[1]))
+            if way[0] == "truth":
+                settings.update({"discretization": "accurate", "transport": "path", "transient.smoothing": 0})
             program, options = "fullrun", ["--formulas"]
         else:
             program, options = "romrun", ["--model", model, "--pressure-modes", way[1], "--rows", way[3]]
             options += ["--deformation-modes", way[2]] if way[2] else []
-        run = results.trajectory(f"{work}/run.h5", program, file, *options, *results.sets(settings))
+        runs = [results.trajectory(f"{work}/run.h5", program, file, *options, *results.sets(settings))
+                for _ in range(int(repeat) if program == "romrun" else 1)]
+        run = runs[0]
         formulas = [(word[0], word[1], *(float(word[i]) / 100 for i in (3, 7, 10)),
                      1e-9 * float(word[12]) * len(run.time)) for word in run.formulas]
-        records.append({"code": run.code, "seconds": run.seconds, "time": list(run.time / slower), "H_c": list(run.H_c),
+        records.append({"code": run.code, "seconds": min(other.seconds for other in runs), "time": list(run.time / slower), "H_c": list(run.H_c),
                         "formulas": formulas})
     return records
 
@@ -256,25 +269,26 @@ def calibration_rows(model, films, truth):
                   distances(solved, truth))
 
 
-def transient_rows(ways, reference, coarse):
-    """Rows of all ways in time, and of formulas, compared with one of the ways. Deviations are the largest of all
-    trajectories, seconds those of a whole trajectory, their mean. What the reference's grid does itself is a third of
-    what twice its step does (coarse), as of second order."""
-    formulas = {}
-    for record in ways[reference]:
-        for name, quantity, *numbers in record["formulas"]:
-            formulas.setdefault((name, quantity), []).append(numbers)
-    for name, numbers in formulas.items():
-        yield row(("formula", *name), len(numbers), 0, np.max(numbers, axis=0)[:3], np.mean(numbers, axis=0)[3])
+def transient_rows(ways, reference, truth):
+    """Rows of all ways in time, and of formulas, compared with one of the ways and with the truth. Deviations are the
+    largest of all trajectories, seconds those of a whole trajectory, their mean. Formulas are compared at each time."""
+    formulas = {way: {} for way in (reference, truth)}
+    for way, found in formulas.items():
+        for record in ways[way]:
+            for name, quantity, *numbers in record["formulas"]:
+                found.setdefault((name, quantity), []).append(numbers)
+    for name, numbers in formulas[reference].items():
+        yield row(("formula", *name), len(numbers), 0, np.max(numbers, axis=0)[:3], np.mean(numbers, axis=0)[3],
+                  np.max(formulas[truth][name], axis=0)[:3])
     for way, records in ways.items():
         off, seconds = compared(records, ways[reference])
-        position = size_name(*way[1:4]) if way[0] == "reduced" else f"step {way[1]:.3g} times"
+        position = (size_name(*way[1:4]) if way[0] == "reduced" else
+                    "rows as published" if way[0] == "published" else f"step {way[1]:.3g} times")
         kind, number = re.match("(fixed|still|)(.*)", way[-1]).groups()
         steps = {"": "tolerance {}", "fixed": "fixed steps {}", "still": "stationary at {} times"}[kind].format(number)
-        yield row((way[0], f"{position} {steps}", "central"), len(records), len(records) - len(off), worst(off),
-                  np.mean(seconds or np.nan))
-    off, _ = compared(ways[coarse], ways[reference])
-    yield row(("reference", "step", "central"), len(off), 0, worst(off) / 3)
+        name = "full published" if way[0] == "published" else way[0]
+        yield row((name, f"{position} {steps}", "central"), len(records), len(records) - len(off), worst(off),
+                  np.mean(seconds or np.nan), worst(compared(records, ways[truth])[0]))
 
 
 def compared(records, references):
@@ -338,12 +352,16 @@ def measure(out, regime, stretches, tolerances, steps, truth, repeat):
         ways = [(start, *setting) for start in ("cold", "neighbour") for setting in settings]
         ways += [("neighbour", stretch, "1e-2") for stretch in stretches[:2]] + [("reduced", 1, FINEST)]
     else:
-        ways = [("full", 1, x) for x in steps] + [("full", 2, steps[0])]
+        fixed = [x for x in steps if x.startswith("fixed")]
+        ways = [("full", 1, x) for x in steps] + [("published", x) for x in (PUBLISHED, *fixed[:1])]
         ways += [("full", stretch, x) for stretch in stretches for x in steps[1:3]]
-        # every size with the default steps, the whole model with all
+        # every size with the default steps, the whole model with all that trajectories have
         sizes = calibrated_sizes(model)
         ways += [("reduced", *size, steps[1]) for size in sizes]
-        ways += [("reduced", *sizes[-1], x) for x in steps if x != steps[1]]
+        ways += [("reduced", *sizes[-1], x) for x in steps if x != steps[1] and not x.startswith("still")]
+        # the truth, and with twice its steps, which tells its own error
+        stretch, length = (float(x) for x in truth.split())
+        ways += [("truth", times * stretch, f"fixed{times * length:.12g}") for times in (2, 1)]
 
     newer_than = [model, *(os.path.join(os.environ["BIN"], program) for program in ("fullrun", "romrun"))]
     films_of = stationary_films if stationary else transient_films
@@ -370,7 +388,7 @@ def measure(out, regime, stretches, tolerances, steps, truth, repeat):
                             true=distances({i: scene["H_c"] for i, scene in enumerate(record)}, exact)))
         polish(films[ways[0]], films[ways[-1]], out)
     else:
-        rows = transient_rows(films, ways[0], ("full", 2, steps[0]))
+        rows = transient_rows(films, ways[0], ways[-1])
     results.write_csv(f"{out}/trade.csv", HEADER, rows)
 
 
@@ -397,26 +415,23 @@ SERIES = {
         ("either model, some trajectory lost", "x", SKY, "failing"),
         ("full model, tolerances", "s", RED, "full step 1 times tolerance"),
         ("full model, fixed steps", "(s)", RED, "full step 1 times fixed"),
+        ("full model, published rows", "P", ORANGE, "full published"),
         ("full model, coarser grids", "^", GREEN, "full step .* times (tolerance|fixed)"),
-        ("either model, stationary at each time", "D", PINK, ".* stationary")],
+        ("full model, stationary at each time", "D", PINK, "full .* stationary")],
 }
 GREY = "#444444"
 
 
 def draw(out, regime, width):
-    """The picture of trade.csv: deviations from the full model, of stationary scenes beside them those from the
-    truth."""
+    """The picture of trade.csv: deviations from the full model, and beside them those from the truth."""
     lines = [{**line, **{key: float(line[key] or "nan") for key in HEADER[3:]}}
              for line in results.read_csv(f"{out}/trade.csv")]
-    stationary = regime == "stationary"
-    figure, (panels,) = pictures.page(float(width), (0.6 if stationary else 0.8) * float(width), 1, 1 + stationary,
-                                      squeeze=False)
+    figure, (panels,) = pictures.page(float(width), 0.6 * float(width), 1, 2, squeeze=False)
     panel(panels[0], lines, regime)
-    if stationary:
-        panel(panels[1], [{**line, "worst": line["true_worst"], "median": line["true_median"]} for line in lines],
-              regime, 1e-5)
-        panels[0].set_title("from the full model on the same grid")
-        panels[1].set(title="from the truth", ylabel=None)
+    panel(panels[1], [{**line, "worst": line["true_worst"], "median": line["true_median"]} for line in lines],
+          regime, 1e-5)
+    panels[0].set_title("from the full model on the same grid")
+    panels[1].set(title="from the truth", ylabel=None)
     handles, labels = panels[0].get_legend_handles_labels()
     half = -(-len(handles) // len(panels))
     for i, axes in enumerate(panels):
@@ -449,14 +464,13 @@ def panel(axes, lines, regime, lowest=None):
     def note(text, place, height, above):
         axes.annotate(text, (place, height), xycoords=("axes fraction", "data"), va="bottom" if above else "top",
                       color=GREY)
-    # what the grid does itself: of stationary scenes as measured, in time as estimated
-    kind, of_grid = ("full cold", ("true_worst", "true_median")) if stationary else ("reference", ("worst", "median"))
+    # what the grid does itself, and in time the steps of the reference
     if of_model:
-        line = next(line for line in lines if line["alternative"] == kind)
-        for key, style in zip(of_grid, ("--", ":")):
+        line = next(line for line in lines if line["alternative"] == ("full cold" if stationary else "full"))
+        for key, style in zip(("true_worst", "true_median"), ("--", ":")):
             axes.axhline(line[key], linestyle=style, color=GREY)
-            note(f"the grid itself, {'worst' if style == '--' else 'median'}", 0.22 if stationary else 0.8, line[key],
-                 style == "--")
+            note(f"the {'grid' if stationary else 'reference'} itself, {'worst' if style == '--' else 'median'}",
+                 0.22, line[key], style == "--")
         note("none (or less): the reference", 0.012, lowest, True)
     formulas = sorted((line for line in lines if line["alternative"] == "formula"), key=lambda line: -line["worst"])
     names = [f"{re.sub('-central|-minimum', '', line['position'])} {100 * line['worst']:.0f} %"
