@@ -3,7 +3,7 @@
 
 cases.csv has a line for each period: transient.load.period, transient.end_time and transient.fixed_step, and what was
 published. Runs are OUT/full/STEPS-PERIOD.h5 and OUT/MODEL/STEPS-PERIOD.h5, with STEPS of a length by error control
-(adaptive), of a tenth of its tolerance with published rows (tenth), or of a fixed length (fixed); truth: half of that on
+(adaptive), of a tenth of its tolerance (tenth), or of a fixed length (fixed); truth: half of that on
 a grid of half the step, with accurate rows and films along their paths, not smoothed.
 """
 import numpy as np
@@ -19,8 +19,9 @@ def mark(run):
     return {results.NOT_CONVERGED: "*", results.NOT_TRUSTED: "+"}.get(run and run.code, " ")
 
 
-def for_make():
-    """Prints variables of make: PERIODS, and settings.STEPS-PERIOD, the options of each run."""
+def for_make(tenth):
+    """Prints variables of make: PERIODS, and settings.STEPS-PERIOD, the options of each run; a tenth of the default
+    tolerance is given."""
     cases = results.read_cases()
     if not cases:
         results.stop("cases.csv: found no trajectories, expected a line each below the header")
@@ -31,7 +32,7 @@ def for_make():
     print("PERIODS :=", *(case.settings[PERIOD] for case in cases))
     for case in cases:
         own = {key: text for key, text in case.settings.items() if key != FIXED_STEP}
-        for steps, settings in (("adaptive", own), ("tenth", own | {"transient.tolerance": "1e-5"}),
+        for steps, settings in (("adaptive", own), ("tenth", own | {"transient.tolerance": tenth}),
                                 ("fixed", case.settings),
                                 ("truth", own | {FIXED_STEP: f"{float(case.settings[FIXED_STEP]) / 2:.12g}",
                                                  "discretization": "accurate", "transport": "path",
