@@ -70,8 +70,8 @@ report = $(trajectories) tables $(OUT) '$(PUBLISHED_SIZES)' \
 $(OUT)/tables.txt: $(SHARED)trajectories.py cases.csv $(call runs_of,$(MODEL))
 	$(call quiet,tables    ,$@)$(call report,$(MODEL))
 
-$(OUT)/distances.txt: $(SHARED)trajectories.py cases.csv $(PERIODS:%=$(OUT)/full/truth-%.h5) \
-                      $(foreach kind,full $(MODEL),$(foreach steps,adaptive fixed,$(PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5)))
+$(OUT)/distances.txt: $(SHARED)trajectories.py cases.csv $(SHORT_PERIODS:%=$(OUT)/full/truth-%.h5) \
+                      $(foreach kind,full $(MODEL),$(foreach steps,adaptive fixed,$(SHORT_PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5)))
 	$(call quiet,table     ,$@)$(trajectories) distances $(OUT) $(MODEL) > $@
 
 FIGURE4_RUNS := $(foreach kind,full $(MODEL),$(PERIODS:%=$(OUT)/$(kind)/adaptive-%.h5))

@@ -19,8 +19,13 @@ def mark(run):
     return {results.NOT_CONVERGED: "*", results.NOT_TRUSTED: "+"}.get(run and run.code, " ")
 
 
+def short(case):
+    """Whether a period is not far above the time a_ref/u_ref, so that the film's way through the contact matters."""
+    return float(case.settings[PERIOD]) <= 100
+
+
 def for_make(tenth):
-    """Prints variables of make: PERIODS, and settings.STEPS-PERIOD, the options of each run; a tenth of the default
+    """Prints variables of make: PERIODS, SHORT_PERIODS, and settings.STEPS-PERIOD, the options of each run; a tenth of the default
     tolerance is given."""
     cases = results.read_cases()
     if not cases:
@@ -30,6 +35,7 @@ def for_make(tenth):
             if key not in case.settings:
                 results.stop(f"cases.csv: found no {key} of {case.name}, expected one")
     print("PERIODS :=", *(case.settings[PERIOD] for case in cases))
+    print("SHORT_PERIODS :=", *(case.settings[PERIOD] for case in cases if short(case)))
     for case in cases:
         own = {key: text for key, text in case.settings.items() if key != FIXED_STEP}
         for steps, settings in (("adaptive", own), ("tenth", own | {"transient.tolerance": tenth}),
@@ -138,7 +144,7 @@ def distances(out, model):
           "model with the same kind of steps\n")
     rows = [["T_exc", "model", "steps", "number ", "ms a step", "seconds", "truth: H_c", "H_min", "full: H_c", "H_min"],
             None]
-    for case in results.read_cases():
+    for case in filter(short, results.read_cases()):
         period = case.settings[PERIOD]
         runs = {(kind, steps): results.read_trajectory(f"{out}/{kind}/{steps}-{period}.h5")
                 for kind, steps in (("full", "truth"), *((kind, steps) for steps in ("adaptive", "fixed")
