@@ -102,7 +102,9 @@ static contact_frame full_frame(const full_element *self, double load, double ap
     const double values[NUM_VARY] = {
         [VARY_LOAD] = load, [VARY_SPEED] = 1, [VARY_RADIUS] = 1, [VARY_MODULUS] = 1};
 
-    return frame_at(self->reference->kind, self->time + step, values, approach);
+    contact_frame frame = frame_at(self->reference->kind, self->time + step, values, approach);
+    frame.path = frame.time; // of the fluid, at the reference speed
+    return frame;
 }
 
 static reply full_reply(const full_element *self) {
