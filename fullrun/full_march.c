@@ -605,6 +605,10 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         take_up_errors(self, &formula, &next->state, &contact, frame, step);
         set_effects(outcome, self, &next->state, &contact);
     }
+    if (info.status == EHD_OK && full_film_closes(&next->state, &contact.grid)) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = "a film that closes between nodes (grid.step)";
+    }
     if (info.status == EHD_OK && is_cut(&next->state, &contact.grid, backwards)) {
         outcome->status = EHD_UNTRUSTED;
         outcome->reason = backwards ? "the exit boundary outside the domain (grid.x_min)"

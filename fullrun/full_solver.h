@@ -32,6 +32,10 @@ bool full_has_pressure(const full_state *state, size_t node);
 /* X at which the pressure of a line contact ends. */
 double full_exit_position(const full_state *state, const ehd_grid *grid);
 
+/* Whether the film between the nodes around the smallest one comes to zero: the grid does not carry
+ * it, and the smallest film of its scalars is that of a node. */
+bool full_film_closes(const full_state *state, const ehd_grid *grid);
+
 /* Whether the grid ends before the pressurised zone does, downstream. */
 bool full_is_cut(const full_state *state, const ehd_grid *grid);
 

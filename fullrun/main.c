@@ -234,7 +234,12 @@ static void note_resolution(const program *self, const full_resolution *resoluti
     const char *path = self->arguments[0];
     const double *effects = resolution->effects.of;
 
-    if (fabs(effects[EFFECT_INLET]) > NOTED_EFFECT)
+    if (isinf(effects[EFFECT_INLET]))
+        program_note(self,
+                     "%s: grid.x_min: found %g, expected a longer inlet: with what lies beyond it "
+                     "there is no solution",
+                     path, grid->x_min);
+    else if (fabs(effects[EFFECT_INLET]) > NOTED_EFFECT)
         program_note(self,
                      "%s: grid.x_min: found %g, expected a longer inlet: without end it would move "
                      "the central film by about %+.2g %%",

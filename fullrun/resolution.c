@@ -215,9 +215,11 @@ static ehd_status solve_unbounded(film_effects *effects, coarse_grid *self, cons
     memcpy(before, self->state.film, grid->num_nodes * sizeof *before);
     far_field_join(&self->state, &self->contact);
     ehd_status status = solve_on(&unbounded, self, error);
-    if (!status && !isnan(unbounded.central)) {
-        effects->of[EFFECT_INLET] = unbounded.central / films->central - 1;
-        effects->of[EFFECT_INLET_MINIMUM] = change_of_minimum(self->state.film, before, grid);
+    const bool solved = !isnan(unbounded.central);
+    if (!status) {
+        effects->of[EFFECT_INLET] = solved ? unbounded.central / films->central - 1 : INFINITY;
+        effects->of[EFFECT_INLET_MINIMUM] =
+            solved ? change_of_minimum(self->state.film, before, grid) : INFINITY;
     }
     free(before);
     return status;

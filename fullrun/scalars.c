@@ -42,18 +42,30 @@ static double smallest_film(size_t *node, const double *film, const ehd_grid *gr
     return smallest;
 }
 
+/* What lies between nodes of a film that nearly closes is not resolved, and may be below zero. */
+bool full_film_closes(const full_state *state, const ehd_grid *grid) {
+    size_t node;
+
+    return !(smallest_film(&node, state->film, grid) > 0);
+}
+
 double full_exit_position(const full_state *state, const ehd_grid *grid) {
     if (isnan(state->exit_offset)) return grid_x(grid, state->exit);
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-/* Whether an interval that ends before an exit has pressure, not only noise of the active set. */
-static bool ends_pressure(const full_state *state, size_t before, bool backwards) {
-    size_t node = before;
+/* The first node behind the last positive pressure of an interval that ends before `exit`, what lies
+ * in between being noise of the active set; `exit` itself where there is none. */
+static size_t behind_pressure(const full_state *state, size_t exit, bool backwards) {
+    size_t node = backwards ? exit + 1 : exit - 1;
 
     while (full_has_pressure(state, node) && !(state->pressure[node] > 0))
         node = backwards ? node + 1 : node - 1;
-    return full_has_pressure(state, node);
+    return !full_has_pressure(state, node) ? exit : backwards ? node - 1 : node + 1;
+}
+
+static bool is_behind_pressure(const full_state *state, size_t exit, bool backwards) {
+    return state->pressure[backwards ? exit + 1 : exit - 1] > 0;
 }
 
 static void list_exits_of_line(double *positions, const full_state *state, const ehd_grid *grid,
@@ -63,9 +75,9 @@ static void list_exits_of_line(double *positions, const full_state *state, const
 
     for (size_t i = last; i > 0 && count < GRID_EXITS; i--) {
         const size_t exit = first + (backwards ? last - i : i);
-        const size_t before = backwards ? exit + 1 : exit - 1;
-        if (!full_has_pressure(state, exit) && ends_pressure(state, before, backwards))
-            positions[count++] = grid_x(grid, exit);
+        if (full_has_pressure(state, exit)) continue;
+        const size_t behind = behind_pressure(state, exit, backwards);
+        if (is_behind_pressure(state, behind, backwards)) positions[count++] = grid_x(grid, behind);
     }
     while (count < GRID_EXITS)
         positions[count++] = NAN;
@@ -97,14 +109,14 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
         for (exit = line + grid->inner_x + 1;
              exit > line + 1 && !full_has_pressure(state, exit - 1);)
             exit--;
-    contact_scalars scalars = {.central_film_thickness = central_value(state->film + line, grid),
-                               .minimum_film_thickness = minimum,
-                               .minimum_position = grid_x(grid, lowest),
-                               .central_pressure = central_value(state->pressure + line, grid),
-                               .rigid_approach = state->rigid_approach,
-                               .exit_position = grid->inner_lines > 1
-                                                    ? grid_x(grid, exit)
-                                                    : full_exit_position(state, grid),
-                               .load = sum * grid_cell(grid) / contact->kind->load};
+    contact_scalars scalars = {
+        .central_film_thickness = central_value(state->film + line, grid),
+        .minimum_film_thickness = minimum > 0 ? minimum : state->film[lowest],
+        .minimum_position = grid_x(grid, lowest),
+        .central_pressure = central_value(state->pressure + line, grid),
+        .rigid_approach = state->rigid_approach,
+        .exit_position =
+            grid->inner_lines > 1 ? grid_x(grid, exit) : full_exit_position(state, grid),
+        .load = sum * grid_cell(grid) / contact->kind->load};
     return scalars;
 }

@@ -214,7 +214,7 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     return status;
 }
 
-/* The first one at Y = 0: of a point contact the file has some a line, along a path several. */
+/* The first one at Y = 0: of a point contact the file has one a line, of a reversal several. */
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;

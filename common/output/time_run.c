@@ -318,10 +318,11 @@ static void note_effect(const runner *self, const run_totals *totals) {
 
     if (self->task->reference->transport == TRANSPORT_PATH &&
         isnan(self->task->given->transient.fixed_step) && effect > much * tolerance)
-        program_note(self->task->caller,
-                     "%s: the steps in time do %.2g %% to the central film (root mean square), "
-                     "more than %g times transient.tolerance; a smaller one makes it less",
-                     self->task->caller->arguments[0], 100 * effect, much);
+        program_note(
+            self->task->caller,
+            "%s: the steps in time do %.2g %% to the central film (root mean square), "
+            "more than %g times transient.tolerance; shorter steps or a finer grid make it less",
+            self->task->caller->arguments[0], 100 * effect, much);
 }
 
 static void report_effects(const run_totals *totals, const march_state *state) {

@@ -3,6 +3,7 @@
 
 #include "common/output/inputs.h"
 #include "common/settings/scene_contact.h"
+#include "common/time/history.h"
 #include "common/time/path_filter.h"
 
 #include <math.h>
@@ -55,6 +56,21 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                     "%g as at point %s",
                     plan_path, found->num_inner, found->x_min, found->step, other_name,
                     expected->num_inner, expected->x_min, expected->step, first_name);
+}
+
+/* Reduced models are of one direction. */
+static ehd_status check_directions(const training_set *set, const char *plan_path,
+                                   ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (size_t t = 0; t < set->num_trajectories && !status; t++) {
+        ehd_histories *histories = NULL;
+        ehd_error cause = {""};
+        status = histories_init_forward(&histories, &set->trajectories[t].scene, &cause);
+        if (status) ehd_fail(error, status, "%s: %s", plan_path, cause.text);
+        histories_free(histories);
+    }
+    return status;
 }
 
 /* Trajectories of one plan, on their grid, carry films in the same way. */
@@ -280,6 +296,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     if (!status) status = make_points(set, of, plan_path, error);
     if (!status) status = settle_grid(set, plan_path, error);
     if (!status) status = check_carriages(set, plan_path, error);
+    if (!status) status = check_directions(set, plan_path, error);
     size_t num_points = set->num_points, num_all = num_points + set->num_trajectories;
     if (!status && piece.total > num_all)
         status = ehd_fail(error, EHD_USAGE,

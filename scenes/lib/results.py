@@ -131,7 +131,7 @@ def profile(file, time=None):
 
 def farthest_exits(columns):
     """Of printed() columns with exit_position the lines of the exit that lies farthest downstream, the first one: of
-    films along their paths a result has several, of others one."""
+    an entrainment that reverses a result has several, of others one."""
     keep = columns.get("exit", np.zeros(len(columns["exit_position"]))) == 0
     return {name: values[keep] for name, values in columns.items()}
 

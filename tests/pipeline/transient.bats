@@ -693,6 +693,11 @@ PYTHON
     refused 65 "transient.speed: found -1 at T = 2, expected at least 0; transport: path can reverse" \
         fullrun fro.yml -o x.h5 --set transport=upwind
     refused 65 "transient.speed: found -1 at T = 2, expected at least 0 with a reduced model" snapgen fro.yml -o x.h5
+    # of a plan before its points are solved
+    printf 'groups: [{scene: base.yml, vary: {moes.M: [11, 14], moes.L: [4]}}, {scene: fro.yml}]\n' >fro-plan.yml
+    sed -i 's/^grid.*/grid: {x_min: -2.5, x_max: 2.5, step: 0.025}/' base.yml fro.yml
+    refused 65 "fro-plan.yml: transient.speed: found -1 at T = 2" snapgen fro-plan.yml -o x.h5
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
     # from rest
     rest="--set transient.speed.phase=0 --set transient.speed.mean=0"
     refused 65 "found 0 at the start, expected another one, or transient.start_speed, where the approach is given" \
@@ -700,4 +705,24 @@ PYTHON
     fullrun fro.yml -o x.h5 --quiet $rest --set transient.start_speed=-1
     [ "$(fullrun --print x.h5 central_film_thickness | sed -n 2p)" = \
         "$(fullrun --print whole.h5 central_film_thickness | sed -n 2p)" ]
+}
+
+# Between nodes that the film hardly leaves apart nothing is resolved: a smallest film below zero was told.
+@test "a film that closes is flagged, and exit 4" {
+    cat >dry.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 12, L: 5}
+hertz_pressure: 0.5e9
+lubricant: {viscosity: {law: barus, alpha: 2e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -3, x_max: 2, step: 0.05}
+transient:
+  end_time: 0.28
+  speed: {law: sine, mean: 0, amplitude: 1, period: 4}
+  load: {law: sine, amplitude: 0.2, period: 1}
+YAML
+    run --separate-stderr fullrun dry.yml -o dry.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "fullrun: dry.yml: found a film that closes between nodes (grid.step), first at T = 0.2"* ]]
+    /usr/bin/python3 -c 'import h5py; assert (h5py.File("dry.h5")["minimum_film_thickness"][...] > 0).all()'
 }
