@@ -31,10 +31,10 @@ ehd_status path_filter_init(
     const ehd_grid *grid, double length, ehd_error *error);
 void path_filter_free(path_filter *self);
 
-/* The length of a contact: given, or 0.014 half widths, less where the steps in time have a tolerance
- * below the usual one, and at least 0.85 steps of the grid that it is solved on. Measured on the paper's transient case and a point contact on 65 by 65 nodes
- * (README.md): with less a reduced model takes more modes, with more the central film is more than
- * 1.5 % off at fronts. */
+/* The length of a contact: given, or 0.014 half widths, less where the steps in time have a
+ * tolerance below the usual one, and at least 0.85 steps of the grid that it is solved on. Measured
+ * on the paper's transient case and a point contact on 65 by 65 nodes (README.md): with less a
+ * reduced model takes more modes, with more the central film is more than 1.5 % off at fronts. */
 double path_filter_length(const ehd_contact *contact);
 
 /* How the contact's films are carried, with that length along the path. */
