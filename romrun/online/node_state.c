@@ -258,9 +258,8 @@ static double film_around(const node_state *self, size_t q) {
 }
 
 /* Smallest film of the needed nodes with pressure, and its node, since in time a minimum also passes
- * through the
- * front of the contact. With the accurate rows that of a line is taken between them before the
- * band. */
+ * through the front of the contact. With the accurate rows that of a line is taken between them
+ * before the band. */
 static double smallest_needed(size_t *node, const node_state *self) {
     const reduced_model *model = self->model;
     const bool between =
