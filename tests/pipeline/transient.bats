@@ -508,7 +508,7 @@ YAML
     stop_when INT 'states >= 9' x.h5 snapgen tables-plan.yml -o x.h5 --quiet --jobs 1
     [ "$code" -eq 130 ]
     cp table.csv kept.csv
-    sed -i 's/1.1/1.2/' table.csv
+    sed -i 's/,1[.]1/,1.2/' table.csv
     refused 65 "x.h5.partial: found a run with another table than table.csv is now, expected" \
         snapgen tables-plan.yml -o x.h5 --resume
     mv kept.csv table.csv
