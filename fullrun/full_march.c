@@ -242,10 +242,8 @@ static ehd_status find_start(full_info *info, full_march *self, const contact_fr
     first->frame = *frame;
     if (!status && info->status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
         status = continue_to_approach(info, self, &first->frame, error);
-    if (status) return status;
-    add_effort(self, info);
-    judge_start(info, self, first);
-    return EHD_OK;
+    if (!status) add_effort(self, info);
+    return status;
 }
 
 static void mirror_state(full_state *target, const full_state *source, const ehd_grid *grid) {
@@ -284,10 +282,6 @@ static ehd_status find_mirrored_start(full_info *info, double *exit, full_march 
         const previous_state *found = state_before(mirror, 0);
         *exit = -full_evaluate_scalars(&found->state, &reference).exit_position;
         add_effort(self, info);
-        memcpy(self->reason, mirror->reason, sizeof self->reason);
-        if (info->reason == mirror->reason) info->reason = self->reason;
-        if (strstr(self->reason, "outside the domain")) // at the other end of our grid
-            info->reason = "found the exit boundary outside the domain (grid.x_min)";
         first->frame = found->frame;
         first->frame.speed = frame->speed;
         mirror_state(&first->state, &found->state, grid);
@@ -309,6 +303,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                                   : find_start(&info, self, frame, error);
 
     if (status) return status;
+    judge_start(&info, self, first);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .frame = first->frame,
@@ -430,8 +425,8 @@ static double missed_mass(const full_march *self, const bdf_formula *formula,
  * length, which costs steps alone. At rest there is no inlet. */
 static bool is_another_solution(const full_march *self, const bdf_formula *formula,
                                 const full_state *state, const ehd_contact *contact,
-                                double entrainment) {
-    const double most = 0.05 * full_evaluate_scalars(state, contact).central_film_thickness;
+                                double entrainment, double central_film) {
+    const double most = 0.05 * central_film;
 
     for (size_t r = 0; r < contact->grid.num_inner; r++)
         if (grid_x(&contact->grid, grid_node_of_row(&contact->grid, r)) * entrainment < 0 &&
@@ -486,8 +481,8 @@ static double error_on_the_way(const full_march *self, const bdf_formula *formul
 
 /* Local error, relative to the central film, as the march takes it (march.h). */
 static double local_error(full_march *self, const bdf_formula *formula, const full_state *state,
-                          const ehd_contact *contact, double entrainment, double step) {
-    const double central_film = full_evaluate_scalars(state, contact).central_film_thickness;
+                          const ehd_contact *contact, double entrainment, double step,
+                          double central_film) {
     const bool on_the_way = is_along_path(self) && step * fabs(entrainment) <= march_short_path;
     double error;
 
@@ -545,7 +540,7 @@ static bool is_cut(const full_state *state, const ehd_grid *grid, bool backwards
     return false;
 }
 
-/* The exits of the state just solved. */
+/* The exits of the state just solved; the farthest downstream at Y = 0 is that of the scalars. */
 static void list_exits(march_step *outcome, full_march *self, const ehd_contact *contact,
                        const reynolds_squeeze *squeeze, bool backwards) {
     const full_state *state = &state_before(self, 0)->state;
@@ -559,10 +554,42 @@ static void list_exits(march_step *outcome, full_march *self, const ehd_contact 
     if (is_along_path(self) && !isnan(farthest)) outcome->scalars.exit_position = farthest;
 }
 
+/* What is left of the rows in time: the weighted sum of the previous states and, along the path, no
+ * entrainment but that of the base. */
+static void prepare_rows(full_march *self, const bdf_formula *formula, ehd_contact *contact,
+                         const contact_frame *frame) {
+    carry_over(self, formula, frame);
+    if (!is_along_path(self)) return;
+    if (previous_base(&self->carrier, frame))
+        cblas_daxpy((int)contact->grid.num_inner, contact->entrainment, self->entrained, 1,
+                    self->previous, 1);
+    contact->entrainment = 0; // the rest is in the time derivative
+}
+
+/* Why a solution is to be repeated with a shorter step; NULL: it is not. */
+static const char *why_to_repeat(const full_march *self, const bdf_formula *formula,
+                                 const full_state *state, const ehd_contact *contact,
+                                 double entrainment, double central_film) {
+    if (full_beyond_law(state, contact)) return "a pressure beyond the viscosity law's limit";
+    if (is_along_path(self) &&
+        is_another_solution(self, formula, state, contact, entrainment, central_film))
+        return "a film far from its prediction";
+    return NULL;
+}
+
+/* Why a solution is not to be trusted; NULL: it is. */
+static const char *why_not_to_trust(const full_state *state, const ehd_grid *grid, bool backwards) {
+    if (is_cut(state, grid, backwards))
+        return backwards ? "the exit boundary outside the domain (grid.x_min)"
+                         : "the exit boundary outside the domain (grid.x_max)";
+    return full_film_closes(state, grid) ? "a film that closes between nodes (grid.step)" : NULL;
+}
+
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
                           double step, ehd_error *error) {
     full_march *self = solver;
     previous_state *next = state_before(self, 0);
+    const full_state *state = &next->state;
     bdf_formula formula = bdf_ring_formula(&self->ring, step);
     reynolds_squeeze squeeze = {formula.rate, self->previous};
     ehd_contact contact;
@@ -570,64 +597,51 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
 
     next->frame = *frame;
     frame_contact(&contact, frame, &self->reference);
-    carry_over(self, &formula, frame);
     const double entrainment = contact.entrainment;
     const bool backwards = entrainment < 0;
-    if (is_along_path(self)) {
-        if (previous_base(&self->carrier, frame))
-            cblas_daxpy((int)contact.grid.num_inner, entrainment, self->entrained, 1,
-                        self->previous, 1);
-        contact.entrainment = 0; // the rest is in the time derivative
-    }
+    prepare_rows(self, &formula, &contact, frame);
     predict(self, &formula);
     ehd_status status = full_solve(&info, &next->state, self->solver, &contact, &squeeze, error);
     if (status) return status;
     add_effort(self, &info);
-    if (info.status == EHD_OK && full_beyond_law(&next->state, &contact)) {
-        info.status = EHD_NOT_CONVERGED;
-        info.reason = "a pressure beyond the viscosity law's limit";
-    }
-    if (info.status == EHD_OK && is_along_path(self) &&
-        is_another_solution(self, &formula, &next->state, &contact, entrainment)) {
-        info.status = EHD_NOT_CONVERGED;
-        info.reason = "a film far from its prediction";
-    }
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
-                            .scalars = full_evaluate_scalars(&next->state, &contact),
+                            .scalars = full_evaluate_scalars(state, &contact),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
-    if (info.status == EHD_OK)
-        outcome->local_error =
-            local_error(self, &formula, &next->state, &contact, entrainment, step);
-    if (info.status == EHD_OK) {
-        list_exits(outcome, self, &contact, &squeeze, backwards);
-        take_up_errors(self, &formula, &next->state, &contact, frame, step);
-        set_effects(outcome, self, &next->state, &contact);
+    if (info.status) return EHD_OK;
+
+    const double central_film = outcome->scalars.central_film_thickness;
+    const char *repeated =
+        why_to_repeat(self, &formula, state, &contact, entrainment, central_film);
+    if (repeated) {
+        outcome->status = EHD_NOT_CONVERGED;
+        outcome->reason = repeated;
+        return EHD_OK;
     }
-    if (info.status == EHD_OK && full_film_closes(&next->state, &contact.grid)) {
+    outcome->local_error =
+        local_error(self, &formula, state, &contact, entrainment, step, central_film);
+    list_exits(outcome, self, &contact, &squeeze, backwards);
+    take_up_errors(self, &formula, state, &contact, frame, step);
+    set_effects(outcome, self, state, &contact);
+    const char *doubt = why_not_to_trust(state, &contact.grid, backwards);
+    if (doubt) {
         outcome->status = EHD_UNTRUSTED;
-        outcome->reason = "a film that closes between nodes (grid.step)";
-    }
-    if (info.status == EHD_OK && is_cut(&next->state, &contact.grid, backwards)) {
-        outcome->status = EHD_UNTRUSTED;
-        outcome->reason = backwards ? "the exit boundary outside the domain (grid.x_min)"
-                                    : "the exit boundary outside the domain (grid.x_max)";
+        outcome->reason = doubt;
     }
     return EHD_OK;
 }
 
 /* The filter's errors are taken up too. */
 static void keep_errors(full_march *self, const previous_state *solved) {
-    const double passed_on = 1.5; // by steps of equal length
     const ehd_grid *grid = &self->reference.grid;
     ehd_contact contact;
 
     frame_contact(&contact, &solved->frame, &self->reference);
     for (size_t k = 0; k < grid->num_nodes; k++)
         if (self->carrier.filtered[k] != 0 && is_in_dry_contact(grid, k))
-            self->taken_up[k] += passed_on * self->carrier.filtered[k] / solved->state.film[k] *
-                                 mass_at(&solved->state, &contact, k);
+            self->taken_up[k] += march_error_growth * self->carrier.filtered[k] /
+                                 solved->state.film[k] * mass_at(&solved->state, &contact, k);
     previous_keep_errors(&self->carrier, self->taken_up);
 }
 

@@ -176,8 +176,8 @@ bool full_has_pressure(const full_state *state, size_t node) {
     return node >= 1 && node < state->exit && !state->ruptured[node];
 }
 
-bool full_is_cut(const full_state *state, const ehd_grid *grid) {
-    for (size_t r = grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
+bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards) {
+    for (size_t r = backwards ? 0 : grid->inner_x - 1; r < grid->num_inner; r += grid->inner_x)
         if (full_has_pressure(state, grid_node_of_row(grid, r))) return true;
     return false;
 }

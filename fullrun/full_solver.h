@@ -36,8 +36,9 @@ double full_exit_position(const full_state *state, const ehd_grid *grid);
  * it, and the smallest film of its scalars is that of a node. */
 bool full_film_closes(const full_state *state, const ehd_grid *grid);
 
-/* Whether the grid ends before the pressurised zone does, downstream. */
-bool full_is_cut(const full_state *state, const ehd_grid *grid);
+/* Whether an interval of pressure reaches the grid's end downstream, of an entrainment to larger X
+ * or `backwards`. */
+bool full_is_cut(const full_state *state, const ehd_grid *grid, bool backwards);
 
 typedef struct full_info {
     ehd_status status;        // EHD_OK or EHD_NOT_CONVERGED

@@ -21,6 +21,7 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
                       const ehd_contact *contact) {
     const ehd_grid *grid = &contact->grid;
     const ehd_lubricant *lubricant = &contact->lubricant;
+    const bool backwards = contact->entrainment < 0;
     double highest = highest_pressure(state, contact);
     int length = 0;
 
@@ -28,11 +29,12 @@ ehd_status full_judge(char reason[JUDGE_REASON], const full_info *info, const fu
         length =
             snprintf(reason, JUDGE_REASON, "found %s after %zu Newton iterations, residual %.1e",
                      info->reason, info->newton_iterations, info->residual);
-    else if (full_is_cut(state, grid))
-        length = snprintf(reason, JUDGE_REASON,
-                          "found the exit boundary outside the domain, expected it before X = %g "
-                          "(grid.x_max)",
-                          grid_x(grid, grid->inner_x));
+    else if (full_is_cut(state, grid, backwards))
+        length =
+            snprintf(reason, JUDGE_REASON,
+                     "found the exit boundary outside the domain, expected it before X = %g "
+                     "(grid.%s)",
+                     grid_x(grid, backwards ? 1 : grid->inner_x), backwards ? "x_min" : "x_max");
     // after a failed iteration too: it is then the likely cause
     if (full_beyond_law(state, contact))
         length += snprintf(reason + length, JUDGE_REASON - (size_t)length,

@@ -54,18 +54,16 @@ double full_exit_position(const full_state *state, const ehd_grid *grid) {
     return grid_x(grid, state->exit - 1) + state->exit_offset * grid->step;
 }
 
-/* The first node behind the last positive pressure of an interval that ends before `exit`, what lies
- * in between being noise of the active set; `exit` itself where there is none. */
-static size_t behind_pressure(const full_state *state, size_t exit, bool backwards) {
-    size_t node = backwards ? exit + 1 : exit - 1;
+/* Takes `exit`, which has no pressure, to the node behind the last positive pressure before it: what
+ * lies in between is noise of the active set. False: the interval before it has none. */
+static bool find_end_of_pressure(size_t *exit, const full_state *state, bool backwards) {
+    size_t before = backwards ? *exit + 1 : *exit - 1;
 
-    while (full_has_pressure(state, node) && !(state->pressure[node] > 0))
-        node = backwards ? node + 1 : node - 1;
-    return !full_has_pressure(state, node) ? exit : backwards ? node - 1 : node + 1;
-}
-
-static bool is_behind_pressure(const full_state *state, size_t exit, bool backwards) {
-    return state->pressure[backwards ? exit + 1 : exit - 1] > 0;
+    for (; full_has_pressure(state, before); before = backwards ? before + 1 : before - 1) {
+        if (state->pressure[before] > 0) return true;
+        *exit = before;
+    }
+    return false;
 }
 
 static void list_exits_of_line(double *positions, const full_state *state, const ehd_grid *grid,
@@ -74,10 +72,9 @@ static void list_exits_of_line(double *positions, const full_state *state, const
     size_t count = 0;
 
     for (size_t i = last; i > 0 && count < GRID_EXITS; i--) {
-        const size_t exit = first + (backwards ? last - i : i);
-        if (full_has_pressure(state, exit)) continue;
-        const size_t behind = behind_pressure(state, exit, backwards);
-        if (is_behind_pressure(state, behind, backwards)) positions[count++] = grid_x(grid, behind);
+        size_t exit = first + (backwards ? last - i : i);
+        if (!full_has_pressure(state, exit) && find_end_of_pressure(&exit, state, backwards))
+            positions[count++] = grid_x(grid, exit);
     }
     while (count < GRID_EXITS)
         positions[count++] = NAN;

@@ -180,7 +180,7 @@ static const double *take_exits(runner *self, const march_step *step,
 
 /* NaN where one of them is. */
 static double larger(double a, double b) {
-    return a >= b ? a : b + (a - a);
+    return isnan(a) || a > b ? a : b;
 }
 
 /* Entry `march_step` of the file, with fields at every N-th step. */
@@ -326,9 +326,11 @@ static void note_effect(const runner *self, const run_totals *totals) {
 }
 
 static void report_effects(const run_totals *totals, const march_state *state) {
-    if (isnan(mean_effect(totals, state))) return;
-    printf("%-24scentral film %.2g %% rms, %.2g %% at most", "effect of the steps",
-           100 * mean_effect(totals, state), 100 * totals->max_effect);
+    const double mean = mean_effect(totals, state);
+
+    if (isnan(mean)) return;
+    printf("%-24scentral film %.2g %% rms, %.2g %% at most", "effect of the steps", 100 * mean,
+           100 * totals->max_effect);
     if (!isnan(totals->max_effect_minimum))
         printf("; minimum film %.2g %% at most", 100 * totals->max_effect_minimum);
     printf("\n");

@@ -383,6 +383,13 @@ void histories_at(double value[NUM_VARY], const ehd_histories *self, double time
     if (!histories_reverse(self)) value[VARY_SPEED] = fmax(value[VARY_SPEED], 0);
 }
 
+double histories_start_speed(const ehd_histories *self) {
+    double value[NUM_VARY];
+
+    histories_at(value, self, 0);
+    return isnan(self->start_speed) ? value[VARY_SPEED] : self->start_speed;
+}
+
 double histories_path(const ehd_histories *self, double time) {
     const history *speed = &self->of[VARY_SPEED];
     return speed->law->integral(speed, time);

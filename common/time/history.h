@@ -43,6 +43,9 @@ void histories_at(
     // input:
     const ehd_histories *self, double time);
 
+/* Speed whose stationary film is the start: that of the history unless the scene says another. */
+double histories_start_speed(const ehd_histories *self);
+
 /* Integral of the speed from T = 0 to `time`: the path of the fluid, in reference half widths. */
 double histories_path(const ehd_histories *self, double time);
 

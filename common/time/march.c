@@ -11,6 +11,7 @@
 
 const double march_exit_margin = 0.1;
 const double march_short_path = 0.25;
+const double march_error_growth = 1.5;
 
 /* Local errors add up over the hundreds of steps that a film takes through the contact. What a step
  * may make is the tolerance by this, measured on a film that follows a load of period 1/2: its
@@ -43,7 +44,6 @@ march_settings march_settings_of(const scene *given, const ehd_histories *histor
     march_settings settings = {.end_time = given->transient.end_time,
                                .tolerance = path ? tolerance : tolerance / PASSAGE,
                                .fixed_step = given->transient.fixed_step,
-                               .start_speed = given->transient.start_speed,
                                .approach_given = strcmp(given->closure, "approach") == 0,
                                .reference_approach = reference_approach};
     double shortest = fmin(histories_shortest_time(histories), given->transient.end_time);
@@ -84,10 +84,10 @@ ehd_status march_check_start(double speed, bool approach_given, ehd_error *error
 
 /* The frame of the start. */
 static contact_frame start_frame(const march *self) {
-    const march_settings *settings = &self->settings;
-    contact_frame frame = march_frame(settings, self->reference->kind, self->histories, 0, 1);
+    contact_frame frame =
+        march_frame(&self->settings, self->reference->kind, self->histories, 0, 1);
 
-    if (!isnan(settings->start_speed)) frame.speed = settings->start_speed;
+    frame.speed = histories_start_speed(self->histories);
     return frame;
 }
 

@@ -33,6 +33,10 @@ typedef struct march_step {
  * in 18 steps; with it 0.14 % off in 396, of a tolerance of 0.15 %. */
 extern const double march_short_path;
 
+/* An error that steps of equal length add to a film one after the other, as what the filter changes,
+ * BDF2 makes so many times as large: its rate times the step. */
+extern const double march_error_growth;
+
 /* The local error is looked at up to this far before the exit boundary, in half widths: nearer to
  * it, the exit's moves by whole nodes make a noise that no shorter step takes away. */
 extern const double march_exit_margin;
@@ -66,11 +70,10 @@ typedef struct march_solver {
 
 typedef struct march_settings {
     double end_time;
-    double tolerance;   // on the local error of one step, or on what a film takes up; NaN with a
-                        // fixed step
-    double fixed_step;  // NaN: steps by the local error
-    double first_step;  // after the start and after a jump
-    double start_speed; // factor; NaN: that of its history at T = 0
+    double tolerance;  // on the local error of one step, or on what a film takes up; NaN with a
+                       // fixed step
+    double fixed_step; // NaN: steps by the local error
+    double first_step; // after the start and after a jump
     bool approach_given;
     double reference_approach; // H0 that a factor of 1 stands for; when the approach is given
 } march_settings;

@@ -31,8 +31,9 @@ typedef struct error_estimate {
     size_t *way;     // [num_way] nodes
     size_t *way_row; // [num_way] the row there, or NO_ROW
     double *x;       // [num_way] X there
-    double
-        *missed; // [num_way] what the attempt misses of rho H there, but for the formula's factor
+    // [num_way] what the attempt misses of rho H there, but for the formula's factor; once it is
+    // accepted what the filter changes
+    double *missed;
 } error_estimate;
 
 static const size_t NO_ROW = SIZE_MAX;
@@ -579,15 +580,14 @@ static void miss_on_the_way(reduced_march *self) {
 static double error_on_the_way(const reduced_march *self, double step) {
     const error_estimate *estimate = &self->estimate;
     const double *x = estimate->x, *missed = estimate->missed;
-    double largest = 0, sum = 0, lowest = 0, highest = 0;
+    double sum = 0, lowest = 0, highest = 0;
 
     for (size_t i = 1; i < estimate->num_way; i++) {
         sum += (x[i] - x[i - 1]) * (missed[i] + missed[i - 1]) / 2;
         lowest = fmin(lowest, sum);
         highest = fmax(highest, sum);
-        largest = fmax(sum - lowest, highest - sum);
     }
-    return largest / (step * fmax(self->entrainment, 1));
+    return fmax(sum - lowest, highest - sum) / (step * fmax(self->entrainment, 1));
 }
 
 /* Local error, relative to the central film, as the march takes it (march.h), away from the exit. */
@@ -601,8 +601,7 @@ static double local_error(reduced_march *self, double central_film, double step)
 }
 
 /* Carries the errors of the films along and adds those of the attempt; sets what ever smaller steps
- * would change of the films, relative, as in the full model. By the rows it is not
- * told. */
+ * would change of the films, relative, as in the full model. By the rows it is not told. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact,
                         double step) {
     const contact_scalars *scalars = &outcome->scalars;
@@ -731,7 +730,6 @@ static void prepare_film(previous_film *film, const reduced_march *self) {
 
 /* The filter's errors are taken up too. */
 static void keep_errors(reduced_march *self, const previous_film *solved) {
-    const double passed_on = 1.5; // by steps of equal length
     error_estimate *estimate = &self->estimate;
     ehd_contact contact;
 
@@ -740,7 +738,8 @@ static void keep_errors(reduced_march *self, const previous_film *solved) {
         estimate->missed[i] =
             hertz_density(&contact, estimate->x[i]) *
             path_filter_change(solved, estimate->way[i], &self->path, self->model, self->splines);
-    film_errors_add(&self->taken_up, passed_on, estimate->missed, estimate->x, estimate->num_way);
+    film_errors_add(&self->taken_up, march_error_growth, estimate->missed, estimate->x,
+                    estimate->num_way);
     film_errors_keep(&self->taken_up);
 }
 

@@ -101,6 +101,26 @@ void marched_all(marched *self, const scene *of) {
     check_close(self->time[self->count - 1], of->transient.end_time, 0, 0);
 }
 
+void marched_check_restored(marched *other, const marched *stopped, const double *saved,
+                            const marched *whole) {
+    const size_t from = stopped->count, bytes = (whole->count - from) * sizeof(double);
+    ehd_error error = {""};
+
+    marched_begin(other, &whole->scene);
+    const march_solver *solver = &other->march.solver;
+    if (solver->restore(solver->self, saved, &error)) fail_msg("%s", error.text);
+    other->march.state = stopped->march.state;
+    other->count = from;
+    marched_on(other);
+    assert_int_equal(other->count, whole->count);
+    assert_memory_equal(other->time + from, whole->time + from, bytes);
+    assert_memory_equal(other->film + from, whole->film + from, bytes);
+    assert_memory_equal(other->approach + from, whole->approach + from, bytes);
+    assert_memory_equal(other->exit + from, whole->exit + from, bytes);
+    assert_memory_equal(other->effect + from, whole->effect + from, bytes);
+    marched_end(other);
+}
+
 /* Film of a run at any of its times, linear in between. */
 static double film_between(const marched *self, double time) {
     size_t k = 1;

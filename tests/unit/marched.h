@@ -43,6 +43,11 @@ void marched_end(marched *self);
 /* From start to end. */
 void marched_all(marched *self, const scene *of);
 
+/* Another object that goes on from what was saved of `stopped`, with the same bits as `whole`, a run
+ * without a stop. */
+void marched_check_restored(marched *other, // work
+                            const marched *stopped, const double *saved, const marched *whole);
+
 /* Largest relative difference of the central film from that of a run with many more steps. */
 double marched_deviation(const marched *self, const marched *from);
 

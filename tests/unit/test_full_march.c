@@ -537,24 +537,11 @@ static void save_and_go_on(const scene *scene_of_run) {
         assert_int_equal(second.count, stop + 1);
         const march_solver *from = &second.march.solver;
         double *saved = calloc(from->saved_size(from->self), sizeof *saved);
-        ehd_error error = {""};
         assert_non_null(saved);
         from->save(saved, from->self);
-
-        marched_begin(&third, &of);
-        assert_int_equal(third.march.solver.restore(third.march.solver.self, saved, &error),
-                         EHD_OK);
-        third.march.state = second.march.state;
-        third.count = second.count;
-        marched_on(&third);
-        assert_int_equal(third.count, first.count);
-        size_t bytes = (first.count - stop - 1) * sizeof(double);
-        assert_memory_equal(third.time + stop + 1, first.time + stop + 1, bytes);
-        assert_memory_equal(third.film + stop + 1, first.film + stop + 1, bytes);
-        assert_memory_equal(third.approach + stop + 1, first.approach + stop + 1, bytes);
+        marched_check_restored(&third, &second, saved, &first);
         free(saved);
         marched_end(&second);
-        marched_end(&third);
     }
     marched_end(&first);
 }

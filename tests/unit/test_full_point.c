@@ -260,7 +260,7 @@ static void solution_satisfies_the_problem(void **state) {
         assert_true(count > grid->num_inner / 2 && count < grid->num_inner);
         check_close(sum * grid->step * grid->step, 2 * M_PI / 3, 1e-9, 0);
         assert_true(solved.info.complementarity <= 1e-9);
-        assert_false(full_is_cut(&solved.state, grid));
+        assert_false(full_is_cut(&solved.state, grid, false));
         problem_free(&solved);
         free(rows);
     }

@@ -238,20 +238,9 @@ static void repeated_and_restored_steps_have_the_same_bits(void **state) {
         check_close(one.local_error, other.local_error, 0, 0);
 
         from->save(saved, from->self);
-        marched_begin(&third, &of);
-        assert_int_equal(third.march.solver.restore(third.march.solver.self, saved, &error),
-                         EHD_OK);
-        third.march.state = second.march.state;
-        third.count = second.count;
-        marched_on(&third);
-        assert_int_equal(third.count, first.count);
-        const size_t bytes = (first.count - stop - 1) * sizeof(double);
-        assert_memory_equal(third.time + stop + 1, first.time + stop + 1, bytes);
-        assert_memory_equal(third.film + stop + 1, first.film + stop + 1, bytes);
-        assert_memory_equal(third.exit + stop + 1, first.exit + stop + 1, bytes);
+        marched_check_restored(&third, &second, saved, &first);
         free(saved);
         marched_end(&second);
-        marched_end(&third);
     }
     marched_end(&first);
 }
