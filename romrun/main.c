@@ -25,7 +25,7 @@ typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
-    double accuracy;       // of the central film, to choose the sizes by; 0: not given
+    double accuracy;       // of the films, to choose the sizes by; 0: not given
     ehdrom_sizes fallback; // where the result of `sizes` is not accurate enough
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
@@ -44,14 +44,14 @@ static const program_option own_options[] = {
     {"deformation-modes", 0, "N", "Use only the first N deformation modes",
      OPTION_COUNT(sizes.deformation_modes, 1, 100000)},
     {"rows", 0, "N", "Use only the first N rows", OPTION_COUNT(sizes.rows, 1, 10000000)},
-    {"accuracy", 0, "X", "Use as much of a calibrated model as its central film needs to deviate by at most X, "
-     "such as 1e-3, on most scenes, converged to a fiftieth of it; exit with 4 where it is "
-     "indicated to deviate by more", OPTION_REAL(accuracy, 1e-15, 1)},
+    {"accuracy", 0, "X", "Use as much of a calibrated model as its central and minimum film need to deviate by at "
+     "most X, such as 1e-3, on most scenes (in time the central film), converged to a fiftieth of it; exit with 4 "
+     "where they are indicated to deviate by more; without it more than 0.01", OPTION_REAL(accuracy, 1e-15, 1)},
     {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
      "would change of the central film (stationary)", OPTION_FLAG(verify)},
     {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
-     "indicated to deviate by more than --accuracy", OPTION_FLAG(allow_untrusted)},
+     "indicated to deviate by more than --accuracy, or 0.01", OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
@@ -269,7 +269,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         self->effects = ehdrom_effects(done->model, self->contact);
         self->result.effects = &self->effects;
     }
-    if (self->options->accuracy > 0) accuracy_judge(&self->result, self->options->accuracy);
+    accuracy_judge(&self->result, self->options->accuracy);
     return status;
 }
 

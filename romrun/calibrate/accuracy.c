@@ -2,7 +2,10 @@
 #include "romrun/calibrate/accuracy.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
+
+static const double DEFAULT_ACCURACY = 0.01;
 
 /* Describes the chosen sizes and their measured accuracy. */
 static void explain(accuracy_choice *choice, const trade_table *table,
@@ -13,10 +16,11 @@ static void explain(accuracy_choice *choice, const trade_table *table,
 
     trade_name(sizes, &position->sizes);
     snprintf(choice->note, sizeof choice->note,
-             "%s, the fastest of %zu sizes whose central film was%s at most so far off: %.3g on "
-             "%s%zu %s, in %.3g ms%s",
-             sizes, table->num_positions, indicated ? " indicated to be" : "", price.deviation,
-             indicated ? "90 % of " : "", in_time ? table->num_trajectories : table->num_scenes,
+             "%s, the fastest of %zu sizes whose %s%s at most so far off: %.3g on %s%zu %s, in "
+             "%.3g ms%s",
+             sizes, table->num_positions, in_time ? "central film was" : "films were",
+             indicated ? " indicated to be" : "", price.deviation, indicated ? "90 % of " : "",
+             in_time ? table->num_trajectories : table->num_scenes,
              in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");
 }
 
@@ -58,11 +62,16 @@ double accuracy_tolerance(double accuracy) {
 }
 
 void accuracy_judge(run_result *result, double accuracy) {
-    if (result->status || isnan(result->indicated_deviation) ||
-        result->indicated_deviation <= accuracy)
-        return;
+    const double central = result->indicated_deviation;
+    const double minimum = result->indicated_deviation_minimum;
+    const bool of_minimum = minimum > central, given = accuracy > 0;
+    const double larger = of_minimum ? minimum : central;
+    const double limit = given ? accuracy : DEFAULT_ACCURACY;
+
+    if (result->status || isnan(central) || larger <= limit) return;
     result->status = EHD_UNTRUSTED;
     snprintf(result->reason, sizeof result->reason,
-             "an indicated deviation of %.2g of the central film, more than the --accuracy of %g",
-             result->indicated_deviation, accuracy);
+             "an indicated deviation of %.2g of the %s film, more than %s%g", larger,
+             of_minimum ? "minimum" : "central",
+             given ? "the --accuracy of " : "holds without --accuracy, ", limit);
 }

@@ -13,7 +13,7 @@ typedef struct accuracy_choice {
     char note[ACCURACY_NOTE];   // the fastest sizes and their measured accuracy
 } accuracy_choice;
 
-/* Chooses the sizes for a relative deviation of the central film. `name`: of the model, for errors.
+/* Chooses the sizes for a relative deviation of the films, in time of the central one. `name`: of the model, for errors.
  * EHD_DATA: not calibrated in this regime, or no sizes are that accurate. */
 ehd_status accuracy_choose(
     // output:
@@ -24,7 +24,8 @@ ehd_status accuracy_choose(
 /* Tolerance for ehdrom_solver_set_tolerance: a fiftieth of the accuracy, at least 1e-8. */
 double accuracy_tolerance(double accuracy);
 
-/* Sets EHD_UNTRUSTED where the result is indicated to deviate by more than the accuracy. */
+/* Sets EHD_UNTRUSTED where the central or the minimum film is indicated to deviate by more than the
+ * accuracy, 1 % where that is 0: not given. */
 void accuracy_judge(run_result *result, double accuracy);
 
 #endif

@@ -13,18 +13,20 @@ enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
 typedef struct samples {
     size_t count;                            // of scenes
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
-    double *bound;                           // [count] of the central film's
-    double *indicated;                       // [count + failures]
-    double *effectivity;                     // [count]
+    double *bound, *bound_minimum;           // [count] of the two films'
+    double *indicated;                       // [count + failures], the larger one
+    double *effectivity;                     // [count], the smaller one
     double *seconds;                         // [count * REPEATS]
     double iterations, max_iterations;       // sum and largest
-    double *pressure, *film;                 // [num_nodes]
+    double largest_residual;
+    double *pressure, *film; // [num_nodes]
 } samples;
 
 static void samples_free(samples *self) {
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         free(self->deviation[q]);
     free(self->bound);
+    free(self->bound_minimum);
     free(self->indicated);
     free(self->effectivity);
     free(self->seconds);
@@ -42,13 +44,14 @@ static ehd_status samples_init(samples *self, size_t num_scenes, size_t num_node
         complete = complete && self->deviation[q];
     }
     self->bound = malloc((num_scenes + 1) * sizeof(double));
+    self->bound_minimum = malloc((num_scenes + 1) * sizeof(double));
     self->indicated = malloc((num_scenes + 1) * sizeof(double));
     self->effectivity = malloc((num_scenes + 1) * sizeof(double));
     self->seconds = malloc((num_scenes + 1) * REPEATS * sizeof(double));
     self->pressure = malloc(num_nodes * sizeof(double));
     self->film = malloc(num_nodes * sizeof(double));
-    if (complete && self->bound && self->indicated && self->effectivity && self->seconds &&
-        self->pressure && self->film)
+    if (complete && self->bound && self->bound_minimum && self->indicated && self->effectivity &&
+        self->seconds && self->pressure && self->film)
         return EHD_OK;
     return ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu scenes", num_scenes);
 }
@@ -73,7 +76,9 @@ static void add_sample(samples *self, const ehdrom_result *result, const solved_
             fmax(self->deviation[TRADE_PRESSURE][self->count],
                  fabs(self->pressure[k] - solved->pressure[k]));
     self->bound[self->count] = result->bound;
+    self->bound_minimum[self->count] = result->bound_minimum;
     self->iterations += (double)result->iterations;
+    self->largest_residual = fmax(self->largest_residual, result->residual);
     self->max_iterations = fmax(self->max_iterations, (double)result->iterations);
     self->count++;
 }
@@ -99,15 +104,21 @@ static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_
 
 /* To be called before the deviations are sorted, while they match the bounds. */
 static void fit_indicator(trade_position *position, samples *self) {
-    const double *deviation = self->deviation[TRADE_CENTRAL_FILM];
+    const double *central = self->deviation[TRADE_CENTRAL_FILM];
+    const double *minimum = self->deviation[TRADE_MINIMUM_FILM];
     const size_t num_scenes = self->count + position->num_failures;
-    const double factor = trade_indicator_factor(deviation, self->bound, self->count);
 
-    position->indicator_factor = factor;
+    position->indicator_factor = trade_indicator_factor(central, self->bound, self->count);
+    position->indicator_factor_minimum =
+        trade_indicator_factor(minimum, self->bound_minimum, self->count);
     for (size_t i = 0; i < num_scenes; i++)
-        self->indicated[i] = i < self->count ? factor * self->bound[i] : INFINITY;
-    for (size_t i = 0; i < self->count; i++)
-        self->effectivity[i] = self->indicated[i] / deviation[i];
+        self->indicated[i] = INFINITY;
+    for (size_t i = 0; i < self->count; i++) {
+        const double of_central = position->indicator_factor * self->bound[i];
+        const double of_minimum = position->indicator_factor_minimum * self->bound_minimum[i];
+        self->indicated[i] = fmax(of_central, of_minimum);
+        self->effectivity[i] = fmin(of_central / central[i], of_minimum / minimum[i]);
+    }
     for (int i = 0; i < NUM_TRADE_PARTS; i++) {
         position->indicated[i] = trade_quantile_of(self->indicated, num_scenes, trade_parts[i]);
         position->effectivity[i] =
@@ -123,6 +134,7 @@ static void evaluate(trade_position *position, samples *self) {
                 trade_quantile_of(self->deviation[q], self->count, trade_quantiles[i]);
     position->seconds = trade_quantile_of(self->seconds, self->count * REPEATS, 0.5);
     position->mean_iterations = self->count ? self->iterations / (double)self->count : NAN;
+    position->largest_residual = self->largest_residual;
     position->max_iterations = self->count ? self->max_iterations : NAN;
 }
 

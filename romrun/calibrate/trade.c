@@ -82,8 +82,9 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
     if (position->indicator_factor > 0)
         return (trade_price){position->indicated[PART_90], position->seconds,
                              isfinite(position->indicated[PART_90]) ? 0 : position->num_failures};
-    return (trade_price){position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST], position->seconds,
-                         position->num_failures};
+    return (trade_price){fmax(position->deviation[TRADE_CENTRAL_FILM][TRADE_WORST],
+                              position->deviation[TRADE_MINIMUM_FILM][TRADE_WORST]),
+                         position->seconds, position->num_failures};
 }
 
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time) {
@@ -171,17 +172,18 @@ static void print_scenes(const trade_table *table, FILE *stream) {
 static void print_indicator(const trade_table *table, FILE *stream) {
     fprintf(
         stream,
-        "indicated deviation of the central film: median, 90 %% and 95 %% of all scenes; over the "
-        "true one: 5 %%, median and 95 %%\n  %5s%6s%6s  %8s  %-23s  %s\n",
-        "modes", "+", "rows", "factor", "indicated", "over true");
+        "indicated deviation, the larger of both films: median, 90 %% and 95 %% of all scenes; "
+        "over the true one, the smaller of both: 5 %%, median and 95 %%\n  %5s%6s%6s  %17s  %-23s  "
+        "%s\n",
+        "modes", "+", "rows", "factors", "indicated", "over true");
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_position *position = &table->positions[i];
         const double *indicated = position->indicated, *over = position->effectivity;
         if (!(position->indicator_factor > 0)) continue;
         print_sizes(table, i, false, stream);
-        fprintf(stream, "  %8.2e  %7.1e %7.1e %7.1e  %7.1e %7.1e %7.1e\n",
-                position->indicator_factor, indicated[PART_50], indicated[PART_90],
-                indicated[PART_95], over[PART_5], over[PART_50], over[PART_95]);
+        fprintf(stream, "  %8.2e %8.2e  %7.1e %7.1e %7.1e  %7.1e %7.1e %7.1e\n",
+                position->indicator_factor, position->indicator_factor_minimum, indicated[PART_50],
+                indicated[PART_90], indicated[PART_95], over[PART_5], over[PART_50], over[PART_95]);
     }
 }
 
@@ -204,7 +206,7 @@ static void print_trajectories(const trade_table *table, FILE *stream) {
 }
 
 void trade_print(const trade_table *table, FILE *stream) {
-    fputs("* not beaten in both time and the central film that --accuracy goes by\n", stream);
+    fputs("* not beaten in both time and the deviation that --accuracy goes by\n", stream);
     if (table->num_scenes > 0) print_scenes(table, stream);
     if (table->num_scenes > 0) print_indicator(table, stream);
     if (table->num_trajectories > 0) print_trajectories(table, stream);

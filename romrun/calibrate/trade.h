@@ -36,9 +36,10 @@ size_t trade_most_accurate(const trade_table *table, bool in_time);
 /* Deviation and time by which these choose. With an indicator, which marks the scenes that deviate
  * by more, it is enough that 90 % of the scenes are solved and indicated to deviate by no more. */
 typedef struct trade_price {
-    double
-        deviation;  // central film: worst or, with an indicator, the 90 % quantile of the indicated
-    double seconds; // of a solution or a step
+    // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time of the
+    // central film alone
+    double deviation;
+    double seconds;      // of a solution or a step
     size_t num_failures; // with an indicator 0 up to 10 % of the scenes
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
@@ -47,7 +48,7 @@ trade_price trade_price_of(const trade_position *position, bool in_time);
 enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes);
 
-/* Factor of the indicator (indicator.h) with which each scene is indicated to deviate at least
+/* Factor of a film's indicator (indicator.h) with which each scene is indicated to deviate at least
  * twice as much as it does. 0: no scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 

@@ -109,6 +109,12 @@ static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_er
     for (size_t i = 0; i < num_positions && !status; i++)
         values[i] = table->positions[i].indicator_factor;
     if (!status) status = artefact_put(file, "indicator_factor", values, error);
+    for (size_t i = 0; i < num_positions && !status; i++)
+        values[i] = table->positions[i].indicator_factor_minimum;
+    if (!status) status = artefact_put(file, "indicator_factor_minimum", values, error);
+    for (size_t i = 0; i < num_positions && !status; i++)
+        values[i] = table->positions[i].largest_residual;
+    if (!status) status = artefact_put(file, "position_largest_residual", values, error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
         values[i] = table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS];
     if (!status) status = artefact_put(file, "indicated_deviation", values, error);
@@ -188,6 +194,20 @@ static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error
     return status;
 }
 
+/* One positive number a position. */
+static ehd_status get_positive(double *values, size_t num_positions, artefact *file,
+                               const char *field, ehd_error *error) {
+    ehd_status status = artefact_get(file, field, values, error);
+
+    for (size_t i = 0; i < num_positions && !status; i++)
+        if (!(values[i] >= 0 && isfinite(values[i])))
+            status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
+                              artefact_path(file), field, values[i]);
+    return status;
+}
+
+/* A calibration that has no factor of the minimum film took that of the central one; one that has no
+ * residuals sets no limit to them. */
 static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
@@ -197,13 +217,21 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
     double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = artefact_get(file, "indicator_factor", values, error);
-    for (size_t i = 0; i < num_positions && !status; i++) {
-        table->positions[i].indicator_factor = values[i];
-        if (!(values[i] >= 0 && isfinite(values[i])))
-            status =
-                ehd_fail(error, EHD_DATA, "%s: indicator_factor: found %g, expected at least 0",
-                         artefact_path(file), values[i]);
+    if (!status) status = get_positive(values, num_positions, file, "indicator_factor", error);
+    for (size_t i = 0; i < num_positions && !status; i++)
+        table->positions[i].indicator_factor = table->positions[i].indicator_factor_minimum =
+            values[i];
+    if (!status && artefact_has(file, "indicator_factor_minimum")) {
+        status = get_positive(values, num_positions, file, "indicator_factor_minimum", error);
+        for (size_t i = 0; i < num_positions && !status; i++)
+            table->positions[i].indicator_factor_minimum = values[i];
+    }
+    for (size_t i = 0; i < num_positions; i++)
+        table->positions[i].largest_residual = INFINITY;
+    if (!status && artefact_has(file, "position_largest_residual")) {
+        status = get_positive(values, num_positions, file, "position_largest_residual", error);
+        for (size_t i = 0; i < num_positions && !status; i++)
+            table->positions[i].largest_residual = values[i];
     }
     if (!status) status = artefact_get(file, "indicated_deviation", values, error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)

@@ -27,10 +27,12 @@ typedef struct trade_position {
     double mean_iterations, max_iterations; // Newton, of a scene
     double seconds;                         // of a solution, median
     size_t num_failures;                    // scenes not converged or not to be trusted
-    // the indicator of the central film's deviation
-    double indicator_factor;             // 0: not calibrated, what follows is unknown
-    double indicated[NUM_TRADE_PARTS];   // deviation, over all scenes; infinite: not solved
-    double effectivity[NUM_TRADE_PARTS]; // indicated over true deviation
+    // the indicator of the films' deviations
+    double indicator_factor;             // central film; 0: not calibrated, what follows is unknown
+    double indicator_factor_minimum;     // minimum film
+    double indicated[NUM_TRADE_PARTS];   // larger deviation, over all scenes; infinite: not solved
+    double effectivity[NUM_TRADE_PARTS]; // indicated over true deviation, the smaller one
+    double largest_residual;             // of the least squares; infinite: not known
     // on trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean

@@ -16,6 +16,8 @@ struct ehdrom_model {
     char *path;
     trained_range *range;
     double indicator_factor; // 0: not calibrated at these sizes
+    double indicator_factor_minimum;
+    double largest_residual; // of the scenes of the calibration; infinite: not known
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;
@@ -30,21 +32,22 @@ struct ehdrom_solver {
     double *pressure_basis; // [num_nodes, num_pressure], read with the first fields
 };
 
-/* Indicator factor of the model's sizes from its calibration, 0 where there is none. */
-static ehd_status read_factor(double *factor, const char *path, const reduced_model *model,
-                              ehd_error *error) {
+/* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
+static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *error) {
+    const reduced_model *model = &self->reduced;
     const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
     trade_table table;
     bool calibrated;
     ehd_status status = trade_read_optional(&table, &calibrated, path, error);
 
-    *factor = 0;
+    self->largest_residual = INFINITY;
     if (status || !calibrated) return status;
     for (size_t i = 0; i < table.num_positions; i++) {
-        const ehdrom_sizes *sizes = &table.positions[i].sizes;
-        if (sizes->pressure_modes == own.pressure_modes &&
-            sizes->deformation_modes == own.deformation_modes && sizes->rows == own.rows)
-            *factor = table.positions[i].indicator_factor;
+        const trade_position *position = &table.positions[i];
+        if (memcmp(&position->sizes, &own, sizeof own) != 0) continue;
+        self->indicator_factor = position->indicator_factor;
+        self->indicator_factor_minimum = position->indicator_factor_minimum;
+        if (position->indicator_factor > 0) self->largest_residual = position->largest_residual;
     }
     trade_free(&table);
     return EHD_OK;
@@ -61,7 +64,7 @@ ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_size
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
     ehd_status status = model_read(&self->reduced, path, sizes, error);
-    if (!status) status = read_factor(&self->indicator_factor, path, &self->reduced, error);
+    if (!status) status = read_factors(self, path, error);
     if (!status) {
         self->range = trained_range_create(&self->reduced);
         if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
@@ -162,24 +165,34 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
 /* Estimates the deviation from the residuals of the rows. */
 static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                      const reduced_info *info) {
-    const double factor = solver->model->indicator_factor, start = program_seconds();
+    const ehdrom_model *model = solver->model;
+    const double start = program_seconds();
 
-    result->bound = result->indicated = result->indicated_minimum = NAN;
+    result->bound = result->bound_minimum = result->indicated = result->indicated_minimum = NAN;
     if (info->status == EHD_NOT_CONVERGED) return;
     result->bound = indicator_bound(solver->indicator, solver->reduced, &solver->state, contact,
                                     &info->scalars);
-    if (factor > 0) {
-        result->indicated = factor * result->bound;
-        result->indicated_minimum =
-            factor * indicator_bound_minimum(solver->indicator, solver->reduced, &info->scalars);
+    result->bound_minimum =
+        indicator_bound_minimum(solver->indicator, solver->reduced, &info->scalars);
+    if (model->indicator_factor > 0) {
+        result->indicated = model->indicator_factor * result->bound;
+        result->indicated_minimum = model->indicator_factor_minimum * result->bound_minimum;
     }
     result->seconds += program_seconds() - start;
 }
 
-/* Marks a converged result outside of the trained range as untrusted. */
+/* Of false solutions, with a spike where none is, 0.1 to 15 is left in the rows, some thousand times
+ * what the calibration's scenes leave; 800 good solutions with lubricants that were in no training
+ * leave up to ten times as much. */
+static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
+
+/* Marks a converged result outside of the trained range, or far from solving its rows, as
+ * untrusted. */
 static void judge(ehdrom_result *result, const ehdrom_model *model, const ehd_contact *contact) {
     if (result->status) return;
     const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
+    if (!reason && result->residual > MAX_RESIDUAL_OVER_CALIBRATION * model->largest_residual)
+        reason = "a residual far above those of the calibration, that of a false solution";
     if (!reason) return;
     result->status = EHD_UNTRUSTED;
     result->reason = reason;

@@ -56,8 +56,9 @@ typedef struct ehdrom_result {
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // of the relative deviation of the central film, up to a factor
-    double indicated;         // that deviation; NaN: not calibrated at these sizes
-    double indicated_minimum; // the same of the minimum film
+    double bound_minimum;     // the same of the minimum film
+    double indicated;         // deviation of the central film; NaN: not calibrated at these sizes
+    double indicated_minimum; // and of the minimum film
     double seconds;           // of the solution, of which:
     double seconds_rows;      // rows and reduced Jacobian
     double seconds_linear;    // least squares

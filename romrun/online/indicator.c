@@ -15,7 +15,9 @@ struct indicator {
     double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
-    double residual;         // of the last bound
+    double *residual;        // [num_rows] of the control rows, weighted
+    double *influence;       // [rows of the model] on a film
+    size_t *nearest;         // [num_rows] the row of the model whose influence a control row has
     arena memory;            // of all arrays
 };
 
@@ -39,6 +41,9 @@ indicator *indicator_create(const reduced_model *model) {
     self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
     self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
     self->rows = arena_array(memory, (control->num_rows + 1), sizeof *self->rows);
+    self->residual = arena_array(memory, control->num_rows + 1, sizeof(double));
+    self->influence = arena_array(memory, model->rows.num_rows, sizeof(double));
+    self->nearest = arena_array(memory, control->num_rows + 1, sizeof *self->nearest);
     return memory->failed ? indicator_free(self) : self;
 }
 
@@ -89,55 +94,74 @@ static void expand(indicator *self, const reduced_state *state) {
     }
 }
 
-double indicator_control_residual(indicator *self, const reduced_state *state,
-                                  const ehd_contact *contact) {
+const double *indicator_control_residuals(indicator *self, const reduced_state *state,
+                                          const ehd_contact *contact) {
     const reduced_model *model = self->model;
     const row_set *control = &model->control;
     size_t num_needed = control->num_needed;
     // a node that the exit divides has another row
     const size_t cell_node = reduced_exit_divides(state, model) ? state->exit - 1 : NO_NODE;
-    double sum = 0;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
 
-    if (control->num_rows == 0) return 0;
+    if (control->num_rows == 0) return self->residual;
     expand(self, state);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
     reynolds_rows(self->rows, &model->grid, contact->entrainment, NULL, control->stencils,
                   control->num_rows, &fluid, self->pressure, self->film);
     for (size_t r = 0; r < control->num_rows; r++) {
-        double residual = control->weight[r] * self->rows[r].residual;
-        if (is_before(model, control->node[r], reduced_state_exits(state)) &&
-            control->node[r] != cell_node)
-            sum += residual * residual;
+        const bool counts = is_before(model, control->node[r], reduced_state_exits(state)) &&
+                            control->node[r] != cell_node;
+        self->residual[r] = counts ? control->weight[r] * self->rows[r].residual : 0;
     }
-    return sqrt(sum);
+    return self->residual;
 }
 
-/* Change of the central film, in units of a^2/R, up to which the bound is about linear. Measured on
- * 1250 random scenes of both loaded regions with five viscosity and two density laws, in the most
- * accurate sizes: up to half of it the deviation is at most a seventh of the linear bound, and soon
- * above it grows with its cube. */
-static const double LINEAR = 3e-4;
+/* The nearest row with an influence; 0 where there is none. */
+static size_t nearest_row(const indicator *self, size_t node) {
+    const row_set *rows = &self->model->rows;
+    const ehd_grid *grid = &self->model->grid;
+    const double x = grid_x(grid, node), y = grid_y(grid, node);
+    double nearest = INFINITY;
+    size_t row = 0;
 
-/* Of a film with this sensitivity. */
-static double bound_of(double residual, double sensitivity, double film) {
-    const double film_change = sensitivity * residual, part = film_change / LINEAR;
-    const double bound = film_change * (1 + part * part) / film;
+    for (size_t r = 0; r < rows->num_rows; r++) {
+        const double along = grid_x(grid, rows->node[r]) - x;
+        const double across = grid_y(grid, rows->node[r]) - y;
+        const double square = along * along + across * across;
+        if (self->influence[r] == 0 || square >= nearest) continue;
+        nearest = square;
+        row = r;
+    }
+    return row;
+}
 
+/* Of the film of which self->influence is, `own_rows` away by what least squares leave. */
+static double bound(const indicator *self, double own_rows, double thickness) {
+    double sum = own_rows * own_rows;
+
+    for (size_t r = 0; r < self->model->control.num_rows; r++) {
+        const double moved = self->residual[r] * self->influence[self->nearest[r]];
+        sum += moved * moved;
+    }
+    const double relative = sqrt(sum) / thickness;
     // at a control row the pressure may lie beyond the end of the viscosity law
-    return isnan(bound) ? INFINITY : bound;
+    return isnan(relative) ? INFINITY : relative;
 }
 
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars) {
-    self->residual =
-        hypot(reduced_remaining_residual(solver), indicator_control_residual(self, state, contact));
-    return bound_of(self->residual, reduced_central_sensitivity(solver),
-                    scalars->central_film_thickness);
+    const row_set *control = &self->model->control;
+
+    indicator_control_residuals(self, state, contact);
+    const double own_rows = reduced_film_error(self->influence, solver, REDUCED_CENTRAL_FILM);
+    for (size_t r = 0; r < control->num_rows; r++)
+        self->nearest[r] = nearest_row(self, control->node[r]);
+    return bound(self, own_rows, scalars->central_film_thickness);
 }
 
-double indicator_bound_minimum(const indicator *self, reduced_solver *solver,
+double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars) {
-    return bound_of(self->residual, reduced_minimum_sensitivity(solver),
-                    scalars->minimum_film_thickness);
+    const double own_rows = reduced_film_error(self->influence, solver, REDUCED_MINIMUM_FILM);
+
+    return bound(self, own_rows, scalars->minimum_film_thickness);
 }

@@ -3,8 +3,8 @@
  * wrong).
  *
  * The residual of the selected rows, over-determined, and of the control rows samples that of the
- * Reynolds equation everywhere. Times the sensitivity of a film to the rows, from the factors of the
- * last iteration, it is a bound up to a factor, which calibration fits. */
+ * Reynolds equation everywhere. What a residual in each of them does to a film follows from the
+ * factors of the last iteration; together that is a bound up to a factor, which calibration fits. */
 #ifndef EHD_INDICATOR_H
 #define EHD_INDICATOR_H
 
@@ -16,18 +16,20 @@ typedef struct indicator indicator;
 indicator *indicator_create(const reduced_model *model);
 indicator *indicator_free(indicator *self); // accepts and returns NULL
 
-/* |D f| over the control rows before the exit, of a stationary state. */
-double indicator_control_residual(indicator *self, const reduced_state *state,
-                                  const ehd_contact *contact);
+/* D f of the control rows of a stationary state, [rows of the control set]; 0 behind the exit. Valid
+ * until the next call. */
+const double *indicator_control_residuals(indicator *self, const reduced_state *state,
+                                          const ehd_contact *contact);
 
 /* Bound of the relative deviation of the central film, up to the factor of a calibration
- * (trade_indicator_factor); linear in the residual while that is small, then cubic. `solver` has
- * just solved `state` for `contact`, stationary, with the outcome `scalars`. */
+ * (trade_indicator_factor): the root of the sum over selected and control rows of the squares of
+ * what their residuals do to the film. A control row has the influence of the nearest selected one.
+ * `solver` has just solved `state` for `contact`, stationary, with the outcome `scalars`. */
 double indicator_bound(indicator *self, reduced_solver *solver, const reduced_state *state,
                        const ehd_contact *contact, const contact_scalars *scalars);
 
 /* The same of the minimum film, of the solution that indicator_bound was just called for. */
-double indicator_bound_minimum(const indicator *self, reduced_solver *solver,
+double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars);
 
 #endif

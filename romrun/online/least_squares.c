@@ -8,6 +8,7 @@
 #include <cblas.h>
 #include <lapacke.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -166,14 +167,18 @@ ehd_status least_squares_again(double *solution, const least_squares *self, cons
     return unscale(solution, self);
 }
 
-double least_squares_sensitivity(least_squares *self, const double *functional) {
+void least_squares_dual(double *dual, least_squares *self, const double *functional) {
+    const bool all = self->factor_size == self->num_columns;
+    const int size = (int)self->factor_size;
     size_t count = 0;
 
     for (size_t j = 0; j < self->num_columns; j++)
-        if (self->scale[j] > 0 || self->factor_size == self->num_columns)
-            self->right[count++] = functional[j] * self->scale[j];
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, (int)count, self->factor,
-                (int)count, self->right, 1);
-    double norm = cblas_dnrm2((int)count, self->right, 1);
-    return isfinite(norm) ? norm : INFINITY;
+        if (self->scale[j] > 0 || all) self->right[count++] = functional[j] * self->scale[j];
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, size, self->factor, size,
+                self->right, 1);
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, size, self->factor, size,
+                self->right, 1);
+    count = 0;
+    for (size_t j = 0; j < self->num_columns; j++)
+        dual[j] = self->scale[j] > 0 || all ? self->right[count++] * self->scale[j] : 0;
 }

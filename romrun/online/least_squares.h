@@ -40,9 +40,12 @@ ehd_status least_squares_again(
     const double *right,                                  // [num_rows]
     size_t num_rows);
 
-/* Largest change of functional^T solution by a change of the right side of norm 1, for the last
- * matrix solved with: |(J^T J)^-1/2 functional|, the standard error of least squares for unit
- * errors in all rows. Infinite where the factors are singular. */
-double least_squares_sensitivity(least_squares *workspace, const double *functional);
+/* (J^T J)^-1 functional, for the last matrix solved with: J times it is, row by row, how far
+ * functional^T solution moves by an error of 1 there. Not finite where the factors are singular. */
+void least_squares_dual(
+    // output:
+    double *dual, // [num_columns]
+    // input:
+    least_squares *workspace, const double *functional); // [num_columns]
 
 #endif

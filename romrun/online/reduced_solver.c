@@ -505,38 +505,37 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     return scalars_of(self, state);
 }
 
-double reduced_remaining_residual(const reduced_solver *self) {
-    return system_remaining_residual(&self->system);
-}
+/* Adds the gradient of the central film to one of zeros. */
+static bool add_central_film(double *gradient, const reduced_solver *self) {
+    const centre_nodes *centre = &self->model->centre;
 
-double reduced_central_sensitivity(reduced_solver *self) {
-    const reduced_model *model = self->model;
-    double *gradient = self->system.gradient;
-
-    memset(gradient, 0, model->num_unknowns * sizeof(double));
     for (size_t i = 0; i < 4; i++)
-        if (model->centre.weight[i] != 0)
-            nodes_add_film_row(gradient, model->centre.weight[i], &self->nodes,
-                               model->centre.index[i]);
-    gradient[model->num_unknowns - 1] = 1;
-    return least_squares_sensitivity(self->system.factors, gradient);
+        if (centre->weight[i] != 0)
+            nodes_add_film_row(gradient, centre->weight[i], &self->nodes, centre->index[i]);
+    return true;
 }
 
-double reduced_minimum_sensitivity(reduced_solver *self) {
-    const reduced_model *model = self->model;
+/* And of the film at the lowest needed node with pressure; false: there is none. */
+static bool add_lowest_film(double *gradient, const reduced_solver *self) {
     const node_state *nodes = &self->nodes;
-    double *gradient = self->system.gradient;
     size_t lowest = NO_NODE;
 
-    for (size_t q = 0; q < model->rows.num_needed; q++)
+    for (size_t q = 0; q < self->model->rows.num_needed; q++)
         if (nodes->pressurised[q] &&
             (lowest == NO_NODE || nodes->now.film[q] < nodes->now.film[lowest]))
             lowest = q;
-    if (lowest == NO_NODE) return NAN;
-    memset(gradient, 0, model->num_unknowns * sizeof(double));
-    nodes_add_film_row(gradient, 1, nodes, lowest);
-    gradient[model->num_unknowns - 1] = 1;
-    return least_squares_sensitivity(self->system.factors, gradient);
+    if (lowest != NO_NODE) nodes_add_film_row(gradient, 1, nodes, lowest);
+    return lowest != NO_NODE;
+}
+
+double reduced_film_error(double *influence, reduced_solver *self, reduced_film film) {
+    double *gradient = self->system.gradient;
+
+    memset(gradient, 0, self->model->num_unknowns * sizeof(double));
+    gradient[self->model->num_unknowns - 1] = 1;
+    const bool known = film == REDUCED_CENTRAL_FILM ? add_central_film(gradient, self)
+                                                    : add_lowest_film(gradient, self);
+    return known ? system_film_error(influence, &self->system) : NAN;
 }
 
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {

@@ -127,17 +127,20 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
 /* Scalars of a state, solved or not. */
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);
 
-/* |D f + D J dz| of the last stationary solution's last least squares, the part of the residual
- * that no step reduces. */
-double reduced_remaining_residual(const reduced_solver *solver);
+typedef enum reduced_film {
+    REDUCED_CENTRAL_FILM,
+    REDUCED_MINIMUM_FILM // at the lowest needed node with pressure
+} reduced_film;
 
-/* Largest change of H at X = 0 by an error of norm 1 in the rows of the last stationary
- * solution: |L^-1 dH/dz| with the factor of its last least squares, which must have been
- * least_squares_solve. */
-double reduced_central_sensitivity(reduced_solver *solver);
-
-/* The same of the film at the lowest needed node with pressure; NaN where there is none. */
-double reduced_minimum_sensitivity(reduced_solver *solver);
+/* How far a film of the last stationary solution moves by what its last least squares left in the
+ * rows, D f + D J dz: the root of the sum of the squares of what each row does, as if these had
+ * nothing to do with each other. NaN: no node has pressure. */
+double reduced_film_error(
+    // output:
+    double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row;
+                       // 0 where it was not part of the least squares
+    // in and out:
+    reduced_solver *solver, reduced_film film);
 
 /* Values of a state and, identical to the last bit, of the last solution with `exit_at_node`. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,

@@ -40,6 +40,9 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->flux_step = arena_array(memory, model->num_unknowns, sizeof(double));
     self->flux_row = row_at_centre(model);
     self->gradient = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->dual = arena_array(memory, model->num_unknowns, sizeof(double));
+    self->left = arena_array(memory, max_rows, sizeof(double));
+    self->moves = arena_array(memory, max_rows, sizeof(double));
     self->block = arena_array(memory, coupled ? num_rows + 1 : num_cut + num_pressure,
                               CUT_BLOCK * sizeof(double));
     self->block_right = arena_array(memory, num_pressure, CUT_BLOCK * sizeof(double));
@@ -349,14 +352,28 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
     self->num_cells = 1;
 }
 
-double system_remaining_residual(const row_system *self) {
-    size_t n = self->model->num_unknowns;
-    size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
+/* product += J times a vector. */
+static void times_matrix(double *product, const row_system *self, size_t num_rows,
+                         const double *vector) {
+    const int n = (int)self->model->num_unknowns;
+
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)num_rows, n, 1, self->matrix, n, vector, 1, 1,
+                product, 1);
+}
+
+double system_film_error(double *influence, row_system *self) {
+    const size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
     double sum = 0;
 
-    for (size_t r = 0; r < num_rows; r++) {
-        double left = self->right[r] + cblas_ddot((int)n, self->matrix + r * n, 1, self->step, 1);
-        sum += left * left;
-    }
+    least_squares_dual(self->dual, self->factors, self->gradient);
+    memcpy(self->left, self->right, num_rows * sizeof *self->left);
+    times_matrix(self->left, self, num_rows, self->step);
+    memset(self->moves, 0, num_rows * sizeof *self->moves);
+    times_matrix(self->moves, self, num_rows, self->dual);
+    for (size_t i = 0; i < num_rows; i++)
+        sum += pow(self->left[i] * self->moves[i], 2);
+    memset(influence, 0, self->model->rows.num_rows * sizeof *influence);
+    for (size_t i = 0; i < self->num_active; i++)
+        influence[self->active[i]] = self->moves[i];
     return sqrt(sum);
 }

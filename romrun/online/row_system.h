@@ -18,7 +18,10 @@ typedef struct row_system {
     double *matrix;       // [system_max_rows, num_unknowns]
     double *right;        // [system_max_rows]
     double *step;         // [num_unknowns]
-    double *gradient;     // [num_unknowns] of the central film
+    double *gradient;     // [num_unknowns] of a film
+    double *dual;         // [num_unknowns] (J^T J)^-1 gradient
+    double *left;         // [system_max_rows] what the step leaves
+    double *moves;        // [system_max_rows] J dual: change of the film by an error of 1 in a row
     double *offset;       // [num_unknowns] by which a step moves the exit within its node
     double *flux_step;    // [num_unknowns] by which it changes the flux
     reynolds_row flux;    // of system_flux
@@ -66,7 +69,13 @@ void system_fill_matrix(row_system *self, const node_state *nodes, const contact
 /* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
-/* |D f + D J step| of the last step. */
-double system_remaining_residual(const row_system *self);
+/* How far what the last step leaves in the rows, D f + D J step, moves the film of self->gradient, by
+ * the root of the sum of the squares of what each row does. */
+double system_film_error(
+    // output:
+    double *
+        influence, // [rows of the model] change of the film by an error of 1 in D f; 0 if not active
+    // in and out:
+    row_system *self);
 
 #endif

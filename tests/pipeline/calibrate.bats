@@ -179,6 +179,49 @@ with h5py.File('x.h5', 'r+') as f:
     [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*", more than the --accuracy of 0.1, expected a result to be trusted"* ]]
     [ "$(number flagged.h5 status)" = 4.0 ]
     romrun scene.yml --model x.h5 --accuracy 0.1 --quiet --allow-untrusted
+    # without --accuracy 1 % holds, for the minimum film too
+    run --separate-stderr romrun scene.yml --model x.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*" of the "*" film, more than holds without --accuracy, 0.01, expected a result to be trusted"* ]]
+    cp c.h5 x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f:
+    f['indicator_factor_minimum'][...] *= 1e9"
+    run --separate-stderr romrun scene.yml --model x.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == *" of the minimum film, more than holds without --accuracy, 0.01, expected"* ]]
+    romrun scene.yml --model x.h5 --quiet --allow-untrusted
+}
+
+@test "a solution that leaves far more in the rows than the calibration's scenes is not trusted" {
+    romrun scene.yml --model c.h5 -o good.h5 --quiet
+    cp c.h5 x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f, h5py.File('good.h5') as good:
+    f['position_largest_residual'][...] = good['residual_norm'][0] / 99"
+    romrun scene.yml --model x.h5 --quiet
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f:
+    f['position_largest_residual'][...] *= 0.98"
+    run --separate-stderr romrun scene.yml --model x.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: scene.yml: found a residual far above those of the calibration, that of a false solution, expected a result to be trusted"* ]]
+}
+
+@test "a calibration of before has one factor for both films, and no limit to residuals" {
+    cp c.h5 x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f:
+    del f['indicator_factor_minimum'], f['position_largest_residual']"
+    romrun --check=x.h5
+    romrun scene.yml --model c.h5 -o new.h5 --quiet
+    romrun scene.yml --model x.h5 -o old.h5 --quiet
+    [ "$(number new.h5 indicated_deviation)" = "$(number old.h5 indicated_deviation)" ]
+    [ "$(number new.h5 indicated_deviation_minimum)" != "$(number old.h5 indicated_deviation_minimum)" ]
 }
 
 @test "a scene that the chosen size does not do for is solved with the most accurate one" {

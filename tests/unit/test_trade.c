@@ -153,6 +153,16 @@ static void in_time_it_may_be_another(void **state) {
     assert_int_equal(trade_cheapest(&table, 1e-2, true), 2);
 }
 
+/* The minimum film counts as the central one does. */
+static void the_worse_film_is_the_price(void **state) {
+    trade_position position = measured(1e-3, 2, 0);
+    (void)state;
+
+    check_close(trade_price_of(&position, false).deviation, 1e-3, 0, 0);
+    position.deviation[TRADE_MINIMUM_FILM][TRADE_WORST] = 2e-3;
+    check_close(trade_price_of(&position, false).deviation, 2e-3, 0, 0);
+}
+
 /* With an indicator, what it says of 90 % of the scenes. */
 static void an_indicator_takes_the_place_of_the_worst(void **state) {
     trade_position positions[] = {measured(1e-3, 2, 0), measured(1e-1, 1, 3),
@@ -199,17 +209,16 @@ static void accuracy_chooses_the_fastest_and_the_best(void **state) {
     assert_memory_equal(&choice.fastest, &positions[1].sizes, sizeof choice.fastest);
     assert_memory_equal(&choice.most_accurate, &positions[2].sizes, sizeof choice.most_accurate);
     assert_string_equal(choice.note,
-                        "11 pressure modes, 21 rows, the fastest of 4 sizes whose central film "
-                        "was at most so far off: 0.01 on 9 scenes, in 2 ms");
+                        "11 pressure modes, 21 rows, the fastest of 4 sizes whose films were at "
+                        "most so far off: 0.01 on 9 scenes, in 2 ms");
     for (size_t i = 0; i < 4; i++) {
         positions[i].indicator_factor = 1;
         positions[i].indicated[PART_90] = i == 3 ? INFINITY : 5e-3;
     }
     check_ok(accuracy_choose(&choice, &table, 2e-2, false, "m.h5", &error));
     assert_string_equal(choice.note,
-                        "11 pressure modes, 21 rows, the fastest of 4 sizes whose central film "
-                        "was indicated to be at most so far off: 0.005 on 90 % of 9 scenes, in 2 "
-                        "ms");
+                        "11 pressure modes, 21 rows, the fastest of 4 sizes whose films were "
+                        "indicated to be at most so far off: 0.005 on 90 % of 9 scenes, in 2 ms");
 }
 
 static void accuracy_goes_by_the_steps_in_time(void **state) {
@@ -256,21 +265,32 @@ static void accuracy_names_what_it_can_give(void **state) {
 
 static void a_promise_is_kept_or_the_result_flagged(void **state) {
     const struct {
-        double indicated;
+        double central, minimum, accuracy;
         ehd_status before, after;
-    } cases[] = {{1e-3, EHD_OK, EHD_OK},
-                 {0.99e-3, EHD_OK, EHD_OK},
-                 {1.01e-3, EHD_OK, EHD_UNTRUSTED},
-                 {INFINITY, EHD_OK, EHD_UNTRUSTED},
-                 {NAN, EHD_OK, EHD_OK}, // not calibrated at these sizes
-                 {1, EHD_NOT_CONVERGED, EHD_NOT_CONVERGED}};
+        const char *words;
+    } cases[] = {
+        {1e-3, 1e-3, 1e-3, EHD_OK, EHD_OK, ""},
+        {1.01e-3, 0, 1e-3, EHD_OK, EHD_UNTRUSTED,
+         "0.001 of the central film, more than the --accuracy of 0.001"},
+        {0, 1.01e-3, 1e-3, EHD_OK, EHD_UNTRUSTED, "0.001 of the minimum film, more than the"},
+        {INFINITY, 1, 1e-3, EHD_OK, EHD_UNTRUSTED, "inf of the central film"},
+        {0, INFINITY, 1e-3, EHD_OK, EHD_UNTRUSTED, "inf of the minimum film"},
+        {NAN, NAN, 1e-3, EHD_OK, EHD_OK, ""}, // not calibrated at these sizes
+        {1, 1, 1e-3, EHD_NOT_CONVERGED, EHD_NOT_CONVERGED, ""},
+        // without --accuracy
+        {0.99e-2, 0.99e-2, 0, EHD_OK, EHD_OK, ""},
+        {0, 1.01e-2, 0, EHD_OK, EHD_UNTRUSTED, "more than holds without --accuracy, 0.01"},
+        {NAN, NAN, 0, EHD_OK, EHD_OK, ""}};
     (void)state;
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        run_result result = {.indicated_deviation = cases[i].indicated, .status = cases[i].before};
-        accuracy_judge(&result, 1e-3);
+        run_result result = {.indicated_deviation = cases[i].central,
+                             .indicated_deviation_minimum = cases[i].minimum,
+                             .status = cases[i].before};
+        accuracy_judge(&result, cases[i].accuracy);
         assert_int_equal(result.status, cases[i].after);
-        assert_int_equal(result.reason[0] != '\0', cases[i].after == EHD_UNTRUSTED);
+        assert_int_equal(result.reason[0] != '\0', cases[i].words[0] != '\0');
+        assert_non_null(strstr(result.reason, cases[i].words));
     }
     check_close(accuracy_tolerance(1e-2), 2e-4, 1e-12, 0);
     check_close(accuracy_tolerance(1e-12), 1e-8, 0, 0); // as without --accuracy
@@ -390,6 +410,8 @@ static void a_table_comes_back(void **state) {
     positions[0].step_iterations = 3.5;
     positions[0].step_seconds = 1e-4;
     positions[0].indicator_factor = 0.75;
+    positions[0].indicator_factor_minimum = 1.5;
+    positions[0].largest_residual = 1e-4;
     for (int i = 0; i < NUM_TRADE_PARTS; i++) {
         positions[0].indicated[i] = i < 3 ? 1e-3 * (1 + i) : INFINITY;
         positions[0].effectivity[i] = 2 + i;
@@ -459,6 +481,7 @@ int main(void) {
         cmocka_unit_test(quantiles_are_values_of_the_set),
         cmocka_unit_test(the_cheapest_that_is_good_enough),
         cmocka_unit_test(in_time_it_may_be_another),
+        cmocka_unit_test(the_worse_film_is_the_price),
         cmocka_unit_test(an_indicator_takes_the_place_of_the_worst),
         cmocka_unit_test(the_factor_leaves_a_margin),
         cmocka_unit_test(accuracy_chooses_the_fastest_and_the_best),

@@ -28,7 +28,7 @@ LAWS = {"law: wlf, preset: no1": (23.60e-9, 9e9), "law: wlf, preset: no2": (12.5
 DENSITIES = ["dowson-higginson", "incompressible"]
 MOST_L = 40
 
-RUN = ["promise", "where", "whose", "code", "reduced", "full"]
+RUN = ["promise", "where", "whose", "code", "central", "minimum", "full_central", "full_minimum"]
 
 
 # ---- Scenes
@@ -120,25 +120,27 @@ def draw(folder, seed, count, model, scene_file, own=""):
 
 
 def run(folder, model, settings, *promises):
-    """Solves the scenes with promises, two at a time: exit code of romrun, H_c reduced and full, or empty. Settings: more
-    options of romrun."""
+    """Solves the scenes with promises, two at a time: exit code of romrun, H_c and H_min reduced and full, or empty. A
+    promise that is none asks for nothing, so that 1 % holds. Settings: more options of romrun."""
     with open(f"{folder}/scenes.json") as source:
         scenes = json.load(source)
-    full = [repr(float(film)) if status == results.SOLVED else "" for status, film in
-            zip(*results.printed(f"{folder}/full.h5", "status", "central_film_thickness").values())]
+    full = [[repr(float(film)) if status == results.SOLVED else "" for film in films] for status, *films in
+            zip(*results.printed(f"{folder}/full.h5", "status", "central_film_thickness",
+                                 "minimum_film_thickness").values())]
 
     def solve(promise, scene):
-        done = results.run("romrun", scene["scene"], "--model", model, "--accuracy", promise, "--quiet",
+        asked = [] if promise == "none" else ["--accuracy", promise]
+        done = results.run("romrun", scene["scene"], "--model", model, *asked, "--quiet",
                            *settings.split(), *results.sets(scene["settings"]), outcomes=range(-255, 256))
-        film = re.search(r"^central film thickness *(\S+)", done.stdout, re.M)
-        return done.returncode, film[1] if film else ""
+        films = [re.search(rf"^{which} film thickness *(\S+)", done.stdout, re.M) for which in ("central", "minimum")]
+        return done.returncode, *(film[1] if film else "" for film in films)
 
     runs = []
     with ThreadPoolExecutor(2) as two:
         for promise in promises:
             solved = two.map(solve, [promise] * len(scenes), scenes)
-            runs += [[promise, scene["where"], scene["whose"], *reduced, film]
-                     for scene, reduced, film in zip(scenes, solved, full)]
+            runs += [[promise, scene["where"], scene["whose"], *reduced, *films]
+                     for scene, reduced, films in zip(scenes, solved, full)]
     results.write_csv(f"{folder}/runs.csv", RUN, runs)
 
 
@@ -146,18 +148,19 @@ def run(folder, model, settings, *promises):
 
 
 def outcome(run):
-    """A scene is good where the central film deviates by no more than promised, and flagged with exit code 4. One that
-    does not converge, exit code 3, has no result that could be wrong. Returns what it is, and the deviation."""
+    """A scene is good where both films deviate by no more than promised, and flagged with exit code 4. One that does
+    not converge, exit code 3, has no result that could be wrong. Returns what it is, and the larger deviation."""
     code = int(run["code"])
-    if not run["full"]:
+    if not run["full_central"]:
         return "no reference", 0
     if code == results.NOT_CONVERGED:
         return "not solved", 0
     if code not in (results.SOLVED, results.NOT_TRUSTED):
         return "error", 0
-    off = abs(float(run["reduced"]) / float(run["full"]) - 1)
+    off = max(abs(float(run[film]) / float(run[f"full_{film}"]) - 1) for film in ("central", "minimum"))
+    promise = 0.01 if run["promise"] == "none" else float(run["promise"])
     flagged = "flagged" if code == results.NOT_TRUSTED else "not flagged"
-    return f"{'good' if off <= float(run['promise']) else 'bad'} {flagged}", off
+    return f"{'good' if off <= promise else 'bad'} {flagged}", off
 
 
 def table(file, seed, calibration):
@@ -170,7 +173,7 @@ def table(file, seed, calibration):
     print(layout.format("", "good,", "good,", "of the good", "bad, not", "bad,", "not", "full model"))
     print(layout.format("", "quiet", "flagged", "flagged", "flagged: silent", "flagged", "solved", "has none"))
     for promise in dict.fromkeys(run[0] for run in runs):
-        print(f"promise {float(promise):g}")
+        print("no promise asked for" if promise == "none" else f"promise {float(promise):g}")
         for group, name in groups.items():
             mine = [run[2] for run in runs if run[0] == promise and run[1].startswith(group)]
             quiet, loud, *others = (mine.count(what) for what in (
