@@ -69,7 +69,7 @@ full_solver *full_solver_free(full_solver *self) {
 double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 25 * sizeof(double);
     const double of_deflection =
-        9 * sizeof(double);        // kernel, and two fields of four times the nodes
+        15 * sizeof(double);       // kernel, transfer, and three fields of four times the nodes
     const double of_factors = 100; // fill by node and log2 of their number, measured with UMFPACK
     const double coarser = 4. / 3; // the grid and all coarser ones of a cold start
     double nodes = (double)grid->num_inner;
