@@ -500,35 +500,35 @@ static double evaluate_one(const double *table, const spline_layout *layout,
     return sum;
 }
 
-static inline void add_cut_parts(double *target, size_t parts, const previous_film *self,
-                                 size_t line, size_t column, const film_splines *splines) {
-    const double *kernel = splines->kernel;
-    const size_t of_line = splines->kernel_layout.line;
-    double sum[4] = {0};
-
-    for (size_t i = 0; i < self->num_cut; i++) {
-        const grid_position *at = &self->cut_node[i];
-        const double *along = kernel + index_distance(column, at->column) * parts;
-        const double *own = along + index_distance(line, at->line) * of_line;
-        for (size_t p = 0; p < parts; p++)
-            sum[p] += self->cut_pressure[i] * own[p];
-        if (!splines->grid.half || at->line == 0) continue;
-        const double *mirrored = along + (line + at->line) * of_line;
-        for (size_t p = 0; p < parts; p++)
-            sum[p] += self->cut_pressure[i] * mirrored[p];
-    }
-    for (size_t p = 0; p < parts; p++)
-        target[p] += sum[p];
-}
+/* The four values of a node of a point contact. */
+typedef double vector __attribute__((vector_size(32), aligned(sizeof(double)), may_alias));
 
 /* Adds values and curvatures of the deflection by the pressures between cut_exits and the state's
  * own exits at a node of the splines' grid. */
-static void add_cut(double *target, const previous_film *self, size_t line, size_t column,
+static void add_cut(double *sum, const previous_film *self, size_t line, size_t column,
                     const film_splines *splines) {
-    if (splines->layout.num_lines > 1) // of constant size: in vectors
-        add_cut_parts(target, 4, self, line, column, splines);
-    else
-        add_cut_parts(target, 2, self, line, column, splines);
+    const spline_layout *layout = &splines->kernel_layout;
+    vector total = {0};
+
+    if (layout->num_lines == 1) {
+        for (size_t i = 0; i < self->num_cut; i++) {
+            const double *kernel =
+                splines->kernel + index_distance(column, self->cut_node[i].column) * layout->column;
+            sum[0] += self->cut_pressure[i] * kernel[0];
+            sum[1] += self->cut_pressure[i] * kernel[1];
+        }
+        return;
+    }
+    for (size_t i = 0; i < self->num_cut; i++) {
+        const grid_position *at = &self->cut_node[i];
+        const double *along = splines->kernel + index_distance(column, at->column) * layout->column;
+        const double *own = along + index_distance(line, at->line) * layout->line;
+        const double *mirrored = along + (line + at->line) * layout->line;
+        total += self->cut_pressure[i] * *(const vector *)own;
+        if (splines->grid.half && at->line > 0)
+            total += self->cut_pressure[i] * *(const vector *)mirrored;
+    }
+    *(vector *)sum += total;
 }
 
 /* Values and curvatures of a state at a node; `cut` is NULL, or the state whose cut is added. */
