@@ -32,6 +32,7 @@ struct full_solver {
     double *step_film;          // [num_nodes] and of the deflection, of an exit within a node
     double step_offset;         // by how many nodes that moves
     step_base base;
+    bool keeps_factors;      // of the linear system before
     double largest_merit;    // before a step of this solution
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
     double seconds_rows;     // that evaluating rows has taken
@@ -68,7 +69,7 @@ full_solver *full_solver_free(full_solver *self) {
 double full_solver_bytes(const ehd_grid *grid) {
     const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 25 * sizeof(double);
     const double of_deflection =
-        9 * sizeof(double);        // kernel, and two fields of four times the nodes
+        15 * sizeof(double);       // kernel, transfer, and three fields of four times the nodes
     const double of_factors = 100; // fill by node and log2 of their number, measured with UMFPACK
     const double coarser = 4. / 3; // the grid and all coarser ones of a cold start
     double nodes = (double)grid->num_inner;
@@ -438,6 +439,7 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
                           .closure_load = closure->by_load,
                           .closure_residual = closure_residual(self, state, closure),
                           .near_field = self->settings.near_field,
+                          .keeps_factors = self->keeps_factors,
                           .step = self->step,
                           .workspace = self->workspace};
     const double tolerance = linear_tolerance(self, info->residual);
@@ -702,6 +704,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         if (iteration == self->settings.max_iterations || program_interrupted()) break;
 
         list_unknowns(self, state);
+        self->keeps_factors = squeeze && iteration > 0;
         ehd_status status = take_step(info, state, self, contact, squeeze, &ignored);
         info->newton_iterations++;
         if (status == EHD_NOT_CONVERGED) return EHD_OK;

@@ -88,6 +88,7 @@ struct full_system {
     // scaled closure: closure_approach H0 + closure_load sum weight P + closure_residual = 0
     double closure_approach, closure_load, closure_residual;
     size_t near_field;
+    bool keeps_factors;   // those of an earlier system may precondition this one
     double *step;         // [num_nodes], out: change of P, zero where it is not unknown
     double step_approach; // out: change of H0
     void *workspace;      // of the linear solver

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Linear systems of Newton by GMRES: products with the exact Jacobian by rows and FFT,
  * preconditioned by UMFPACK's factors of a sparse Jacobian, in which the kernel is its shifted near
- * field (fullrun/README.md, Linear systems).
+ * field (fullrun/README.md, Linear systems). In a step in time, where Newton starts near the
+ * solution, the factors of its first system serve the others.
  *
  * The sparse Jacobian is a band B, bordered by the column c of H0 and the closure's row. Only the
  * band is factorised, since with a full row UMFPACK's analysis takes O(n^2); the border follows
@@ -25,6 +26,18 @@
  * 4, 4 steps on the finest grid of 19201 (M = 200, L = 5), with 160 as with 80. */
 enum { MAX_ITERATIONS = 80 };
 
+/* Factors of the band of one system, which serve the next ones of a Newton iteration. */
+typedef struct near_factors {
+    void *numeric; // NULL: none
+    double control[UMFPACK_CONTROL];
+    size_t num_unknowns;
+    size_t *unknown; // [num_unknowns] nodes
+    size_t *index;   // [num_nodes] of a node in `unknown`, or NO_NODE
+    double *border;  // [num_unknowns] w = B^-1 c
+    double border_pivot;
+    size_t own_iterations, last_iterations; // of the system they were made of, and of the last one
+} near_factors;
+
 struct gmres_workspace {
     size_t size; // largest number of unknowns
     size_t num_nodes;
@@ -33,8 +46,8 @@ struct gmres_workspace {
     double *spread;   // [num_nodes] a vector on all grid nodes
     double *response; // [num_nodes] its deflection
     double *approach; // [size] c, the column of H0
-    double *border;   // [size] w = B^-1 c
-    double border_pivot;
+    near_factors factors;
+    double *right, *solution; // [size] of a system with the factors
     // B by rows, to UMFPACK the columns of the transpose
     int *row_start; // [size + 1]
     int *column;    // [capacity]
@@ -47,7 +60,10 @@ struct gmres_workspace {
 };
 
 gmres_workspace *gmres_workspace_free(gmres_workspace *self) {
-    if (self) arena_free(&self->memory);
+    if (self) {
+        umfpack_di_free_numeric(&self->factors.numeric);
+        arena_free(&self->memory);
+    }
     free(self);
     return NULL;
 }
@@ -58,7 +74,7 @@ static size_t entries_of_row(const ehd_grid *grid, size_t near_field) {
 }
 
 double gmres_workspace_bytes(const ehd_grid *grid) {
-    const double vectors = MAX_ITERATIONS + 1 + 11;
+    const double vectors = MAX_ITERATIONS + 1 + 15;
 
     return vectors * sizeof(double) +
            (double)entries_of_row(grid, 1) * (sizeof(double) + sizeof(int));
@@ -76,7 +92,11 @@ gmres_workspace *gmres_workspace_create(const ehd_grid *grid, size_t near_field)
     self->spread = arena_array(memory, grid->num_nodes, sizeof(double));
     self->response = arena_array(memory, grid->num_nodes, sizeof(double));
     self->approach = arena_array(memory, size, sizeof(double));
-    self->border = arena_array(memory, size, sizeof(double));
+    self->factors.border = arena_array(memory, size, sizeof(double));
+    self->factors.unknown = arena_array(memory, size, sizeof *self->factors.unknown);
+    self->factors.index = arena_array(memory, grid->num_nodes, sizeof *self->factors.index);
+    self->right = arena_array(memory, size, sizeof(double));
+    self->solution = arena_array(memory, size, sizeof(double));
     self->row_start = arena_array(memory, (size + 1), sizeof(int));
     self->column = arena_array(memory, self->capacity, sizeof(int));
     self->value = arena_array(memory, self->capacity, sizeof(double));
@@ -206,12 +226,15 @@ static void assemble_near_field(full_system *system) {
     work->row_start[num_passive] = count;
 }
 
-/* Factors of the band; NULL when singular or out of memory. */
-static void *factorise(const full_system *system, double *control) {
-    const gmres_workspace *work = system->workspace;
+/* Factors of the band; false when it is singular or there is no memory. */
+static bool factorise(const full_system *system) {
+    gmres_workspace *work = system->workspace;
+    near_factors *factors = &work->factors;
+    double *control = factors->control;
     int size = (int)system->num_unknowns;
-    void *symbolic = NULL, *numeric = NULL;
+    void *symbolic = NULL;
 
+    umfpack_di_free_numeric(&factors->numeric);
     umfpack_di_defaults(control);
     // a line's band has the least fill in its natural order, which weak pivoting, enough for a
     // preconditioner, keeps
@@ -221,52 +244,95 @@ static void *factorise(const full_system *system, double *control) {
     control[UMFPACK_IRSTEP] = 0;
     if (umfpack_di_symbolic(size, size, work->row_start, work->column, work->value, &symbolic,
                             control, NULL) == UMFPACK_OK) {
-        if (umfpack_di_numeric(work->row_start, work->column, work->value, symbolic, &numeric,
-                               control, NULL) != UMFPACK_OK)
-            umfpack_di_free_numeric(&numeric);
+        if (umfpack_di_numeric(work->row_start, work->column, work->value, symbolic,
+                               &factors->numeric, control, NULL) != UMFPACK_OK)
+            umfpack_di_free_numeric(&factors->numeric);
         umfpack_di_free_symbolic(&symbolic);
     }
-    return numeric;
+    return factors->numeric != NULL;
 }
 
-/* y = B^-1 x on the passive rows; false when UMFPACK cannot. */
-static bool solve_band(double *y, const double *x, gmres_workspace *work, void *numeric,
-                       const double *control) {
+/* y = B^-1 x on the unknowns of the factors; false when UMFPACK cannot. */
+static bool solve_band(double *y, const double *x, gmres_workspace *work) {
     // B is stored by rows, so that UMFPACK's matrix is the transpose
-    return umfpack_di_wsolve(UMFPACK_Aat, work->row_start, work->column, work->value, y, x, numeric,
-                             control, NULL, work->solve_index, work->solve_work) == UMFPACK_OK;
+    return umfpack_di_wsolve(UMFPACK_Aat, work->row_start, work->column, work->value, y, x,
+                             work->factors.numeric, work->factors.control, NULL, work->solve_index,
+                             work->solve_work) == UMFPACK_OK;
 }
 
-/* Sum of pressures with the weights of the load balance. */
-static double weighted_sum(const double *vector, const full_system *system) {
+/* Sum of pressures at the factors' unknowns with the weights of the load balance. */
+static double weighted_sum(const double *vector, const near_factors *factors,
+                           const ehd_grid *grid) {
     double sum = 0;
 
-    for (size_t i = 0; i < system->num_unknowns; i++)
-        sum += grid_weight(system->grid, system->unknown[i]) * vector[i];
+    for (size_t i = 0; i < factors->num_unknowns; i++)
+        sum += grid_weight(grid, factors->unknown[i]) * vector[i];
     return sum;
 }
 
 /* w = B^-1 c and the closure's pivot; false when singular. */
-static bool solve_border(const full_system *system, void *numeric, const double *control) {
+static bool solve_border(const full_system *system) {
     gmres_workspace *work = system->workspace;
+    near_factors *factors = &work->factors;
 
-    if (!solve_band(work->border, work->approach, work, numeric, control)) return false;
-    double sum = weighted_sum(work->border, system);
-    work->border_pivot = system->closure_load * sum - system->closure_approach;
-    return isfinite(work->border_pivot) && work->border_pivot != 0;
+    if (!solve_band(factors->border, work->approach, work)) return false;
+    double sum = weighted_sum(factors->border, factors, system->grid);
+    factors->border_pivot = system->closure_load * sum - system->closure_approach;
+    return isfinite(factors->border_pivot) && factors->border_pivot != 0;
 }
 
-/* y = [B c; closure]^-1 x. */
-static void precondition(double *y, const double *x, const full_system *system, void *numeric,
-                         const double *control) {
-    gmres_workspace *work = system->workspace;
-    size_t num_passive = system->num_unknowns;
+/* Factors of the system's own band; false when it is singular. */
+static bool renew_factors(full_system *system) {
+    near_factors *factors = &((gmres_workspace *)system->workspace)->factors;
+    const size_t count = system->num_unknowns;
 
-    solve_band(y, x, work, numeric, control);
-    double sum = weighted_sum(y, system);
-    double approach = (system->closure_load * sum - x[num_passive]) / work->border_pivot;
-    for (size_t r = 0; r < num_passive; r++)
-        y[r] -= approach * work->border[r];
+    assemble_near_field(system);
+    if (!factorise(system)) return false;
+    factors->num_unknowns = count;
+    memcpy(factors->unknown, system->unknown, count * sizeof *factors->unknown);
+    memcpy(factors->index, system->index, system->grid->num_nodes * sizeof *factors->index);
+    return solve_border(system);
+}
+
+/* Iterations that new factors take the time of: at 65 by 65 nodes in time 3.8 ms, 0.35 ms each, on a
+ * line of 1201 nodes 1.1 and 0.1 ms. */
+static const size_t COST_OF_FACTORS = 10;
+
+/* Whether the factors of an earlier system spare more than they cost in iterations. */
+static bool factors_serve(const near_factors *factors) {
+    return factors->numeric &&
+           factors->last_iterations <= factors->own_iterations + COST_OF_FACTORS;
+}
+
+/* The largest part of a row's entry at its own node. */
+static double own_entry(const full_system *system, size_t node) {
+    const size_t r = grid_row_of_node(system->grid, node);
+    const reynolds_row *row = &system->rows[r];
+    const double kernel = deflection_kernel(system->deflection)[0];
+
+    return (row->by_pressure[NODE_HERE] + row->by_film[NODE_HERE] * kernel) * system->row_scale[r];
+}
+
+/* y = [B c; closure]^-1 x, with the factors of an earlier system: unknowns that it had alone are
+ * zero, and new ones have their own entry alone. That the rows were scaled otherwise does not
+ * matter: with a load of +-10 and +-50 % the iterations are the same when that is undone. */
+static void precondition(double *y, const double *x, const full_system *system) {
+    gmres_workspace *work = system->workspace;
+    const near_factors *factors = &work->factors;
+    const size_t num_passive = system->num_unknowns;
+
+    for (size_t i = 0; i < factors->num_unknowns; i++) {
+        const size_t index = system->index[factors->unknown[i]];
+        work->right[i] = index == NO_NODE ? 0 : x[index];
+    }
+    solve_band(work->solution, work->right, work);
+    double sum = weighted_sum(work->solution, factors, system->grid);
+    double approach = (system->closure_load * sum - x[num_passive]) / factors->border_pivot;
+    for (size_t i = 0; i < num_passive; i++) {
+        const size_t node = system->unknown[i], index = factors->index[node];
+        y[i] = index == NO_NODE ? x[i] / own_entry(system, node)
+                                : work->solution[index] - approach * factors->border[index];
+    }
     y[num_passive] = approach;
 }
 
@@ -310,13 +376,11 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
                             ehd_error *error) {
     gmres_workspace *work = system->workspace;
     size_t num_passive = system->num_unknowns, size = num_passive + 1, k = 0;
-    double control[UMFPACK_CONTROL];
     hessenberg h;
 
-    assemble_near_field(system);
-    void *numeric = factorise(system, control);
-    if (!numeric || !solve_border(system, numeric, control)) {
-        umfpack_di_free_numeric(&numeric);
+    const bool kept = system->keeps_factors && factors_serve(&work->factors);
+    if (!kept && !renew_factors(system)) {
+        umfpack_di_free_numeric(&work->factors.numeric);
         return ehd_fail(error, EHD_NOT_CONVERGED, "near-field Jacobian: found it singular");
     }
 
@@ -331,17 +395,17 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     if (start > 0) cblas_dscal((int)size, 1 / start, first, 1);
     h.right[0] = start;
     while (k < MAX_ITERATIONS && fabs(h.right[k]) > tolerance * start && !program_interrupted()) {
-        precondition(work->vector, work->krylov + k * work->size, system, numeric, control);
+        precondition(work->vector, work->krylov + k * work->size, system);
         apply_jacobian(work->krylov + (k + 1) * work->size, work->vector, system);
         extend_krylov(work, &h, k, size);
         hessenberg_rotate(&h, k);
         k++;
     }
     *iterations = k;
-    if (program_interrupted()) { // its step would not be reproducible
-        umfpack_di_free_numeric(&numeric);
+    if (!kept) work->factors.own_iterations = k;
+    work->factors.last_iterations = k;
+    if (program_interrupted()) // its step would not be reproducible
         return ehd_fail(error, EHD_INTERRUPTED, "full model: interrupted");
-    }
 
     // back substitution, then dz = M^-1 (V y)
     for (size_t i = k; i-- > 0;) {
@@ -352,8 +416,7 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     memset(work->spread, 0, size * sizeof(double));
     for (size_t i = 0; i < k; i++)
         cblas_daxpy((int)size, h.right[i], work->krylov + i * work->size, 1, work->spread, 1);
-    precondition(work->vector, work->spread, system, numeric, control);
-    umfpack_di_free_numeric(&numeric);
+    precondition(work->vector, work->spread, system);
 
     memset(system->step, 0, system->grid->num_nodes * sizeof(double));
     for (size_t i = 0; i < num_passive; i++)

@@ -328,9 +328,10 @@ static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double sca
     const double film = film_at_half(of, film_weight, at);
     const double cube_a = 1 / (film_a * film_a * film_a), cube_b = 1 / (film_b * film_b * film_b);
     const double cube = 1 / (film * film * film);
-    mass masses[NUM_HALF], here = {0};
+    const bool entrained = entrainment != 0; // along the path of the fluid nothing is
+    mass masses[NUM_HALF] = {{0}}, here = {0};
 
-    for (int k = 0; k < NUM_HALF; k++) {
+    for (int k = 0; k < NUM_HALF && entrained; k++) {
         if (mass_weight[k] == 0) continue;
         masses[k] = mass_at(at, of[k]);
         here.value += mass_weight[k] * masses[k].value;
@@ -349,7 +350,7 @@ static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double sca
     for (int k = 0; k < NUM_HALF; k++) {
         const double by_half_film = 2 * flow * cube / film / sum * film_weight[k];
         row->by_film[of[k]] -= scale * by_half_film;
-        if (mass_weight[k] == 0) continue;
+        if (!entrained || mass_weight[k] == 0) continue;
         double by_mass = mass_weight[k] * (step * entrainment - by_here);
         if (k == HALF_BEFORE) by_mass -= by_mass_a;
         if (k == HALF_AFTER) by_mass -= by_mass_b;

@@ -83,21 +83,13 @@ static spline_layout layout_of_modes(const ehd_grid *grid, size_t width) {
                            .y_curvature = 2 * width};
 }
 
-/* Layout of the kernel by distance: along a line values and curvatures alternate; of a point
- * contact each line is followed by its curvatures across. */
+/* Layout of the kernel by distance. */
 static spline_layout layout_of_kernel(const ehd_grid *grid) {
-    bool point = grid->inner_lines > 1;
-    size_t columns = grid_width(grid), part = 2 * columns;
+    spline_layout layout = layout_of_modes(grid, 1);
 
-    return (spline_layout){.num_columns = columns,
-                           .num_lines = (grid->half ? 2 : 1) * grid_lines(grid),
-                           .width = 1,
-                           .even_x = true,
-                           .even_y = true,
-                           .column = 2,
-                           .line = (point ? 2 : 1) * part,
-                           .x_curvature = 1,
-                           .y_curvature = part};
+    if (grid->half) layout.num_lines *= 2;
+    layout.even_x = layout.even_y = true;
+    return layout;
 }
 
 static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind,
@@ -223,6 +215,29 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
     return status ? status : fill_curvatures(self->pressure, &layout, error);
 }
 
+static int compare_sizes(const void *a, const void *b) {
+    const size_t p = *(const size_t *)a, q = *(const size_t *)b;
+
+    return p < q ? -1 : p > q;
+}
+
+/* The median of the trained exits on each line: from it a state's own are fewest nodes away. */
+static ehd_status find_cut_exits(size_t *cut_exits, const reduced_model *model, ehd_error *error) {
+    const reduced_states *states = &model->states;
+    const size_t num = states->num_states, num_lines = model->band.num_lines;
+    size_t *exit = malloc(num * sizeof *exit);
+
+    if (!exit) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
+    for (size_t l = 0; l < num_lines; l++) {
+        for (size_t s = 0; s < num; s++)
+            exit[s] = states->exit[s * num_lines + l];
+        qsort(exit, num, sizeof *exit, compare_sizes);
+        cut_exits[l] = exit[num / 2];
+    }
+    free(exit);
+    return EHD_OK;
+}
+
 ehd_status film_splines_build(film_splines *self, const reduced_model *model,
                               const double *pressure_basis, const double *deformation_basis,
                               ehd_error *error) {
@@ -230,10 +245,10 @@ ehd_status film_splines_build(film_splines *self, const reduced_model *model,
     self->pressure_basis = pressure_basis;
     self->cut_exits = malloc(model->band.num_lines * sizeof *self->cut_exits);
     if (!self->cut_exits) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    for (size_t l = 0; l < model->band.num_lines; l++)
-        self->cut_exits[l] = (model->band.lines[l].min_exit + model->band.lines[l].max_exit) / 2;
+    ehd_status status = find_cut_exits(self->cut_exits, model, error);
+    if (status) return status;
     widen_grid(self, model);
-    ehd_status status = make_film_table(self, model, pressure_basis, deformation_basis, error);
+    status = make_film_table(self, model, pressure_basis, deformation_basis, error);
     if (!status) status = make_pressure_table(self, model, error);
     if (!status) status = make_kernel_table(self, model->kind, error);
     if (status) film_splines_free(self);
@@ -299,14 +314,37 @@ void path_films_free(path_films *self) {
 
 // ---- a previous state
 
-ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error) {
+static size_t parts_of(const spline_layout *layout) {
+    return layout->num_lines > 1 ? 4 : 2;
+}
+
+/* False: no memory. */
+static bool init_sums(node_sums *self, const spline_layout *layout) {
+    const size_t num_nodes = layout->num_lines * layout->num_columns;
+
+    self->layout = layout;
+    self->sum = calloc(num_nodes, parts_of(layout) * sizeof *self->sum);
+    self->known = calloc(num_nodes, sizeof *self->known);
+    return self->sum && self->known;
+}
+
+static void free_sums(node_sums *self) {
+    free(self->sum);
+    free(self->known);
+}
+
+ehd_status previous_film_init(previous_film *self, const reduced_model *model,
+                              const film_splines *splines, ehd_error *error) {
     memset(self, 0, sizeof *self);
     self->runs = calloc(model->band.num_lines, sizeof *self->runs);
     self->cut_pressure = calloc(model->band.num_nodes, sizeof(double));
+    self->cut_node = calloc(model->band.num_nodes, sizeof *self->cut_node);
     self->difference = calloc(model->num_unknowns, sizeof(double));
-    ehd_status status = self->runs && self->cut_pressure && self->difference
-                            ? reduced_state_init(&self->state, model, error)
-                            : ehd_fail(error, EHD_MEMORY, "previous state: found no memory");
+    bool whole = init_sums(&self->film, &splines->layout);
+    whole = init_sums(&self->pressure, &splines->pressure_layout) && whole;
+    whole = whole && self->runs && self->cut_pressure && self->cut_node && self->difference;
+    ehd_status status = whole ? reduced_state_init(&self->state, model, error)
+                              : ehd_fail(error, EHD_MEMORY, "previous state: found no memory");
     if (!status) status = reduced_values_init(&self->values, model, error);
     if (status) previous_film_free(self);
     return status;
@@ -315,7 +353,10 @@ ehd_status previous_film_init(previous_film *self, const reduced_model *model, e
 void previous_film_free(previous_film *self) {
     free(self->runs);
     free(self->cut_pressure);
+    free(self->cut_node);
     free(self->difference);
+    free_sums(&self->film);
+    free_sums(&self->pressure);
     reduced_state_free(&self->state);
     reduced_values_free(&self->values);
     memset(self, 0, sizeof *self);
@@ -353,22 +394,38 @@ static void prepare_window(previous_film *self, const path_films *path, const re
     solve_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
-static void prepare_runs(previous_film *self, const reduced_model *model,
-                         const film_splines *splines) {
-    self->num_runs = is_coupled(model) ? reduced_model_runs(self->runs, model, splines->cut_exits,
-                                                            reduced_state_exits(&self->state))
-                                       : 0;
-    for (size_t r = 0; r < self->num_runs; r++) {
+/* Finds the nodes by which its exits differ from cut_exits. */
+static void prepare_cut(previous_film *self, const reduced_model *model,
+                        const film_splines *splines) {
+    const size_t num_runs = is_coupled(model)
+                                ? reduced_model_runs(self->runs, model, splines->cut_exits,
+                                                     reduced_state_exits(&self->state))
+                                : 0;
+
+    self->num_cut = 0;
+    for (size_t r = 0; r < num_runs; r++) {
         const cut_run *run = &self->runs[r];
-        double *pressure = self->cut_pressure + run->first;
+        double *pressure = self->cut_pressure + self->num_cut;
         reduced_band_pressure(pressure, model, self->state.coordinates, run->first, run->count);
         cblas_dscal((int)run->count, run->sign, pressure, 1);
+        for (size_t i = 0; i < run->count; i++)
+            self->cut_node[self->num_cut++] =
+                (grid_position){run->line + splines->side, run->column + splines->margin + i};
     }
+}
+
+/* Forgets what was summed. */
+static void prepare_sums(node_sums *self, const double *table, const double *coordinates) {
+    self->table = table;
+    self->coordinates = coordinates;
+    memset(self->known, 0, self->layout->num_lines * self->layout->num_columns);
 }
 
 void previous_film_prepare(previous_film *self, const reduced_model *model,
                            const film_splines *splines, const ehd_contact *reference) {
-    prepare_runs(self, model, splines);
+    prepare_cut(self, model, splines);
+    prepare_sums(&self->film, splines->film, self->state.coordinates + film_offset(model));
+    prepare_sums(&self->pressure, splines->pressure, self->state.coordinates);
     if (reference->lubricant.density && is_line(model)) prepare_window(self, NULL, model, splines);
 }
 
@@ -377,7 +434,9 @@ void previous_film_prepare_path(previous_film *self, const path_films *path,
                                 const ehd_contact *reference) {
     for (size_t j = 0; j < model->num_unknowns; j++)
         self->difference[j] = self->state.coordinates[j] - path->base->state.coordinates[j];
-    prepare_runs(self, model, splines);
+    prepare_cut(self, model, splines);
+    prepare_sums(&self->film, path->film, self->difference + film_offset(model));
+    prepare_sums(&self->pressure, path->pressure, self->difference);
     if (reference->lubricant.density && is_line(model)) prepare_window(self, path, model, splines);
 }
 
@@ -424,99 +483,6 @@ static double round_to_node(double nodes) {
     return fabs(nodes - round(nodes)) < 1e-9 ? round(nodes) : nodes;
 }
 
-// The release is built for any x86-64; this is the largest part of a step.
-#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define WIDER_VECTORS __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define WIDER_VECTORS
-#endif
-#define INLINE static inline __attribute__((always_inline))
-
-enum { VECTOR_LANES = 4 };
-typedef double vector
-    __attribute__((vector_size(VECTOR_LANES * sizeof(double)), aligned(sizeof(double)), may_alias));
-
-INLINE vector load_vector(const double *from) {
-    return *(const vector *)from;
-}
-
-INLINE void sum_splines(double *sum, const spline_point *at, size_t num, const double *table,
-                        const spline_layout *layout, const double *const *coordinates) {
-    size_t width = layout->width, j = 0;
-    const double *here = table, *curvature_here = here + layout->x_curvature;
-    const double *next = here + layout->column, *curvature_next = next + layout->x_curvature;
-    vector lanes[BDF_PREVIOUS] = {{0}};
-
-    for (; j + VECTOR_LANES <= width; j += VECTOR_LANES) {
-        const vector h = load_vector(here + j), ch = load_vector(curvature_here + j),
-                     n = load_vector(next + j), cn = load_vector(curvature_next + j);
-        for (size_t i = 0; i < num; i++)
-            lanes[i] +=
-                load_vector(coordinates[i] + j) * (at[i].weight[0] * h + at[i].weight[1] * ch +
-                                                   at[i].weight[2] * n + at[i].weight[3] * cn);
-    }
-    for (size_t i = 0; i < num; i++) {
-        sum[i] = lanes[i][0] + lanes[i][1] + lanes[i][2] + lanes[i][3];
-        for (size_t k = j; k < width; k++)
-            sum[i] += coordinates[i][k] *
-                      (at[i].weight[0] * here[k] + at[i].weight[1] * curvature_here[k] +
-                       at[i].weight[2] * next[k] + at[i].weight[3] * curvature_next[k]);
-    }
-}
-
-/* Splines along a line of up to BDF_PREVIOUS states at points between the same two nodes, `table`
- * being at the first: together, so that the modes there are read once. */
-WIDER_VECTORS
-static void combine(double *sum, const spline_point *at, size_t num, const double *table,
-                    const spline_layout *layout, const double *const *coordinates) {
-    switch (num) {
-    case 3:
-        sum_splines(sum, at, 3, table, layout, coordinates);
-        break;
-    case 2:
-        sum_splines(sum, at, 2, table, layout, coordinates);
-        break;
-    default:
-        sum_splines(sum, at, 1, table, layout, coordinates);
-    }
-}
-
-/* The same for a point contact: values and curvatures across of two lines. Zero weights, three of
- * four at a point on a line, are left out. */
-static void combine_across(double *sum, const spline_point *along, const spline_point *across,
-                           size_t num, const double *table, const spline_layout *layout,
-                           const double *const *coordinates) {
-    spline_point weighted[BDF_PREVIOUS];
-    double part[BDF_PREVIOUS];
-
-    memset(sum, 0, num * sizeof *sum);
-    for (size_t v = 0; v < NUM_WEIGHTS; v++) {
-        bool used = false;
-        for (size_t i = 0; i < num; i++) {
-            used = used || across[i].weight[v] != 0;
-            for (size_t u = 0; u < NUM_WEIGHTS; u++)
-                weighted[i].weight[u] = across[i].weight[v] * along[i].weight[u];
-        }
-        if (!used) continue;
-        combine(part, weighted, num, table + v / 2 * layout->line + v % 2 * layout->y_curvature,
-                layout, coordinates);
-        for (size_t i = 0; i < num; i++)
-            sum[i] += part[i];
-    }
-}
-
-/* Splines of a table at points in the same cell. */
-static void evaluate(double *sum, const spline_point *along, const spline_point *across, size_t num,
-                     const double *table, const spline_layout *layout,
-                     const double *const *coordinates) {
-    const double *corner = table + across->node * layout->line + along->node * layout->column;
-
-    if (layout->num_lines == 1)
-        combine(sum, along, num, corner, layout, coordinates);
-    else
-        combine_across(sum, along, across, num, corner, layout, coordinates);
-}
-
 /* A spline of one function. */
 static double evaluate_one(const double *table, const spline_layout *layout,
                            const spline_point *along, const spline_point *across) {
@@ -534,81 +500,73 @@ static double evaluate_one(const double *table, const spline_layout *layout,
     return sum;
 }
 
-/* Sums of cut pressures times the kernel's value and curvature at the point's nearer column, then
- * at its other one: for pressures in columns up to the point's own (left) and behind it (right),
- * for each weight across. */
-typedef struct kernel_sums {
-    vector left[NUM_WEIGHTS], right[NUM_WEIGHTS];
-} kernel_sums;
+/* The four values of a node of a point contact. */
+typedef double vector __attribute__((vector_size(32), aligned(sizeof(double)), may_alias));
 
-/* Adds a run of nodes from column `first` on; `kernel`: the kernel's rows for its line, one of a
- * line contact. The lanes hold value and curvature at two neighbouring columns. */
-INLINE void add_run(kernel_sums *sum, size_t node, const double *const *kernel,
-                    size_t weights_across, size_t first, size_t count, const double *pressure) {
-    size_t i = 0;
-
-    for (; i < count && first + i <= node; i++)
-        for (size_t v = 0; v < weights_across; v++)
-            sum->left[v] += pressure[i] * load_vector(kernel[v] + 2 * (node - first - i));
-    for (; i < count; i++)
-        for (size_t v = 0; v < weights_across; v++)
-            sum->right[v] += pressure[i] * load_vector(kernel[v] + 2 * (first + i - node - 1));
-}
-
-/* Rows of the kernel at the distances, in lines, from the point's line and from the next. */
-static inline void kernel_rows(const double *kernel[NUM_WEIGHTS], const film_splines *splines,
-                               size_t near, size_t next) {
+/* Adds values and curvatures of the deflection by the pressures between cut_exits and the state's
+ * own exits at a node of the splines' grid. */
+static void add_cut(double *sum, const previous_film *self, size_t line, size_t column,
+                    const film_splines *splines) {
     const spline_layout *layout = &splines->kernel_layout;
+    vector total = {0};
 
-    kernel[0] = splines->kernel + near * layout->line;
-    kernel[1] = kernel[0] + layout->y_curvature;
-    kernel[2] = splines->kernel + next * layout->line;
-    kernel[3] = kernel[2] + layout->y_curvature;
-}
-
-/* Applies the weights along to the sums of one weight across. */
-INLINE double weigh_kernel_sums(const kernel_sums *sum, size_t v, const double *along) {
-    const vector l = sum->left[v], r = sum->right[v];
-
-    return along[0] * (l[0] + r[2]) + along[1] * (l[1] + r[3]) + along[2] * (l[2] + r[0]) +
-           along[3] * (l[3] + r[1]);
-}
-
-/* Deflection of a line contact by the pressures between cut_exits and the state's exit. */
-INLINE double cut_deflection(const previous_film *self, const spline_point *along,
-                             const film_splines *splines) {
-    const cut_run *run = self->runs;
-    const double *kernel[] = {splines->kernel};
-    kernel_sums sum;
-
-    sum.left[0] = sum.right[0] = (vector){0};
-    add_run(&sum, along->node, kernel, 1, run->column + splines->margin, run->count,
-            self->cut_pressure + run->first);
-    return weigh_kernel_sums(&sum, 0, along->weight);
-}
-
-/* The same for the exit line of a point contact. */
-WIDER_VECTORS
-static double cut_deflection_across(const previous_film *self, const spline_point *along,
-                                    const spline_point *across, const film_splines *splines) {
-    size_t own = across->node, node = along->node;
-    const double *kernel[NUM_WEIGHTS];
-    kernel_sums sum = {{{0}}, {{0}}};
-    double total = 0;
-
-    for (size_t r = 0; r < self->num_runs; r++) {
-        const cut_run *run = &self->runs[r];
-        const double *pressure = self->cut_pressure + run->first;
-        size_t line = run->line + splines->side, column = run->column + splines->margin;
-        kernel_rows(kernel, splines, index_distance(own, line), index_distance(own + 1, line));
-        add_run(&sum, node, kernel, NUM_WEIGHTS, column, run->count, pressure);
-        if (!splines->grid.half || line == 0) continue; // else its mirrored one
-        kernel_rows(kernel, splines, own + line, own + 1 + line);
-        add_run(&sum, node, kernel, NUM_WEIGHTS, column, run->count, pressure);
+    if (layout->num_lines == 1) {
+        for (size_t i = 0; i < self->num_cut; i++) {
+            const double *kernel =
+                splines->kernel + index_distance(column, self->cut_node[i].column) * layout->column;
+            sum[0] += self->cut_pressure[i] * kernel[0];
+            sum[1] += self->cut_pressure[i] * kernel[1];
+        }
+        return;
     }
-    for (size_t v = 0; v < NUM_WEIGHTS; v++)
-        total += across->weight[v] * weigh_kernel_sums(&sum, v, along->weight);
-    return total;
+    for (size_t i = 0; i < self->num_cut; i++) {
+        const grid_position *at = &self->cut_node[i];
+        const double *along = splines->kernel + index_distance(column, at->column) * layout->column;
+        const double *own = along + index_distance(line, at->line) * layout->line;
+        const double *mirrored = along + (line + at->line) * layout->line;
+        total += self->cut_pressure[i] * *(const vector *)own;
+        if (splines->grid.half && at->line > 0)
+            total += self->cut_pressure[i] * *(const vector *)mirrored;
+    }
+    *(vector *)sum += total;
+}
+
+/* Values and curvatures of a state at a node; `cut` is NULL, or the state whose cut is added. */
+static const double *sums_at(const node_sums *self, const previous_film *cut, size_t line,
+                             size_t column, const film_splines *splines) {
+    const spline_layout *layout = self->layout;
+    const size_t parts = parts_of(layout), node = line * layout->num_columns + column;
+    double *sum = self->sum + node * parts;
+
+    if (self->known[node]) return sum;
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)parts, (int)layout->width, 1,
+                self->table + node * layout->column, (int)layout->width, self->coordinates, 1, 0,
+                sum, 1);
+    if (cut) add_cut(sum, cut, line, column, splines);
+    self->known[node] = true;
+    return sum;
+}
+
+/* A state's spline at a point, from the nodes around it; those without weight, as on a line of a
+ * point contact, are not looked at. */
+static double evaluate(const node_sums *self, const previous_film *cut, const spline_point *along,
+                       const spline_point *across, const film_splines *splines) {
+    const bool line_contact = self->layout->num_lines == 1;
+    double sum = 0;
+
+    for (size_t v = 0; v < NUM_WEIGHTS; v += 2) {
+        const double *b = across->weight + v;
+        if (b[0] == 0 && b[1] == 0) continue;
+        for (size_t u = 0; u < NUM_WEIGHTS; u += 2) {
+            const double *a = along->weight + u;
+            if (a[0] == 0 && a[1] == 0) continue;
+            const double *at =
+                sums_at(self, cut, across->node + v / 2, along->node + u / 2, splines);
+            sum += b[0] * (a[0] * at[0] + a[1] * at[1]);
+            if (!line_contact) sum += b[1] * (a[0] * at[2] + a[1] * at[3]);
+        }
+    }
+    return sum;
 }
 
 /* P by the modes before the exit; along the path, where `path` is not NULL, of the base and of
@@ -616,17 +574,13 @@ static double cut_deflection_across(const previous_film *self, const spline_poin
 static double uncut_pressure(const previous_film *self, const spline_point *along,
                              const spline_point *across, const film_splines *splines,
                              const path_films *path) {
-    const spline_layout *layout = &splines->pressure_layout;
-    const double *coordinates = path ? self->difference : self->state.coordinates;
-    double sum, base = 0;
+    double base = 0;
 
     if (path) {
         base = evaluate_one(path->base_pressure, &path->base_pressure_layout, along, across);
         if (self == path->base) return base;
     }
-    evaluate(&sum, along, across, 1, path ? path->pressure : splines->pressure, layout,
-             &coordinates);
-    return base + sum;
+    return base + evaluate(&self->pressure, NULL, along, across, splines);
 }
 
 /* P of a line contact; `path` as above. */
@@ -692,26 +646,6 @@ static void locate(spline_point *along, spline_point *across, double x, double y
         *across = spline_at(round_to_node((y - grid_y(grid, 0)) / grid->step), layout->num_lines);
 }
 
-/* Splines of a table of the film's modes at any points, those in the same cell together. */
-static void evaluate_all(double *sum, const spline_point *along, const spline_point *across,
-                         size_t num, const double *table, const spline_layout *layout,
-                         const double *const *coordinates) {
-    for (size_t i = 0, next; i < num; i = next) {
-        for (next = i + 1; next < num && along[next].node == along[i].node &&
-                           across[next].node == across[i].node;)
-            next++;
-        evaluate(sum + i, along + i, across + i, next - i, table, layout, coordinates + i);
-    }
-}
-
-/* Deflection by the pressures that the state's own exits cut. */
-static double own_cut(const previous_film *self, const spline_point *along,
-                      const spline_point *across, const film_splines *splines) {
-    if (self->num_runs == 0) return 0;
-    return splines->layout.num_lines == 1 ? cut_deflection(self, along, splines)
-                                          : cut_deflection_across(self, along, across, splines);
-}
-
 static double density_at(const previous_film *self, const spline_point *along,
                          const spline_point *across, const film_splines *splines,
                          const path_films *path, const ehd_contact *reference) {
@@ -724,24 +658,17 @@ static double density_at(const previous_film *self, const spline_point *along,
 void previous_film_masses(double *mass, const previous_film *const *films, size_t num_films,
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference) {
-    double x[BDF_PREVIOUS], y[BDF_PREVIOUS];
-    spline_point along[BDF_PREVIOUS] = {{0}}, across[BDF_PREVIOUS] = {{0}};
-    const double *coordinates[BDF_PREVIOUS] = {NULL};
-
-    for (size_t i = 0; i < num_films; i++) {
-        double stretch = frame_stretch(now, &films[i]->frame);
-        x[i] = stretch * grid_x(&model->grid, node);
-        y[i] = is_line(model) ? 0 : stretch * grid_y(&model->grid, node);
-        locate(&along[i], &across[i], x[i], y[i], splines);
-        coordinates[i] = films[i]->state.coordinates + film_offset(model);
-    }
-    evaluate_all(mass, along, across, num_films, splines->film, &splines->layout, coordinates);
     for (size_t i = 0; i < num_films; i++) {
         const previous_film *self = films[i];
-        mass[i] += self->state.coordinates[model->num_unknowns - 1] + contact_gap(x[i], y[i]);
-        mass[i] += own_cut(self, &along[i], &across[i], splines);
+        const double stretch = frame_stretch(now, &self->frame);
+        const double x = stretch * grid_x(&model->grid, node);
+        const double y = is_line(model) ? 0 : stretch * grid_y(&model->grid, node);
+        spline_point along, across;
+        locate(&along, &across, x, y, splines);
+        mass[i] = self->state.coordinates[model->num_unknowns - 1] + contact_gap(x, y) +
+                  evaluate(&self->film, self, &along, &across, splines);
         mass[i] *= frame_film_ratio(now, &self->frame);
-        mass[i] *= density_at(self, &along[i], &across[i], splines, NULL, reference);
+        mass[i] *= density_at(self, &along, &across, splines, NULL, reference);
     }
 }
 
@@ -754,13 +681,11 @@ ehd_status path_films_set_base(path_films *self, const previous_film *base,
 
     self->base = base;
     for (size_t k = 0; k < layout->num_lines * layout->num_columns; k++) {
-        const spline_point along =
-            spline_at((double)(k % layout->num_columns), layout->num_columns);
-        const spline_point across = {k / layout->num_columns, {1}};
-        const double cut = own_cut(base, &along, &across, splines);
-        self->base_cut[k * self->base_layout.column] = cut;
+        double cut[4] = {0};
+        add_cut(cut, base, k / layout->num_columns, k % layout->num_columns, splines);
+        self->base_cut[k * self->base_layout.column] = cut[0];
         self->base_film[k * self->base_layout.column] =
-            approach + cut +
+            approach + cut[0] +
             cblas_ddot((int)layout->width, splines->film + k * layout->column, 1,
                        coordinates + film_offset(model), 1);
     }
@@ -805,20 +730,15 @@ void path_film_masses(double *mass, const previous_film *const *films, size_t nu
     const previous_film *base = path->base;
     const bool compressible = reference->lubricant.density != NULL;
     const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
-    const double *differences[BDF_PREVIOUS] = {NULL};
     path_points before = {.x = {0}}, here = {.x = {0}};
 
     find_points(&before, true, films, num_films, x, y, now, splines);
     find_points(&here, false, films, num_films, x, y, now, splines);
-    for (size_t i = 0; i < num_films; i++)
-        differences[i] = films[i]->difference + film_offset(model);
-    evaluate_all(mass, before.along, before.across, num_films, path->film, &splines->layout,
-                 differences);
     for (size_t i = 0; i < num_films; i++) {
         const previous_film *self = films[i];
         const spline_point *along = &before.along[i], *across = &before.across[i];
-        double change = mass[i] + self->difference[model->num_unknowns - 1] +
-                        own_cut(self, along, across, splines) -
+        double change = self->difference[model->num_unknowns - 1] +
+                        evaluate(&self->film, self, along, across, splines) -
                         evaluate_one(path->base_cut, &path->base_layout, along, across);
         double stays = base_film(path, &here.along[i], &here.across[i], here.x[i], here.y[i]);
         if (compressible) { // the incompressible base's films before cancel

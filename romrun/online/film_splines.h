@@ -2,7 +2,8 @@
 /* Film and pressure of previous reduced states at any point, at a cost independent of the grid: the
  * cubic splines of all modes are made once, and a state's spline is a combination of them, since
  * splines are linear in their values. The deflection by the pressures that a state's own exit line
- * cuts is added as splines of the kernel (romrun/README.md, In time). */
+ * cuts is added as splines of the kernel. Values and curvatures are summed at a node when they are
+ * first asked for, once a state (romrun/README.md, In time). */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 
@@ -32,10 +33,10 @@ typedef struct film_splines {
     spline_layout layout; // of the film's modes
     double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
                           // modes cut at cut_exits
-    size_t *cut_exits;    // [num_lines of the model], in the middle of the trained exits
+    size_t *cut_exits;    // [num_lines of the model], medians of the trained exits
     spline_layout kernel_layout;
-    double *kernel; // [lines, 1 or 2, columns, 2] by distance; of a half grid twice the lines,
-                    // for mirrored nodes
+    double *kernel; // [lines, columns, 2 or 4] by distance; of a half grid twice the lines, for
+                    // mirrored nodes
     spline_layout pressure_layout;
     double *pressure;             // [num_nodes of the model, 2 or 4, num_pressure] uncut
     const double *pressure_basis; // [num_nodes of the model, num_pressure], the caller's
@@ -79,24 +80,36 @@ ehd_status path_films_set_base(path_films *self, const struct previous_film *bas
                                const reduced_model *model, const film_splines *splines,
                                ehd_error *error);
 
+/* Values and curvatures of a state at nodes, from those of the modes. */
+typedef struct node_sums {
+    const spline_layout *layout;
+    const double *table, *coordinates; // of the modes
+    double *sum;                       // [num_nodes of the layout, 2 or 4], where it is known
+    bool *known;                       // [num_nodes of the layout]
+} node_sums;
+
 enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut
 
 /* An accepted state, prepared for evaluation. */
 typedef struct previous_film {
     contact_frame frame;
     reduced_state state;
-    reduced_values values; // at the needed nodes
-    double *difference;    // [num_unknowns] along the path: coordinates less those of the base
-    cut_run *runs;         // [num_lines] by which its exit line differs from cut_exits
-    size_t num_runs;
-    double *cut_pressure; // [nodes of the band] P of these runs, uncut, with their sign
+    reduced_values values;   // at the needed nodes
+    double *difference;      // [num_unknowns] along the path: coordinates less those of the base
+    cut_run *runs;           // [num_lines] by which its exit line differs from cut_exits
+    size_t num_cut;          // of their nodes
+    grid_position *cut_node; // [num_cut] in the splines' grid
+    double *cut_pressure;    // [num_cut] P there, uncut, with the run's sign
+    node_sums film;          // deflection, with what the exits cut; without H0
+    node_sums pressure;      // uncut; compressible only
     // of a line contact:
     size_t window_begin, window_size;                   // the window's nodes
     double window[EXIT_WINDOW], curvature[EXIT_WINDOW]; // P there, cut; compressible only
 } previous_film;
 
 /* Memory for a state of the model. EHD_MEMORY. */
-ehd_status previous_film_init(previous_film *self, const reduced_model *model, ehd_error *error);
+ehd_status previous_film_init(previous_film *self, const reduced_model *model,
+                              const film_splines *splines, ehd_error *error);
 void previous_film_free(previous_film *self);
 
 /* Prepares a state whose frame and state are set; its values are the caller's. */

@@ -172,7 +172,7 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
         path_films_init(&self->path, self->splines, self->model, path_filter_length(reference),
                         reference->lubricant.density != NULL, error);
 
-    if (!status) status = previous_film_init(&self->base, self->model, error);
+    if (!status) status = previous_film_init(&self->base, self->model, self->splines, error);
     if (!status) status = film_errors_init(&self->taken_up, error);
     return status || find_way(self) ? status
                                     : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -205,7 +205,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
                    : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_state_init(&self->factors.state, model, error);
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
-        status = previous_film_init(&self->states[i], model, error);
+        status = previous_film_init(&self->states[i], model, splines, error);
     if (!status && is_along_path(self)) status = prepare_path(self, error);
     if (status)
         reduced_march_free(self);

@@ -135,6 +135,25 @@ static inline void add_rows(double *restrict target, const double factors[NUM_LI
         add_some_rows(target, factors + 1, sources + 1, NUM_LINE_STENCIL - 2, count);
 }
 
+/* Of a point's stencil, those with a factor: five of ten for the pressures along the path. */
+static inline void add_listed_rows(double *restrict target, const double factors[NUM_STENCIL],
+                                   const double *const sources[NUM_STENCIL], size_t count) {
+    enum { AT_ONCE = 5 };
+    double listed[NUM_STENCIL] = {0};
+    const double *rows[NUM_STENCIL];
+    int num = 0;
+
+    for (int a = 0; a < NUM_STENCIL; a++)
+        rows[a] = sources[0];
+    for (int a = 0; a < NUM_STENCIL; a++)
+        if (factors[a] != 0) {
+            listed[num] = factors[a];
+            rows[num++] = sources[a];
+        }
+    for (int a = 0; a < num; a += AT_ONCE)
+        add_some_rows(target, listed + a, rows + a, AT_ONCE, count);
+}
+
 /* Row of the weighted reduced Jacobian: stencil coefficients times rows of the bases, those of the
  * coupled film at the exit's checkpoint. */
 static void fill_reynolds_row(double *target, const row_system *self, const node_state *nodes,
@@ -149,10 +168,10 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
     size_t offset = coupled ? 0 : model->num_pressure;
     const double *film = coupled ? nodes_checkpoint_table(nodes) : model->rows.film;
 
-    double by_pressure[NUM_LINE_STENCIL] = {0}, by_film[NUM_LINE_STENCIL] = {0};
-    const double *pressures[NUM_LINE_STENCIL], *films[NUM_LINE_STENCIL];
+    double by_pressure[NUM_STENCIL] = {0}, by_film[NUM_STENCIL] = {0};
+    const double *pressures[NUM_STENCIL], *films[NUM_STENCIL];
 
-    for (int a = 0; a < NUM_LINE_STENCIL; a++) {
+    for (int a = 0; a < NUM_STENCIL; a++) {
         bool there = stencil->node[a] != NO_NODE;
         size_t q = there ? stencil->node[a] : 0;
         pressures[a] = model->rows.pressure + q * model->num_pressure;
@@ -163,67 +182,82 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
         approach += row->by_film[a];
     }
     memset(target, 0, model->num_unknowns * sizeof(double));
-    add_rows(target, by_pressure, pressures, wide, model->num_pressure);
-    add_rows(target + offset, by_film, films, wide, width);
-    for (int a = NODE_LEFT2; a <= NODE_RIGHT2; a++) {
-        if (stencil->node[a] == NO_NODE) continue;
-        size_t q = stencil->node[a];
-        if (nodes->pressurised[q])
-            nodes_add_row(target, weight * row->by_pressure[a],
-                          model->rows.pressure + q * model->num_pressure, model->num_pressure);
-        nodes_add_row(target + offset, weight * row->by_film[a], film + q * width, width);
-        approach += row->by_film[a];
+    if (model->band.num_lines > 1) {
+        add_listed_rows(target, by_pressure, pressures, model->num_pressure);
+        add_listed_rows(target + offset, by_film, films, width);
+    } else {
+        add_rows(target, by_pressure, pressures, wide, model->num_pressure);
+        add_rows(target + offset, by_film, films, wide, width);
     }
     target[model->num_unknowns - 1] = weight * approach;
 }
 
-/* Derivatives of the active rows, and last the load balance, by a band node's pressure,
- * [num_active + 1]. Products are rounded as in fill_reynolds_row: nodes taken away cancel. */
-static void fill_left_side(double *left, size_t stride, const row_system *self, size_t index,
-                           double sign, double load_weight) {
+/* Derivatives of an active row by the pressures of the nodes of a block. Products are rounded as in
+ * fill_reynolds_row: nodes taken away cancel. */
+static void fill_left_side(double *left, const row_system *self, size_t r, const size_t *index,
+                           const double *sign, size_t rank) {
     const reduced_model *model = self->model;
-    const double *by_node = model->cut.left + index * model->cut.num_rows;
+    const reynolds_stencil *stencil = &model->rows.stencils[r];
+    double factor[NUM_STENCIL];
+    size_t needed[NUM_STENCIL], num = 0;
 
-    for (size_t i = 0; i < self->num_active; i++) {
-        size_t r = self->active[i];
-        const reynolds_stencil *stencil = &model->rows.stencils[r];
-        double weight = model->rows.weight[r], sum = 0;
-        for (int a = 0; a < NUM_STENCIL; a++)
-            if (stencil->node[a] != NO_NODE)
-                sum += weight * self->rows[r].by_film[a] * by_node[stencil->node[a]];
-        left[i * stride] = sign * sum;
+    for (int a = 0; a < NUM_STENCIL; a++) {
+        if (stencil->node[a] == NO_NODE || self->rows[r].by_film[a] == 0) continue;
+        factor[num] = model->rows.weight[r] * self->rows[r].by_film[a];
+        needed[num++] = stencil->node[a];
     }
-    left[self->num_active * stride] = sign * load_weight * by_node[model->cut.num_rows - 1];
+    for (size_t k = 0; k < rank; k++) {
+        const double *by_node = model->cut.left + index[k] * model->cut.num_rows;
+        double sum = 0;
+        for (size_t a = 0; a < num; a++)
+            sum += factor[a] * by_node[needed[a]];
+        left[k] = sign[k] * sum;
+    }
 }
 
-/* matrix += left right of the first `rank` nodes in the block. */
-static void add_block(row_system *self, size_t rank) {
-    const reduced_model *model = self->model;
+/* Nodes by which the exit differs from its checkpoint. */
+typedef struct cut_block {
+    size_t rank, index[CUT_BLOCK]; // in the band
+    double sign[CUT_BLOCK];
+} cut_block;
 
+/* matrix += left right of the nodes in the block. */
+static void add_block(row_system *self, const cut_block *block, double load_weight) {
+    const reduced_model *model = self->model;
+    const size_t num_pressure = model->num_pressure;
+    double *of_load = self->block + self->num_active * CUT_BLOCK;
+
+    for (size_t i = 0; i < self->num_active; i++)
+        fill_left_side(self->block + i * CUT_BLOCK, self, self->active[i], block->index,
+                       block->sign, block->rank);
+    for (size_t k = 0; k < block->rank; k++) {
+        const size_t index = block->index[k];
+        of_load[k] =
+            block->sign[k] * load_weight * model->cut.left[(index + 1) * model->cut.num_rows - 1];
+        memcpy(self->block_right + k * num_pressure, model->band.pressure + index * num_pressure,
+               num_pressure * sizeof(double));
+    }
     cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, (int)self->num_active + 1,
-                (int)model->num_pressure, (int)rank, 1, self->block, CUT_BLOCK, self->block_right,
-                (int)model->num_pressure, 1, self->matrix, (int)model->num_unknowns);
+                (int)num_pressure, (int)block->rank, 1, self->block, CUT_BLOCK, self->block_right,
+                (int)num_pressure, 1, self->matrix, (int)model->num_unknowns);
 }
 
 /* Updates the rows of a coupled basis from the exit's checkpoint to the exit: Maier et al. (2015),
  * eq. 36, with the stencils applied to its left sides first. */
 static void add_runs(row_system *self, const node_state *nodes, double load_weight) {
-    const reduced_model *model = self->model;
-    size_t rank = 0;
+    cut_block block = {.rank = 0};
 
     for (size_t r = 0; r < nodes->num_runs; r++) {
         const cut_run *run = &nodes->runs[r];
         for (size_t k = run->first; k < run->first + run->count; k++) {
-            fill_left_side(self->block + rank, CUT_BLOCK, self, k, run->sign, load_weight);
-            memcpy(self->block_right + rank * model->num_pressure,
-                   model->band.pressure + k * model->num_pressure,
-                   model->num_pressure * sizeof(double));
-            if (++rank < CUT_BLOCK) continue;
-            add_block(self, rank);
-            rank = 0;
+            block.index[block.rank] = k;
+            block.sign[block.rank] = run->sign;
+            if (++block.rank < CUT_BLOCK) continue;
+            add_block(self, &block, load_weight);
+            block.rank = 0;
         }
     }
-    if (rank > 0) add_block(self, rank);
+    if (block.rank > 0) add_block(self, &block, load_weight);
 }
 
 /* Updates the cut table of an independent basis to the exit, always from the exit's checkpoint: its

@@ -7,6 +7,8 @@
 #include "tests/unit/problem.h"
 #include "tests/unit/sample.h"
 
+#include <stdlib.h>
+
 static void iterative_equals_dense(void **state) {
     (void)state;
     full_settings iterative = full_default_settings(), dense = iterative;
@@ -103,12 +105,68 @@ static void vectors_suffice_for_a_fine_grid(void **state) {
     problem_free(&solved);
 }
 
+static size_t num_systems, num_kept, kept_iterations;
+
+static ehd_status compare_kept(full_system *system, double tolerance, size_t *iterations,
+                               ehd_error *error) {
+    (void)tolerance;
+    num_systems++;
+    const ehd_status status = compare_linear_solvers(system, 1e-11, iterations, error);
+    if (system->keeps_factors) num_kept++, kept_iterations += *iterations;
+    return status;
+}
+
+/* A step in time under a load that has risen by `rise`, from a stationary solution. */
+static void step_from_stationary(const ehd_contact *contact, double rise) {
+    const double rate = 50;
+    const ehd_grid *grid = &contact->grid;
+    double *previous = malloc(grid->num_inner * sizeof *previous);
+    full_settings settings = full_default_settings();
+    ehd_contact loaded = *contact;
+    problem start, next;
+
+    assert_non_null(previous);
+    settings.exit_at_node = true;
+    problem_solve_cold(&start, contact, &settings);
+    for (size_t r = 0; r < grid->num_inner; r++)
+        previous[r] = -rate * start.state.film[grid_node_of_row(grid, r)];
+    loaded.closure.value *= 1 + rise;
+    settings.solve_linear = compare_kept;
+    problem_init(&next, &loaded, &settings);
+    full_state_copy(&next.state, &start.state, grid);
+    const reynolds_squeeze squeeze = {rate, previous};
+    assert_int_equal(full_solve(&next.info, &next.state, next.solver, &loaded, &squeeze, NULL),
+                     EHD_OK);
+    assert_int_equal(next.info.status, EHD_OK);
+    problem_free(&start);
+    problem_free(&next);
+    free(previous);
+}
+
+/* Factors of the first system of a step precondition the others, whose rows are scaled anew and
+ * whose zone of pressure is another one: the solutions are their own, in hardly more iterations. */
+static void factors_serve_the_whole_step(void **state) {
+    (void)state;
+    const ehd_contact contacts[] = {
+        sample_contact("barus", "incompressible", 20, 10, 0.02),
+        sample_point("barus", "incompressible", 20, 10, 32, false),
+    };
+    for (size_t i = 0; i < 2; i++) {
+        num_systems = num_kept = kept_iterations = 0;
+        step_from_stationary(&contacts[i], 0.05);
+        assert_true(num_systems >= 3);
+        assert_int_equal(num_kept, num_systems - 1);
+        assert_true(kept_iterations <= (i ? 20 : 22) * num_kept);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(iterative_equals_dense),
         cmocka_unit_test(every_step_equals_dense),
         cmocka_unit_test(whole_kernel_needs_two_iterations),
         cmocka_unit_test(near_field_preconditions),
+        cmocka_unit_test(factors_serve_the_whole_step),
         cmocka_unit_test(vectors_suffice_for_a_fine_grid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -120,7 +120,7 @@ static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     marching self;
 
     marching_init(&self, &nodes);
-    check_ok(previous_film_init(&first, &self.model, &error));
+    check_ok(previous_film_init(&first, &self.model, &self.splines, &error));
     const reduced_state start = reduced_march_state(self.march, &first.frame);
     memcpy(first.state.coordinates, start.coordinates, self.model.num_unknowns * sizeof(double));
     reduced_state_set_exits(&first.state, &self.model, start.exits);

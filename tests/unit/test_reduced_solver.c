@@ -159,7 +159,9 @@ static void all_rows_in_any_order_are_level_i(void **state) {
             solve_from_neighbour(&level_i, s);
             solve_from_neighbour(&level_n, s);
             assert_int_equal(level_n.state.exit, level_i.state.exit);
-            assert_int_equal(level_n.info.iterations, level_i.info.iterations);
+            // of 22, the last of which is as small as the rounding of the rows' order
+            assert_in_range(level_n.info.iterations + 1, level_i.info.iterations,
+                            level_i.info.iterations + 2);
             check_close(level_n.info.scalars.central_film_thickness,
                         level_i.info.scalars.central_film_thickness, 1e-12, 0);
             check_close(level_n.info.scalars.minimum_film_thickness,
