@@ -593,7 +593,7 @@ static double error_on_the_way(const reduced_march *self, double step) {
 /* Along the path, whether the film before the centre misses its prediction by more than a step of the
  * march makes: as in the full model, where this is another solution, ruptured in the inlet. */
 static bool is_another_solution(const reduced_march *self, double central_film) {
-    const double most = 0.05 * central_film;
+    const double most = march_most_missed * central_film;
     const row_set *rows = &self->model->rows;
 
     for (size_t r = 0; r < rows->num_rows; r++)
