@@ -426,7 +426,7 @@ static double missed_mass(const full_march *self, const bdf_formula *formula,
 static bool is_another_solution(const full_march *self, const bdf_formula *formula,
                                 const full_state *state, const ehd_contact *contact,
                                 double entrainment, double central_film) {
-    const double most = 0.05 * central_film;
+    const double most = march_most_missed * central_film;
 
     for (size_t r = 0; r < contact->grid.num_inner; r++)
         if (grid_x(&contact->grid, grid_node_of_row(&contact->grid, r)) * entrainment < 0 &&

@@ -11,6 +11,7 @@
 
 const double march_exit_margin = 0.1;
 const double march_short_path = 0.25;
+const double march_most_missed = 0.05;
 const double march_error_growth = 1.5;
 
 /* Local errors add up over the hundreds of steps that a film takes through the contact. What a step
@@ -296,6 +297,16 @@ static double step_after(const march *self, const march_step *outcome) {
     return fmax(next_step(self, outcome), fmin(fmax(state->step, before), 2 * outcome->step));
 }
 
+/* That of the march follows from times in which histories vary, of which a jump has none. Along the
+ * path a film takes up the error of this step of first order, which no earlier state tells: after a
+ * jump of the load by 30 % (scenes/studies/time-steps) the central film was 0.40 % off (rms, 0.14 %
+ * told) with a step of 0.007, and is 0.16 % (0.21 %) with the shortest one along the path. */
+static double first_step_after_jump(const march *self, const march_step *outcome) {
+    const double first = self->settings.first_step;
+
+    return is_along_path(self) ? fmin(first, shortest_step(self, &outcome->frame)) : first;
+}
+
 /* The step counts; it was the solver's last attempt. */
 static void accept(march *self, const march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
@@ -315,7 +326,7 @@ static void accept(march *self, const march_step *outcome, const next_stop *reac
     if (reached->is_jump) {
         self->solver.restart(self->solver.self);
         state->last_step = state->step_before = 0;
-        state->step = self->settings.first_step;
+        state->step = first_step_after_jump(self, outcome);
     }
     state->rejected_step = 0;
     // where this is too long, the march ends as soon as it is rejected

@@ -362,6 +362,7 @@ static void watch_all(exit_search *self, exit_watch watch) {
 void exits_watch_stationary(exit_search *self, double tolerance) {
     const double coarse = 1e-5;
 
+    self->far = INFINITY;
     watch_all(self, (exit_watch){.max_turns = 0,
                                  .near = settled_distance(self->model),
                                  .small = tolerance < coarse ? 1e-3 : 5e-3,
@@ -369,7 +370,8 @@ void exits_watch_stationary(exit_search *self, double tolerance) {
                                  .change = INFINITY});
 }
 
-void exits_watch_in_time(exit_search *self, double stalled) {
+void exits_watch_in_time(exit_search *self, double stalled, double far) {
+    self->far = self->model->band.num_lines > 1 ? INFINITY : far;
     watch_all(self,
               (exit_watch){.max_turns = 1, .near = 1, .stalled = stalled, .change = INFINITY});
 }
@@ -401,6 +403,7 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
                         .squeeze = squeeze,
                         .window = window_nodes(model)};
 
+    if (change > self->far) return false;
     find_exits(&query);
     for (size_t l = 0; l < num_lines; l++)
         self->moved[l] = watch_exit(&self->watches[l], change, nodes->exit[l], self->wanted[l]);

@@ -590,6 +590,19 @@ static double error_on_the_way(const reduced_march *self, double step) {
     return fmax(sum - lowest, highest - sum) / (step * fmax(self->entrainment, 1));
 }
 
+/* Along the path, whether the film before the centre misses its prediction by more than a step of the
+ * march makes: as in the full model, where this is another solution, ruptured in the inlet. */
+static bool is_another_solution(const reduced_march *self, double central_film) {
+    const double most = march_most_missed * central_film;
+    const row_set *rows = &self->model->rows;
+
+    for (size_t r = 0; r < rows->num_rows; r++)
+        if (grid_x(&self->model->grid, rows->node[r]) < 0 &&
+            self->formula.error * fabs(missed_mass(self, r)) > most)
+            return true;
+    return false;
+}
+
 /* Local error, relative to the central film, as the march takes it (march.h), away from the exit. */
 static double local_error(reduced_march *self, double central_film, double step) {
     const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
@@ -669,10 +682,15 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
                             .residual = info.residual};
     if (info.status != EHD_NOT_CONVERGED) {
         reduced_row_values(self->estimate.pressure, self->estimate.mass, self->solver, &contact);
-        if (self->formula.error > 0)
-            outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
-        set_effects(outcome, self, &contact, step);
-        judge(outcome, self, &next->state, frame);
+        if (is_along_path(self) && is_another_solution(self, info.scalars.central_film_thickness)) {
+            outcome->status = EHD_NOT_CONVERGED;
+            outcome->reason = "a film far from its prediction";
+        } else {
+            if (self->formula.error > 0)
+                outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
+            set_effects(outcome, self, &contact, step);
+            judge(outcome, self, &next->state, frame);
+        }
     }
     self->effort.seconds += program_seconds() - start;
     return EHD_OK;

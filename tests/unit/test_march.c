@@ -595,6 +595,26 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
+/* After a jump along the path the first step is one of the shortest; without one they are longer. */
+static void the_step_after_a_jump_along_the_path_is_short(void **state) {
+    (void)state;
+    static const ehd_contact line = {.kind = &contact_line,
+                                     .approach_length = 1,
+                                     .transport = TRANSPORT_PATH,
+                                     .grid = {.step = 0.004}};
+    size_t k = 0;
+
+    run_begin(&first, "end_time: 1, tolerance: 1e-3, load: {law: step, to: 1.5, at: 0.5}");
+    first.march.reference = &line;
+    assert_true(first.march.settings.first_step > 0.004);
+    assert_int_equal(run_on(&first), EHD_OK);
+    check_close(first.step[1], first.march.settings.first_step, 1e-9, 0);
+    while (first.time[k] < 0.5)
+        k++;
+    check_close(first.step[k + 1], 0.001, 1e-9, 0);
+    run_end(&first);
+}
+
 /* Steps that are accepted, but so short that the end is out of reach. */
 static void crawling_ends(void **state) {
     (void)state;
@@ -746,6 +766,7 @@ int main(void) {
         cmocka_unit_test(noise_underflows),
         cmocka_unit_test(steps_stand_above_noise),
         cmocka_unit_test(steps_along_the_path_stay_at_the_shortest),
+        cmocka_unit_test(the_step_after_a_jump_along_the_path_is_short),
         cmocka_unit_test(crawling_ends),
         cmocka_unit_test(errors_end_the_march),
         cmocka_unit_test(first_untrusted_step_is_kept),

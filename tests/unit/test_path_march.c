@@ -95,6 +95,30 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     }
 }
 
+/* As in the full model: repeated, shorter, by the march, and the states before stay. */
+static void a_film_far_from_its_prediction_is_not_taken(void **state) {
+    (void)state;
+    for (size_t p = 0; p < NUM_PROBLEMS; p++) {
+        marching self;
+        march_step far;
+
+        marching_init(&self, &problems[p], false, true);
+        for (size_t i = 1; i < 5; i++) {
+            const contact_frame frame = frame_after(&self, (double)i * STEP, 0);
+            step_on(&self.last, &self.solver, &frame, STEP);
+        }
+        contact_frame frame =
+            frame_at(self.reference.kind, 5 * STEP, (double[]){0.7, 1, 1, 1}, NAN);
+        frame.path = 5 * STEP;
+        check_ok(self.solver.attempt(&far, self.solver.self, &frame, STEP, &error));
+        assert_int_equal(far.status, EHD_NOT_CONVERGED);
+        assert_string_equal(far.reason, "a film far from its prediction");
+        frame = frame_after(&self, 5 * STEP, 0);
+        step_on(&self.last, &self.solver, &frame, STEP);
+        marching_free(&self);
+    }
+}
+
 /* With every node as a mode of its own, steps are those of the full model: nearly, since the full
  * one also filters what is left of pressures that an exit cuts, and products of filtered fields. */
 static void march_as_the_full_model(const problem *of, bool compressible, size_t num_steps,
@@ -238,6 +262,7 @@ static void repeated_and_restored_steps_have_the_same_bits(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
+        cmocka_unit_test(a_film_far_from_its_prediction_is_not_taken),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
         cmocka_unit_test(so_does_a_point),
         cmocka_unit_test(few_rows_tell_the_error_of_all),

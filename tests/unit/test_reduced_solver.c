@@ -238,6 +238,44 @@ static void another_linear_solver_may_be_put_in(void **state) {
 }
 
 /* What a truncated basis costs: its own training states, to its accuracy. */
+/* Steps far too long, which is damped, and then far too short; least squares from then on. */
+static ehd_status overshoot(double *step, void *context, const double *matrix, const double *right,
+                            size_t num_rows, size_t num_unknowns) {
+    other_solver *self = context;
+    ehd_status status = solve_otherwise(step, context, matrix, right, num_rows, num_unknowns);
+
+    for (size_t j = 0; j < num_unknowns && self->calls <= 2; j++)
+        step[j] *= self->calls == 1 ? 1e4 : 1e-4;
+    return status;
+}
+
+/* Convergence is not told by what a damped step would have been. */
+static void a_damped_step_shows_no_rate(void **state) {
+    (void)state;
+    other_solver other = {0};
+    reduced_settings settings = strict_settings;
+    reduced_basis small;
+    reduced_problem own, with_other;
+
+    settings.solve_linear = overshoot;
+    settings.linear_context = &other;
+    trained_basis(&small, &training, DEFORMATION_COUPLED, 9, 0);
+    reduced_problem_init(&own, &small, NULL, 0, &strict_settings);
+    reduced_problem_init(&with_other, &small, NULL, 0, &settings);
+    for (size_t s = 0; s < TRAINED_STATES; s += 3) {
+        other = (other_solver){0};
+        solve_from_neighbour(&own, s);
+        solve_from_neighbour(&with_other, s);
+        check_close(with_other.info.scalars.central_film_thickness,
+                    own.info.scalars.central_film_thickness, 1e-11, 0);
+        check_close(with_other.info.scalars.minimum_film_thickness,
+                    own.info.scalars.minimum_film_thickness, 1e-8, 0);
+    }
+    reduced_problem_free(&own);
+    reduced_problem_free(&with_other);
+    reduced_basis_free(&small);
+}
+
 static void truncated_bases_stay_near(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -628,6 +666,7 @@ int main(void) {
         cmocka_unit_test(a_basis_with_the_solution_finds_it),
         cmocka_unit_test(all_rows_in_any_order_are_level_i),
         cmocka_unit_test(another_linear_solver_may_be_put_in),
+        cmocka_unit_test(a_damped_step_shows_no_rate),
         cmocka_unit_test(truncated_bases_stay_near),
         cmocka_unit_test(any_trained_solution_leads_to_any_other),
         cmocka_unit_test(accurate_full_rank_reproduces_the_full_model),

@@ -54,7 +54,7 @@ def measure(out, tolerances, truth_step, *options):
 def draw(out, target):
     """Draws true and told effects on the central film over time, at the default tolerance."""
     cases = results.read_cases()
-    figure, panels = pictures.page(1500, 760, 2, 3, sharex=True)
+    figure, panels = pictures.page(1800, 760, 2, 4, sharex=True)
     for axes, case in zip(panels.flat, cases):
         truth = results.read_trajectory(f"{out}/{case.name}-truth.h5")
         file = f"{out}/{case.name}-1.5e-3.h5"
