@@ -39,6 +39,7 @@ typedef struct ehdrom_properties {
     size_t num_lines;                         // across, both sides of a mirror; 1 of a line contact
     double x_min, step;                       // of the grid, in half widths
     const char *discretization;               // "accurate" or "published"
+    const char *boundary;                     // "open" or, of a line contact too, "zero"
     const char *deformation;                  // "independent" or "coupled"
     size_t pressure_modes, deformation_modes; // in use
     size_t unknowns;                          // of the reduced system

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/exit_search.h"
 
+#include "common/physics/far_field.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -76,6 +78,22 @@ typedef struct band_stencil {
     reynolds_fluid fluid;
 } band_stencil;
 
+static bool is_outer(const reduced_model *model, size_t node) {
+    return model->grid.inner_lines > 1 && far_field_is_at(&model->grid, node);
+}
+
+/* P and H at a boundary node of a stencil, whose lines beside the grid have no nodes in the band. */
+static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
+                            bool banded) {
+    const reduced_model *model = query->search->model;
+    const double approach = query->z[model->num_unknowns - 1];
+    const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
+
+    if (far_field_is_there(&model->grid))
+        *pressure = far_field_pressure(query->contact, approach, x, y).value;
+    if (!banded) *film = far_field_film(approach, x, y);
+}
+
 static void fill_stencil(band_stencil *around, const exit_query *query, size_t node) {
     const reduced_model *model = query->search->model;
     const reynolds_stencil nodes = reynolds_stencil_at(&model->grid, node);
@@ -93,12 +111,16 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
         const band_line *line = &model->band.lines[at.line];
         size_t index = banded ? line->offset + at.column - line->begin : 0;
         around->pressure[count] = pressurised ? query->nodes->band_pressure[index] : 0;
-        // Boundary lines have no nodes in the band. Their film has no effect, since neither they
-        // nor the exit have pressure.
-        around->film[count++] = banded ? film_at(query, other, index) : 0;
+        around->film[count] = banded ? film_at(query, other, index) : 0;
+        if (is_outer(model, other))
+            fill_outer_node(&around->pressure[count], &around->film[count], query, other, banded);
+        count++;
     }
     around->fluid = reynolds_fluid_in(around->memory, count, query->contact);
     reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
+    for (size_t a = 0; a < NUM_STENCIL && around->fluid.density; a++)
+        if (around->stencil.node[a] != NO_NODE && is_outer(model, nodes.node[a]))
+            around->fluid.density[around->stencil.node[a]] = 1; // as far_nodes_set_density
 }
 
 static double multiplier_at(void *state, size_t node) {

@@ -77,6 +77,7 @@ void trained_init_point(trained *self, bool half) {
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         scene given = sample_scene("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3]);
         strcpy(given.contact, "point");
+        strcpy(given.boundary, "open");
         given.grid.x_min = -2.5;
         given.grid.x_max = 1.5;
         given.grid.step = 0.125;
