@@ -531,9 +531,7 @@ static ehd_status take_step(full_info *info, full_state *state, full_solver *sel
     self->base.exit_offset = state->exit_offset;
     move(self, contact, squeeze, state, factor);
     for (int i = 0; i < MAX_HALVINGS; i++) {
-        if (film_is_positive(self, state) &&
-            merit(self, state) < self->largest_merit)
-            break;
+        if (film_is_positive(self, state) && merit(self, state) < self->largest_merit) break;
         factor /= 2;
         move(self, contact, squeeze, state, factor);
     }

@@ -187,8 +187,7 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
                 row->by_pressure[a] * scale;
         *approach += by_film;
         if (system->outer)
-            *approach +=
-                row->by_pressure[a] * scale * system->outer->by_approach[stencil->node[a]];
+            *approach += row->by_pressure[a] * scale * system->outer->by_approach[stencil->node[a]];
     }
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++)
         for (ptrdiff_t c = at.first_column; c <= at.last_column; c++) {

@@ -43,9 +43,10 @@
         ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x"),     \
         ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                             \
                   "of the equations on the grid: accurate or published; published where missing"), \
-        ATTRIBUTE("boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                   \
-                  "what lies around the grid of a point contact: open, the far field, or zero, no " \
-                  "pressure; zero where missing")
+        ATTRIBUTE(                                                                                 \
+            "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                         \
+            "what lies around the grid of a point contact: open, the far field, or zero, no "      \
+            "pressure; zero where missing")
 #define TRANSPORT_ATTRIBUTE                                                                        \
     ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                      \
               "how films are carried on the trajectories of the training: upwind or path; where "  \

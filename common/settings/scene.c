@@ -217,7 +217,7 @@ char *scene_text(const scene *of) {
 bool scene_text_matches(const char *kept, const char *now) {
     static const char key[] = "discretization:";
     static const char *const later[] = {"discretization: published\n", "boundary: zero\n",
-                                         "transport: upwind\n"};
+                                        "transport: upwind\n"};
     size_t length = 0;
 
     for (const char *line = kept; *line; line += length + (line[length] == '\n')) {

@@ -148,8 +148,8 @@ static void evaluate(reduced_solver *self, const reduced_state *state, const red
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     nodes_expand_state(&self->nodes, known, state->coordinates);
-    system_evaluate(&self->system, &self->nodes,
-                    state->coordinates[self->model->num_unknowns - 1], contact, squeeze);
+    system_evaluate(&self->system, &self->nodes, state->coordinates[self->model->num_unknowns - 1],
+                    contact, squeeze);
 }
 
 /* The least-squares problem of the rows before the exit, and of the exit's cell where it has one;
