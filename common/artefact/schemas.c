@@ -224,7 +224,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 7, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 8, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
@@ -322,7 +322,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          1,
+                                          2,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -370,7 +370,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      1,
+                                      2,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -423,7 +423,7 @@ static const artefact_attribute residuals_attributes[] = {
 const artefact_schema schema_residuals = {
     "ehdrom-residuals",
     2,
-    0,
+    1,
     "Residuals and Newton steps of a reduced elastohydrodynamic contact",
     residuals_axes,
     residuals_fields,
@@ -618,7 +618,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      1,
+                                      2,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,
