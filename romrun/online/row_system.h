@@ -11,22 +11,22 @@
 
 typedef struct row_system {
     const reduced_model *model;
-    reynolds_row *rows;   // [rows of the model] at the state
-    double *fluid_memory; // [NUM_FLUID_ARRAYS, num_needed]
-    far_nodes outer;      // boundary nodes among the needed ones
-    double *pressure;     // [num_needed] of the state, with that of the far field
+    reynolds_row *rows;      // [rows of the model] at the state
+    double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
+    far_nodes outer;         // boundary nodes among the needed ones
+    double *pressure;        // [num_needed] of the state, with that of the far field
     contact_closure closure; // at the state, with the load beyond the grid
-    size_t num_active;    // rows before the exit
-    size_t num_cells;     // 1 where the exit lies within a node: its cell's row is the last one
-    size_t *active;       // [rows of the model] these
-    double *matrix;       // [system_max_rows, num_unknowns]
-    double *right;        // [system_max_rows]
-    double *step;         // [num_unknowns]
-    double *gradient;     // [num_unknowns] of the central film
-    double *offset;       // [num_unknowns] by which a step moves the exit within its node
-    double *flux_step;    // [num_unknowns] by which it changes the flux
-    reynolds_row flux;    // of system_flux
-    size_t flux_row;      // of the model
+    size_t num_active;       // rows before the exit
+    size_t num_cells;        // 1 where the exit lies within a node: its cell's row is the last one
+    size_t *active;          // [rows of the model] these
+    double *matrix;          // [system_max_rows, num_unknowns]
+    double *right;           // [system_max_rows]
+    double *step;            // [num_unknowns]
+    double *gradient;        // [num_unknowns] of the central film
+    double *offset;          // [num_unknowns] by which a step moves the exit within its node
+    double *flux_step;       // [num_unknowns] by which it changes the flux
+    reynolds_row flux;       // of system_flux
+    size_t flux_row;         // of the model
     least_squares *factors;
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
