@@ -33,7 +33,7 @@ struct full_solver {
     double step_offset;         // by how many nodes that moves
     step_base base;
     contact_closure closure; // at the state, with the load beyond the grid
-    far_nodes outer;         // boundary nodes
+    far_field outer;         // boundary nodes
     double *pressure;        // [num_nodes] of the state, with that of the far field
     double largest_merit;    // before a step of this solution
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
@@ -102,7 +102,7 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->step = arena_array(memory, num_nodes, sizeof(double));
     self->step_film = arena_array(memory, num_nodes, sizeof(double));
     self->base.pressure = arena_array(memory, num_nodes, sizeof(double));
-    far_nodes_init(&self->outer, grid, NULL, num_nodes, memory);
+    far_field_init(&self->outer, grid, NULL, num_nodes, memory);
     self->pressure = arena_array(memory, num_nodes, sizeof(double));
     self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * num_nodes, sizeof(double));
     self->unknown = arena_array(memory, num_nodes, sizeof *self->unknown);
@@ -229,11 +229,11 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
 
     self->fluid = reynolds_fluid_in(self->fluid_memory, num_nodes, contact);
     full_film(state, self);
-    self->closure = far_field_closure(contact, state->rigid_approach);
+    self->closure = far_field_closure(&self->outer, contact, state->rigid_approach);
     memcpy(self->pressure, state->pressure, num_nodes * sizeof(double));
-    far_nodes_add(self->pressure, &self->outer, contact, state->rigid_approach);
+    far_field_add(self->pressure, &self->outer, contact, state->rigid_approach);
     reynolds_fluid_evaluate(&self->fluid, contact, self->pressure, num_nodes);
-    far_nodes_set_density(&self->fluid, &self->outer);
+    far_field_set_density(&self->fluid, &self->outer);
     reynolds_rows(self->rows, &self->grid, contact->entrainment, squeeze, self->stencils,
                   self->grid.num_inner, &self->fluid, self->pressure, state->film);
     if (!isnan(state->exit_offset)) {

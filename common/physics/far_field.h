@@ -27,40 +27,53 @@ far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, 
 /* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
 far_value far_field_load(const ehd_contact *contact, double rigid_approach);
 
-/* The contact's closure by what the inner nodes carry, by_load h^2 sum P + by_approach H0 = value:
- * with the load beyond them, linearised at this rigid approach. */
-contact_closure far_field_closure(const ehd_contact *contact, double rigid_approach);
-
 /* Whether a node of a point contact's grid is a boundary node. */
 bool far_field_is_at(const ehd_grid *grid, size_t node);
 
-/* The boundary nodes in a list of nodes. */
-typedef struct far_nodes {
+// ---- prepared for many states on a grid
+
+/* Directions of Gauss' rule in phi, between the corners of the grid. */
+enum { FAR_RAYS = 16 };
+typedef struct far_rays {
+    size_t num;
+    double inverse_end[FAR_RAYS]; // 1 over the distance at which the inner nodes' cells end
+    double weight[FAR_RAYS];      // with S
+} far_rays;
+
+/* The boundary nodes in a list of nodes, and what lies beyond. */
+typedef struct far_field {
     size_t num;
     size_t *index;       // [num] in the list
-    double *x, *y;       // [num]
-    double *by_approach; // [num_nodes] of far_nodes_add: dP/dH0, zero at the others
-} far_nodes;
+    double *inverse;     // [num] 1/r
+    double *shape[2];    // [num] S, of an entrainment towards larger X and of one backwards
+    double *by_approach; // [num_nodes] of far_field_add: dP/dH0, zero at the others
+    far_rays rays[2];
+} far_field;
 
 /* Memory from an arena. */
-void far_nodes_init(
+void far_field_init(
     // output:
-    far_nodes *self, // which may not be used when memory->failed
+    far_field *self, // which may not be used when memory->failed
     // input:
     const ehd_grid *grid,
     const size_t *nodes, // [num_nodes] of the grid; NULL: all
     size_t num_nodes, arena *memory);
 
 /* Adds P of the far field, where there is one, at the boundary nodes, and sets by_approach. */
-void far_nodes_add(
+void far_field_add(
     // in and out:
     double *pressure, // [num_nodes] at the nodes of the list
-    far_nodes *self,
+    far_field *self,
     // input:
     const ehd_contact *contact, double rigid_approach);
 
+/* The contact's closure by what the inner nodes carry, by_load h^2 sum P + by_approach H0 = value:
+ * with the load beyond them, linearised at this rigid approach. */
+contact_closure far_field_closure(const far_field *self, const ehd_contact *contact,
+                                  double rigid_approach);
+
 /* What enters the grid is that of no pressure, as in the previous states of a film in time, which know
  * no other at these nodes. */
-void far_nodes_set_density(reynolds_fluid *fluid, const far_nodes *self);
+void far_field_set_density(reynolds_fluid *fluid, const far_field *self);
 
 #endif

@@ -120,7 +120,7 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
     reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
     for (size_t a = 0; a < NUM_STENCIL && around->fluid.density; a++)
         if (around->stencil.node[a] != NO_NODE && is_outer(model, nodes.node[a]))
-            around->fluid.density[around->stencil.node[a]] = 1; // as far_nodes_set_density
+            around->fluid.density[around->stencil.node[a]] = 1; // as far_field_set_density
 }
 
 static double multiplier_at(void *state, size_t node) {

@@ -13,7 +13,7 @@ struct indicator {
     const reduced_model *model;
     double *pressure, *film; // [num_needed] of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    far_nodes outer;         // boundary nodes among the needed ones
+    far_field outer;         // boundary nodes among the needed ones
     double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
@@ -38,7 +38,7 @@ indicator *indicator_create(const reduced_model *model) {
     self->pressure = arena_array(memory, num_needed, sizeof(double));
     self->film = arena_array(memory, num_needed, sizeof(double));
     self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * num_needed, sizeof(double));
-    far_nodes_init(&self->outer, &model->grid, control->needed_node, control->num_needed, memory);
+    far_field_init(&self->outer, &model->grid, control->needed_node, control->num_needed, memory);
     self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
     self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
     self->rows = arena_array(memory, (control->num_rows + 1), sizeof *self->rows);
@@ -104,10 +104,10 @@ double indicator_control_residual(indicator *self, const reduced_state *state,
 
     if (control->num_rows == 0) return 0;
     expand(self, state);
-    far_nodes_add(self->pressure, &self->outer, contact,
+    far_field_add(self->pressure, &self->outer, contact,
                   state->coordinates[model->num_unknowns - 1]);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
-    far_nodes_set_density(&fluid, &self->outer);
+    far_field_set_density(&fluid, &self->outer);
     reynolds_rows(self->rows, &model->grid, contact->entrainment, NULL, control->stencils,
                   control->num_rows, &fluid, self->pressure, self->film);
     for (size_t r = 0; r < control->num_rows; r++) {

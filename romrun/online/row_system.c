@@ -33,7 +33,7 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->fluid_memory =
         arena_array(memory, NUM_FLUID_ARRAYS * model->rows.num_needed, sizeof(double));
     self->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));
-    far_nodes_init(&self->outer, &model->grid, model->rows.needed_node, model->rows.num_needed,
+    far_field_init(&self->outer, &model->grid, model->rows.needed_node, model->rows.num_needed,
                    memory);
     self->active = arena_array(memory, num_rows, sizeof *self->active);
     self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
@@ -80,11 +80,11 @@ void system_evaluate(row_system *self, const node_state *nodes, double rigid_app
     const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
                                            squeeze ? squeeze->previous : NULL};
 
-    self->closure = far_field_closure(contact, rigid_approach);
+    self->closure = far_field_closure(&self->outer, contact, rigid_approach);
     memcpy(self->pressure, nodes->now.pressure, num_needed * sizeof(double));
-    far_nodes_add(self->pressure, &self->outer, contact, rigid_approach);
+    far_field_add(self->pressure, &self->outer, contact, rigid_approach);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
-    far_nodes_set_density(&fluid, &self->outer);
+    far_field_set_density(&fluid, &self->outer);
     reynolds_rows(self->rows, &self->model->grid, contact->entrainment,
                   squeeze ? &rows_squeeze : NULL, set->stencils, set->num_rows, &fluid,
                   self->pressure, nodes->now.film);

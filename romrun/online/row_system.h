@@ -13,7 +13,7 @@ typedef struct row_system {
     const reduced_model *model;
     reynolds_row *rows;      // [rows of the model] at the state
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    far_nodes outer;         // boundary nodes among the needed ones
+    far_field outer;         // boundary nodes among the needed ones
     double *pressure;        // [num_needed] of the state, with that of the far field
     contact_closure closure; // at the state, with the load beyond the grid
     size_t num_active;       // rows before the exit

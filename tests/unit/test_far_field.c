@@ -6,7 +6,7 @@
 #include "tests/unit/sample.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static ehd_contact contact_on(double moes_M, double moes_L, double x_min, double x_max,
@@ -100,11 +100,43 @@ static void counts_the_load_beyond(void **state) {
                 1e-6, 0);
 
     // at this approach the closure is the load balance, and its slope is that of the balance
-    const contact_closure closure = far_field_closure(&one, approach);
+    arena memory = {0};
+    far_field prepared;
+    far_field_init(&prepared, &one.grid, NULL, one.grid.num_nodes, &memory);
+    const contact_closure closure = far_field_closure(&prepared, &one, approach);
     const double carried = 2.0;
     check_close(closure.by_load * carried + closure.by_approach * approach - closure.value,
                 carried + load.value - one.closure.value, 1e-12, 1e-12);
     check_close(closure.by_approach, load.by_approach, 1e-12, 0);
+    arena_free(&memory);
+}
+
+/* At the boundary nodes alone, with its derivative, in either direction. */
+static void is_added_at_the_boundary_nodes(void **state) {
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, i < 2 ? "open" : "zero");
+        const ehd_grid *grid = &contact.grid;
+        double *pressure = calloc(grid->num_nodes, sizeof *pressure);
+        arena memory = {0};
+        far_field field;
+
+        assert_non_null(pressure);
+        if (i % 2) contact.far_speed = -0.7;
+        far_field_init(&field, grid, NULL, grid->num_nodes, &memory);
+        far_field_add(pressure, &field, &contact, 0.2);
+        for (size_t k = 0; k < grid->num_nodes; k++) {
+            const size_t column = k % grid_width(grid);
+            const bool outer = column == 0 || column + 1 == grid_width(grid) ||
+                               k / grid_width(grid) + 1 == grid_lines(grid);
+            const far_value there =
+                far_field_pressure(&contact, 0.2, grid_x(grid, k), grid_y(grid, k));
+            check_close(pressure[k], outer && i < 2 ? there.value : 0, 1e-13, 0);
+            check_close(field.by_approach[k], outer && i < 2 ? there.by_approach : 0, 1e-13, 0);
+        }
+        arena_free(&memory);
+        free(pressure);
+    }
 }
 
 /* Of lines, with zero around, and without entrainment there is none; backwards it is mirrored. */
@@ -162,6 +194,7 @@ int main(void) {
         cmocka_unit_test(solves_the_reynolds_equation),
         cmocka_unit_test(ends_at_the_exit),
         cmocka_unit_test(counts_the_load_beyond),
+        cmocka_unit_test(is_added_at_the_boundary_nodes),
         cmocka_unit_test(where_it_is),
         cmocka_unit_test(short_domains_are_as_good_as_long_ones),
     };
