@@ -78,10 +78,6 @@ typedef struct band_stencil {
     reynolds_fluid fluid;
 } band_stencil;
 
-static bool is_outer(const reduced_model *model, size_t node) {
-    return model->grid.inner_lines > 1 && far_field_is_at(&model->grid, node);
-}
-
 /* P and H at a boundary node of a stencil, whose lines beside the grid have no nodes in the band. */
 static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
                             bool banded) {
@@ -97,6 +93,9 @@ static void fill_outer_node(double *pressure, double *film, const exit_query *qu
 static void fill_stencil(band_stencil *around, const exit_query *query, size_t node) {
     const reduced_model *model = query->search->model;
     const reynolds_stencil nodes = reynolds_stencil_at(&model->grid, node);
+    const bool across = model->grid.inner_lines > 1;
+    const size_t last = grid_width(&model->grid) - 1;
+    bool outer[NUM_STENCIL]; // boundary nodes of a point contact
     size_t count = 0;
 
     for (size_t a = 0; a < NUM_STENCIL; a++) {
@@ -112,15 +111,15 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
         size_t index = banded ? line->offset + at.column - line->begin : 0;
         around->pressure[count] = pressurised ? query->nodes->band_pressure[index] : 0;
         around->film[count] = banded ? film_at(query, other, index) : 0;
-        if (is_outer(model, other))
+        outer[count] = across && (!banded || at.column == 0 || at.column == last);
+        if (outer[count])
             fill_outer_node(&around->pressure[count], &around->film[count], query, other, banded);
         count++;
     }
     around->fluid = reynolds_fluid_in(around->memory, count, query->contact);
     reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
-    for (size_t a = 0; a < NUM_STENCIL && around->fluid.density; a++)
-        if (around->stencil.node[a] != NO_NODE && is_outer(model, nodes.node[a]))
-            around->fluid.density[around->stencil.node[a]] = 1; // as far_field_set_density
+    for (size_t i = 0; i < count && around->fluid.density; i++)
+        if (outer[i]) around->fluid.density[i] = 1; // as far_field_set_density
 }
 
 static double multiplier_at(void *state, size_t node) {
