@@ -126,7 +126,7 @@ static ehd_status start_with_load(full_info *info, full_march *self, const conta
     contact.closure = contact_load_closure(contact.kind);
     if (frame->speed > 0) {
         contact.lambda *= contact.entrainment;
-        contact.entrainment = 1;
+        contact.entrainment = contact.far_speed = 1;
         return full_solve_cold(info, state, self->solver, &contact, error);
     }
     full_start_dry(state, self->solver, &contact, self->start_film);
@@ -298,16 +298,18 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     previous_state *first = state_before(self, 0);
     const bool backwards = frame->speed < 0;
     double exit = NAN;
+    ehd_contact contact;
     full_info info;
     ehd_status status = backwards ? find_mirrored_start(&info, &exit, self, frame, error)
                                   : find_start(&info, self, frame, error);
 
     if (status) return status;
     judge_start(&info, self, first);
+    frame_contact(&contact, &first->frame, &self->reference);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .frame = first->frame,
-                            .scalars = full_evaluate_scalars(&first->state, &self->reference),
+                            .scalars = full_evaluate_scalars(&first->state, &contact),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
     if (backwards) outcome->scalars.exit_position = exit;

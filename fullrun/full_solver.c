@@ -32,6 +32,9 @@ struct full_solver {
     double *step_film;          // [num_nodes] and of the deflection, of an exit within a node
     double step_offset;         // by how many nodes that moves
     step_base base;
+    contact_closure closure; // at the state, with the load beyond the grid
+    far_field outer;         // boundary nodes
+    double *pressure;        // [num_nodes] of the state, with that of the far field
     bool keeps_factors;      // of the linear system before
     double largest_merit;    // before a step of this solution
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_nodes]
@@ -67,7 +70,7 @@ full_solver *full_solver_free(full_solver *self) {
 }
 
 double full_solver_bytes(const ehd_grid *grid) {
-    const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 25 * sizeof(double);
+    const double of_solver = sizeof(reynolds_row) + sizeof(reynolds_stencil) + 27 * sizeof(double);
     const double of_deflection =
         15 * sizeof(double);       // kernel, transfer, and three fields of four times the nodes
     const double of_factors = 100; // fill by node and log2 of their number, measured with UMFPACK
@@ -100,6 +103,8 @@ ehd_status full_solver_create(full_solver **solver, const contact_kind *kind, co
     self->step = arena_array(memory, num_nodes, sizeof(double));
     self->step_film = arena_array(memory, num_nodes, sizeof(double));
     self->base.pressure = arena_array(memory, num_nodes, sizeof(double));
+    far_field_init(&self->outer, grid, NULL, num_nodes, memory);
+    self->pressure = arena_array(memory, num_nodes, sizeof(double));
     self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * num_nodes, sizeof(double));
     self->unknown = arena_array(memory, num_nodes, sizeof *self->unknown);
     self->index = arena_array(memory, num_nodes, sizeof *self->index);
@@ -192,8 +197,8 @@ void full_film(full_state *state, full_solver *self) {
 // ---- rows
 
 /* Residual of the closure, scaled such that the load row has ones (twos off a mirror line). */
-static double closure_residual(const full_solver *self, const full_state *state,
-                               const contact_closure *closure) {
+static double closure_residual(const full_solver *self, const full_state *state) {
+    const contact_closure *closure = &self->closure;
     const ehd_grid *grid = &self->grid;
     double sum = 0;
 
@@ -225,9 +230,13 @@ static void evaluate_rows(full_solver *self, const ehd_contact *contact,
 
     self->fluid = reynolds_fluid_in(self->fluid_memory, num_nodes, contact);
     full_film(state, self);
-    reynolds_fluid_evaluate(&self->fluid, contact, state->pressure, num_nodes);
+    self->closure = far_field_closure(&self->outer, contact, state->rigid_approach);
+    memcpy(self->pressure, state->pressure, num_nodes * sizeof(double));
+    far_field_add(self->pressure, &self->outer, contact, state->rigid_approach);
+    reynolds_fluid_evaluate(&self->fluid, contact, self->pressure, num_nodes);
+    far_field_set_density(&self->fluid, &self->outer);
     reynolds_rows(self->rows, &self->grid, contact->entrainment, squeeze, self->stencils,
-                  self->grid.num_inner, &self->fluid, state->pressure, state->film);
+                  self->grid.num_inner, &self->fluid, self->pressure, state->film);
     if (!isnan(state->exit_offset)) {
         evaluate_cell(self, contact->entrainment, state);
         if (self->cell.curvature > 0)
@@ -257,9 +266,8 @@ static double larger(double magnitude, double other) {
 }
 
 /* Scales the rows and returns the largest scaled residual of passive rows and closure. */
-static double scale_rows(full_solver *self, const full_state *state,
-                         const contact_closure *closure) {
-    double largest = fabs(closure_residual(self, state, closure));
+static double scale_rows(full_solver *self, const full_state *state) {
+    double largest = fabs(closure_residual(self, state));
 
     for (size_t r = 0; r < self->grid.num_inner; r++) {
         self->row_scale[r] = 1 / row_magnitude(self, r);
@@ -425,7 +433,7 @@ static double linear_tolerance(const full_solver *self, double residual) {
 
 /* The Newton step. EHD_NOT_CONVERGED, with info->reason: there is none. */
 static ehd_status find_step(full_info *info, const full_state *state, full_solver *self,
-                            const contact_closure *closure, ehd_error *error) {
+                            ehd_error *error) {
     size_t iterations = 0;
     full_system system = {.grid = &self->grid,
                           .deflection = self->deflection,
@@ -435,9 +443,10 @@ static ehd_status find_step(full_info *info, const full_state *state, full_solve
                           .stencils = self->stencils,
                           .rows = self->rows,
                           .row_scale = self->row_scale,
-                          .closure_approach = closure->by_approach / grid_cell(&self->grid),
-                          .closure_load = closure->by_load,
-                          .closure_residual = closure_residual(self, state, closure),
+                          .outer = &self->outer,
+                          .closure_approach = self->closure.by_approach / grid_cell(&self->grid),
+                          .closure_load = self->closure.by_load,
+                          .closure_residual = closure_residual(self, state),
                           .near_field = self->settings.near_field,
                           .keeps_factors = self->keeps_factors,
                           .step = self->step,
@@ -473,9 +482,8 @@ static void move(full_solver *self, const ehd_contact *contact, const reynolds_s
 
 /* Square sum of the scaled residuals of passive rows and closure, which a short enough part of a
  * Newton step makes smaller. */
-static double merit(const full_solver *self, const full_state *state,
-                    const contact_closure *closure) {
-    const double of_closure = closure_residual(self, state, closure);
+static double merit(const full_solver *self, const full_state *state) {
+    const double of_closure = closure_residual(self, state);
     double sum = of_closure * of_closure;
 
     for (size_t r = 0; r < self->grid.num_inner; r++) {
@@ -515,8 +523,8 @@ static ehd_status take_step(full_info *info, full_state *state, full_solver *sel
                             const ehd_contact *contact, const reynolds_squeeze *squeeze,
                             ehd_error *error) {
     double factor = 1;
-    self->largest_merit = fmax(self->largest_merit, merit(self, state, &contact->closure));
-    ehd_status status = find_step(info, state, self, &contact->closure, error);
+    self->largest_merit = fmax(self->largest_merit, merit(self, state));
+    ehd_status status = find_step(info, state, self, error);
     if (status) return status;
 
     memcpy(self->base.pressure, state->pressure, self->grid.num_nodes * sizeof(double));
@@ -525,9 +533,7 @@ static ehd_status take_step(full_info *info, full_state *state, full_solver *sel
     self->base.exit_offset = state->exit_offset;
     move(self, contact, squeeze, state, factor);
     for (int i = 0; i < MAX_HALVINGS; i++) {
-        if (film_is_positive(self, state) &&
-            merit(self, state, &contact->closure) < self->largest_merit)
-            break;
+        if (film_is_positive(self, state) && merit(self, state) < self->largest_merit) break;
         factor /= 2;
         move(self, contact, squeeze, state, factor);
     }
@@ -675,10 +681,10 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
     evaluate_rows(self, contact, squeeze, state);
     for (size_t iteration = 0; iteration <= self->settings.max_iterations; iteration++) {
         const double last_residual = info->residual;
-        info->residual = scale_rows(self, state, &contact->closure);
+        info->residual = scale_rows(self, state);
         if (within_node && divide_node(self, contact->entrainment, state, info->residual)) {
             evaluate_rows(self, contact, squeeze, state);
-            info->residual = scale_rows(self, state, &contact->closure);
+            info->residual = scale_rows(self, state);
         }
         if (!isfinite(info->residual)) {
             info->reason = "residual not finite";
@@ -688,7 +694,7 @@ static ehd_status newton(full_info *info, full_state *state, full_solver *self,
         if (iteration > 0 &&
             adapt_zone(&watch, &settled, self, state, contact, squeeze, info->residual)) {
             evaluate_rows(self, contact, squeeze, state);
-            info->residual = scale_rows(self, state, &contact->closure);
+            info->residual = scale_rows(self, state);
         } else if (iteration > 0 && is_solved(self, info->residual, last_residual)) {
             info->status = EHD_OK;
             info->complementarity = complementarity(self, state);

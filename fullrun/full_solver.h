@@ -6,6 +6,7 @@
 
 #include "common/physics/contact.h"
 #include "common/physics/deflection.h"
+#include "common/physics/far_field.h"
 #include "common/physics/reynolds.h"
 #include "common/program/status.h"
 #include <stdbool.h>
@@ -85,6 +86,7 @@ struct full_system {
     const reynolds_stencil *stencils; // [num_inner], of grid_node_of_row
     const reynolds_row *rows;         // [num_inner], used at the unknowns' nodes
     const double *row_scale;          // [num_inner], 1 / largest entry of the row
+    const far_field *outer; // boundary nodes, of which dP/dH0 is used; NULL: of zero pressure
     // scaled closure: closure_approach H0 + closure_load sum weight P + closure_residual = 0
     double closure_approach, closure_load, closure_residual;
     size_t near_field;

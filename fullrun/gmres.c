@@ -116,6 +116,10 @@ static void apply_jacobian(double *y, const double *x, full_system *system) {
     for (size_t i = 0; i < num_passive; i++)
         work->spread[system->unknown[i]] = x[i];
     deflection_apply(work->response, system->deflection, work->spread);
+    for (size_t i = 0; system->outer && i < system->outer->num; i++) { // without deflection
+        const size_t node = system->outer->index[i];
+        work->spread[node] = system->outer->by_approach[node] * x[num_passive];
+    }
     for (size_t i = 0; i < num_passive; i++) {
         size_t r = grid_row_of_node(system->grid, system->unknown[i]);
         const reynolds_row *row = &system->rows[r];
@@ -202,6 +206,8 @@ static int fill_near_row(int *column, double *value, double *approach, const ful
             window[(line - at.first_line) * columns + here - at.first_column] +=
                 row->by_pressure[a] * scale;
         *approach += by_film;
+        if (system->outer)
+            *approach += row->by_pressure[a] * scale * system->outer->by_approach[stencil->node[a]];
     }
     for (ptrdiff_t l = at.first_line; l <= at.last_line; l++)
         for (ptrdiff_t c = at.first_column; c <= at.last_column; c++) {

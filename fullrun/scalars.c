@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fullrun/full_solver.h"
 
+#include "common/physics/far_field.h"
 #include "common/physics/minimum.h"
 
 #include <math.h>
@@ -96,6 +97,7 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
     const ehd_grid *grid = &contact->grid;
     size_t line = grid_central_line(grid), exit = state->exit, lowest;
     const double minimum = smallest_film(&lowest, state->film, grid);
+    const double beyond = far_field_load(contact, state->rigid_approach).value;
     double sum = 0;
 
     for (size_t r = 0; r < grid->num_inner; r++) {
@@ -114,6 +116,6 @@ contact_scalars full_evaluate_scalars(const full_state *state, const ehd_contact
         .rigid_approach = state->rigid_approach,
         .exit_position =
             grid->inner_lines > 1 ? grid_x(grid, exit) : full_exit_position(state, grid),
-        .load = sum * grid_cell(grid) / contact->kind->load};
+        .load = (sum * grid_cell(grid) + beyond) / contact->kind->load};
     return scalars;
 }

@@ -42,7 +42,11 @@
         ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, "first node of x"),                    \
         ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x"),     \
         ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                             \
-                  "of the equations on the grid: accurate or published; published where missing")
+                  "of the equations on the grid: accurate or published; published where missing"), \
+        ATTRIBUTE(                                                                                 \
+            "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                         \
+            "what lies around the grid of a point contact: open, the far field, or zero, no "      \
+            "pressure; zero where missing")
 #define TRANSPORT_ATTRIBUTE                                                                        \
     ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                      \
               "how films are carried on the trajectories of the training: upwind or path; where "  \
@@ -220,7 +224,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 7, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 8, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
@@ -318,7 +322,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          1,
+                                          2,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -366,7 +370,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      1,
+                                      2,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -419,7 +423,7 @@ static const artefact_attribute residuals_attributes[] = {
 const artefact_schema schema_residuals = {
     "ehdrom-residuals",
     2,
-    0,
+    1,
     "Residuals and Newton steps of a reduced elastohydrodynamic contact",
     residuals_axes,
     residuals_fields,
@@ -620,7 +624,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      1,
+                                      2,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

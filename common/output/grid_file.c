@@ -79,6 +79,8 @@ ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const
     if (!status)
         status = artefact_put_text(file, "discretization",
                                    discretization_name(grid->discretization), error);
+    if (!status && kind->dimensions > 1)
+        status = artefact_put_text(file, "boundary", boundary_name(grid->boundary), error);
     return status;
 }
 
@@ -117,6 +119,20 @@ ehd_status grid_read_discretization(ehd_discretization *discretization, artefact
     return status;
 }
 
+ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error) {
+    char *name = NULL;
+
+    *boundary = BOUNDARY_ZERO;
+    if (!artefact_has(file, "boundary")) return EHD_OK;
+    ehd_status status = artefact_get_text(file, "boundary", &name, error);
+    if (!status && !boundary_find(boundary, name))
+        status = ehd_fail(error, EHD_DATA, "%s: boundary: found %.32s, expected %s|%s",
+                          artefact_path(file), name, boundary_name(BOUNDARY_OPEN),
+                          boundary_name(BOUNDARY_ZERO));
+    free(name);
+    return status;
+}
+
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error) {
     char *contact = NULL;
     ehd_status status = artefact_get_text(file, "contact", &contact, error);
@@ -134,10 +150,13 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status && artefact_has(file, "half"))
         status = artefact_get_integer(file, "half", &half, error);
     ehd_discretization discretization = DISCRETIZATION_PUBLISHED;
+    ehd_boundary boundary = BOUNDARY_ZERO;
     if (!status) status = grid_read_discretization(&discretization, file, error);
+    if (!status && num_lines > 1) status = grid_read_boundary(&boundary, file, error);
     if (status) return status;
     *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines,
                     num_lines > 1 && half != 0, discretization);
+    grid->boundary = boundary;
     double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,
@@ -195,6 +214,10 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
         return ehd_fail(error, EHD_DATA, "%s: discretization: found %s, expected %s, as in %s",
                         path, discretization_name(grid->discretization),
                         discretization_name(expected->discretization), expected_path);
+    if (grid->inner_lines > 1 && expected->inner_lines > 1 && grid->boundary != expected->boundary)
+        return ehd_fail(error, EHD_DATA, "%s: boundary: found %s, expected %s, as in %s", path,
+                        boundary_name(grid->boundary), boundary_name(expected->boundary),
+                        expected_path);
     return ehd_fail(error, EHD_DATA,
                     "%s: x: found %zu nodes from %g by %g, expected %zu from %g by %g, as in %s",
                     path, grid->num_inner, grid->x_min, grid->step, expected->num_inner,
@@ -226,6 +249,16 @@ void grid_print_nodes(const ehd_grid *grid) {
     printf("%zu", whole.inner_x);
     if (whole.inner_lines > 1) printf(" by %zu", whole.inner_lines);
     printf(" nodes from %g to %g by %g", whole.x_min, grid_extent_of(&whole).x_max, whole.step);
+}
+
+void grid_print_equations(const ehd_contact *contact) {
+    const ehd_grid *grid = &contact->grid;
+
+    printf("%-24s%s\n", "discretization", discretization_name(grid->discretization));
+    if (contact->kind->dimensions > 1)
+        printf("%-24s%s\n", "boundary",
+               grid->boundary == BOUNDARY_OPEN ? "open, with the far field around the grid"
+                                               : "zero pressure");
 }
 
 void grid_print(const ehd_contact *contact, const char *needed_by) {

@@ -12,7 +12,7 @@
 /* Axis x, the inner nodes, and of a point contact y, their lines. */
 ehd_status grid_write_axes(artefact *file, const ehd_grid *grid, ehd_error *error);
 
-/* Attributes contact, x_min, step and discretization. */
+/* Attributes contact, x_min, step, discretization and, of a point contact, boundary. */
 ehd_status grid_write_attributes(artefact *file, const contact_kind *kind, const ehd_grid *grid,
                                  ehd_error *error);
 
@@ -39,6 +39,9 @@ ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kin
 ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
                                     ehd_error *error);
 
+/* The boundary of a file of a point contact: zero where it says nothing. EHD_DATA: an unknown one. */
+ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error);
+
 /* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or
  * the kind is not known. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
@@ -64,6 +67,9 @@ ehd_status grid_check_memory(const program *caller, const char *object, const eh
 
 /* Prints how many nodes the whole grid has, from where to where and how far apart. */
 void grid_print_nodes(const ehd_grid *grid);
+
+/* Prints a contact's discretisation and, of a point contact, what lies around its grid. */
+void grid_print_equations(const ehd_contact *contact);
 
 /* Prints a contact's grid, and what it was chosen for where the scene does not give it. */
 void grid_print(const ehd_contact *contact, const char *needed_by);

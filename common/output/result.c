@@ -166,7 +166,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
 
     printf("%-24sM = %.6g, L = %.6g, alpha p_H = %.6g, p_H = %.6g GPa\n", "contact",
            contact->moes_M, contact->moes_L, contact->alpha_p_H, contact->hertz_pressure * 1e-9);
-    printf("%-24s%s\n", "discretization", discretization_name(contact->grid.discretization));
+    grid_print_equations(contact);
     grid_print(contact, "this M and L");
     print_value("central film thickness", result->central_film_thickness, film, "µm");
     print_parts(result->indicated_deviation, effects.of[EFFECT_STEP], effects.of[EFFECT_INLET]);
@@ -206,6 +206,9 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
     if (!status) status = artefact_get_real(file, "x_min", &stored->x_min, error);
     if (!status) status = artefact_get_real(file, "step", &stored->step, error);
     if (!status) status = grid_read_discretization(&stored->discretization, file, error);
+    stored->boundary = BOUNDARY_ZERO;
+    if (!status && kind->dimensions > 1)
+        status = grid_read_boundary(&stored->boundary, file, error);
     if (!status) status = artefact_get_real(file, "hertz_pressure", &stored->hertz_pressure, error);
     if (!status) status = artefact_get_real(file, "moes_M", &stored->moes_M, error);
     if (!status) status = artefact_get_real(file, "alpha_p_H", &stored->alpha_p_H, error);
@@ -307,8 +310,11 @@ void result_free(stored_result *stored) {
 }
 
 ehd_grid result_grid(const stored_result *stored) {
-    return grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
-                   stored->num_lines, false, stored->discretization);
+    ehd_grid grid = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
+                            stored->num_lines, false, stored->discretization);
+
+    grid.boundary = stored->boundary;
+    return grid;
 }
 
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,

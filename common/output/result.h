@@ -63,6 +63,7 @@ void result_print(const run_result *result, const ehd_contact *contact);
 /* A result as stored, of one time. What a foreign file need not have is NaN where it is missing. */
 typedef struct stored_result {
     ehd_discretization discretization;
+    ehd_boundary boundary;
     double x_min; // grid of the file, and of the fields
     double step;
     size_t num_inner; // nodes of a field; 0: neither fields nor an axis x

@@ -172,6 +172,22 @@ bool discretization_find(ehd_discretization *discretization, const char *name) {
     return false;
 }
 
+static const char *const boundaries[] = {[BOUNDARY_ZERO] = "zero", [BOUNDARY_OPEN] = "open"};
+enum { NUM_BOUNDARIES = sizeof boundaries / sizeof *boundaries };
+
+const char *boundary_name(ehd_boundary boundary) {
+    return boundaries[boundary];
+}
+
+bool boundary_find(ehd_boundary *boundary, const char *name) {
+    for (size_t i = 0; i < NUM_BOUNDARIES; i++) {
+        if (strcmp(boundaries[i], name) != 0) continue;
+        *boundary = (ehd_boundary)i;
+        return true;
+    }
+    return false;
+}
+
 static const char *const transports[] = {[TRANSPORT_UPWIND] = "upwind", [TRANSPORT_PATH] = "path"};
 enum { NUM_TRANSPORTS = sizeof transports / sizeof *transports };
 
@@ -225,7 +241,10 @@ ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, 
 
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines) {
-    return grid_of(x_min, step, inner_x, inner_lines, grid->half, grid->discretization);
+    ehd_grid other = grid_of(x_min, step, inner_x, inner_lines, grid->half, grid->discretization);
+
+    other.boundary = grid->boundary;
+    return other;
 }
 
 size_t grid_width(const ehd_grid *grid) {
@@ -279,7 +298,11 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node) {
 ehd_grid grid_whole(const ehd_grid *grid) {
     size_t lines = grid->half ? 2 * grid->inner_lines - 1 : grid->inner_lines;
 
-    return grid_of(grid->x_min, grid->step, grid->inner_x, lines, false, grid->discretization);
+    ehd_grid whole =
+        grid_of(grid->x_min, grid->step, grid->inner_x, lines, false, grid->discretization);
+
+    whole.boundary = grid->boundary;
+    return whole;
 }
 
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {
@@ -349,8 +372,8 @@ bool grid_has(const ehd_grid *grid, const grid_extent *given) {
 bool grid_same(const ehd_grid *a, const ehd_grid *b) {
     const double slack = 1e-9 * b->step;
 
-    return a->discretization == b->discretization && a->inner_x == b->inner_x &&
-           a->inner_lines == b->inner_lines && a->half == b->half &&
+    return a->discretization == b->discretization && a->boundary == b->boundary &&
+           a->inner_x == b->inner_x && a->inner_lines == b->inner_lines && a->half == b->half &&
            fabs(a->x_min - b->x_min) <= slack && fabs(a->step - b->step) <= slack;
 }
 
@@ -382,6 +405,7 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
     *contact = (ehd_contact){
         .kind = given->kind,
         .entrainment = 1,
+        .far_speed = 1,
         .closure = contact_load_closure(given->kind),
         .approach_length = isnan(given->approach_length) ? default_length : given->approach_length,
         .half_width = NAN,
@@ -426,7 +450,7 @@ void contact_take_grid(ehd_contact *contact, const ehd_grid *grid) {
 
     if (!contact_has_chosen_grid(contact) || !same_kind ||
         grid->discretization != contact->grid.discretization ||
-        !grid_has(grid, &contact->grid_given))
+        grid->boundary != contact->grid.boundary || !grid_has(grid, &contact->grid_given))
         return;
     contact->grid = *grid;
     contact->grid_given = grid_extent_of(grid);

@@ -46,6 +46,17 @@ const char *discretization_name(ehd_discretization discretization);
 /* Finds one by its name; false: there is none. */
 bool discretization_find(ehd_discretization *discretization, const char *name);
 
+/* What lies around the grid of a point contact (README.md, far field). */
+typedef enum ehd_boundary {
+    BOUNDARY_ZERO, // no pressure, and no load beyond
+    BOUNDARY_OPEN  // the far field
+} ehd_boundary;
+
+/* The name of a boundary in scenes and files. */
+const char *boundary_name(ehd_boundary boundary);
+/* Finds one by its name; false: there is none. */
+bool boundary_find(ehd_boundary *boundary, const char *name);
+
 /* How a film that varies in time is carried through the contact (common/time/README.md). */
 typedef enum ehd_transport {
     TRANSPORT_UPWIND, // by the entrainment term of the rows, at fixed places of the grid
@@ -68,8 +79,8 @@ typedef struct ehd_carriage {
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
-/* Uniform grid of square cells, and the discretisation on it. The unknowns are at `num_inner` inner
- * nodes; boundary nodes, where the pressure is zero, lie one step outside. All nodes are numbered
+/* Uniform grid of square cells, the discretisation on it and what lies around it. The unknowns are at
+ * `num_inner` inner nodes; boundary nodes, where the pressure is zero or given, lie one step outside. All nodes are numbered
  * together, along x first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
  * are 1 … num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y =
  * -y_max to y_max or, on a half grid, which uses the symmetry, from y = 0; beyond the first and
@@ -83,6 +94,7 @@ typedef struct ehd_grid {
     size_t num_inner;   // inner_x inner_lines
     size_t num_nodes;
     ehd_discretization discretization;
+    ehd_boundary boundary; // BOUNDARY_ZERO of a line contact
 } ehd_grid;
 
 /* How wide and how fine a grid is, in contact half widths. */
@@ -91,10 +103,10 @@ typedef struct grid_extent {
     double y_max; // NaN of a line contact
 } grid_extent;
 
-/* Fills the counts. */
+/* Fills the counts; with BOUNDARY_ZERO. */
 ehd_grid grid_of(double x_min, double step, size_t inner_x, size_t inner_lines, bool half,
                  ehd_discretization discretization);
-/* Another grid with the discretisation of this one, and also half where it is. */
+/* Another grid with the discretisation and the boundary of this one, and also half where it is. */
 ehd_grid grid_like(const ehd_grid *grid, double x_min, double step, size_t inner_x,
                    size_t inner_lines);
 
@@ -153,7 +165,7 @@ double grid_cell(const ehd_grid *grid);
 /* What a node's pressure adds to the load. */
 double grid_load_weight(const ehd_grid *grid, size_t node);
 
-/* Whether two grids have the same nodes, to 1e-9 of a step, and the same discretisation. */
+/* Whether two grids have the same nodes, to 1e-9 of a step, discretisation and boundary. */
 bool grid_same(const ehd_grid *a, const ehd_grid *b);
 
 grid_extent grid_extent_of(const ehd_grid *grid);
@@ -174,6 +186,7 @@ typedef struct ehd_contact {
     ehd_lubricant lubricant;
     double lambda;      // 1, in the Reynolds equation, eq. 7 of Maier et al. 2015
     double entrainment; // 1, U there; 1 when stationary
+    double far_speed;   // 1, U of the far field: where films are carried along their paths too
     contact_closure closure;
     ehd_transport transport; // in time
     double smoothing;        // half widths, of films carried along their paths; NaN: as usual

@@ -40,6 +40,13 @@ static void fill_published_grid(scene *of) {
     if (point) fill_real(&of->grid.y_max, 3);
 }
 
+static void fill_boundary(scene *of) {
+    const bool published = strcmp(of->discretization, "published") == 0;
+
+    if (!*of->boundary)
+        snprintf(of->boundary, sizeof of->boundary, "%s", published ? "zero" : "open");
+}
+
 /* What follows from the way that films are carried. */
 static void fill_transient(scene *of) {
     const bool published = strcmp(of->discretization, "published") == 0;
@@ -53,6 +60,7 @@ void scene_complete(scene *of) {
     for (const setting *row = scene_settings(); row->key; row++)
         fill_default(of, row);
     if (strcmp(of->discretization, "published") == 0) fill_published_grid(of);
+    if (strcmp(of->contact, "point") == 0) fill_boundary(of);
     if (strcmp(of->regime, "transient") == 0) fill_transient(of);
 }
 
@@ -208,7 +216,8 @@ char *scene_text(const scene *of) {
 
 bool scene_text_matches(const char *kept, const char *now) {
     static const char key[] = "discretization:";
-    static const char *const later[] = {"discretization: published\n", "transport: upwind\n"};
+    static const char *const later[] = {"discretization: published\n", "boundary: zero\n",
+                                        "transport: upwind\n"};
     size_t length = 0;
 
     for (const char *line = kept; *line; line += length + (line[length] == '\n')) {

@@ -72,6 +72,7 @@ typedef struct scene {
     char regime[16];         // stationary, transient
     char closure[16];        // load, approach
     char discretization[16]; // accurate, published
+    char boundary[16];       // open, zero; "" of a line contact
     char transport[16];      // upwind, path
     double approach;         // H0 in the reference frame; NaN: that of the stationary solution
     double approach_length;  // a_ref; NaN: 10 with closure approach, else 1
@@ -168,8 +169,8 @@ ehd_status scene_validate(const scene *scene, const char *where, ehd_error *erro
 char *scene_text(const scene *scene);
 
 /* Whether a text that a file keeps is of the same settings as one of now, of scenes or plans alike.
- * A text without a discretization is of a version before 0.3.0, which had the published one alone:
- * it matches the same text with that. */
+ * A text without a discretization is of a version before 0.3.0, which had the published one alone,
+ * with zero pressure around the grid: it matches the same text with that. */
 bool scene_text_matches(const char *kept, const char *now);
 
 /* The table as text for --help, and as a Markdown table for schemas/scene.md. */

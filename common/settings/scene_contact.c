@@ -5,8 +5,11 @@
 #include <string.h>
 
 ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error) {
+    const ehd_boundary boundary = contact->grid.boundary;
+
     contact->grid =
         grid_choose(&contact->grid_given, needed, contact->grid.half, contact->grid.discretization);
+    contact->grid.boundary = boundary;
     if (contact->grid.num_inner <= MAX_NODES) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,
@@ -56,6 +59,7 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
     if (status) return status;
     contact->grid.half = given->grid.half != 0;
     discretization_find(&contact->grid.discretization, given->discretization); // a choice
+    boundary_find(&contact->grid.boundary, given->boundary); // a choice, or none of a line
     contact->grid_given =
         (grid_extent){given->grid.x_min, given->grid.x_max, given->grid.step, given->grid.y_max};
     const grid_extent needed =

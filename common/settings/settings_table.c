@@ -64,6 +64,10 @@ static const setting run_rows[] = {
     {"discretization", CHOICE(discretization), "accurate", "accurate|published", 0, 0, "1",
      "How the equations are discretised on the grid: by rows of higher order, or as published",
      ALWAYS, false},
+    {"boundary", CHOICE(boundary), NULL, "open|zero", 0, 0, "1",
+     "What lies around the grid: the far field of the contact, or no pressure; default open, zero "
+     "with published",
+     ON_A_POINT, false},
     {"transport", CHOICE(transport), NULL, "path|upwind", 0, 0, "1",
      "How films that vary in time are carried through the contact: along the path of the fluid, or by "
      "the rows at fixed places; default path, upwind with published", IN_TIME, false},

@@ -58,6 +58,7 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     *contact = *reference;
     contact->lambda *= frame->radius * frame->radius / (frame->hertz_pressure * width * width);
     contact->entrainment = frame->speed / width;
+    contact->far_speed = contact->entrainment;
     contact->hertz_pressure *= frame->hertz_pressure;
     contact->alpha_p_H *= frame->hertz_pressure;
     // the stationary contact of the same lambda U

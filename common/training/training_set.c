@@ -51,6 +51,12 @@ static ehd_status check_grid(const ehd_contact *first, const ehd_contact *other,
                         "%s: discretization: found %s at point %s, expected %s as at point %s",
                         plan_path, discretization_name(found->discretization), other_name,
                         discretization_name(expected->discretization), first_name);
+    if (found->inner_lines > 1 && expected->inner_lines > 1 &&
+        found->boundary != expected->boundary)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: boundary: found %s at point %s, expected %s as at point %s", plan_path,
+                        boundary_name(found->boundary), other_name,
+                        boundary_name(expected->boundary), first_name);
     return ehd_fail(error, EHD_DATA,
                     "%s: grid: found %zu nodes from %g by %g at point %s, expected %zu from %g by "
                     "%g as at point %s",

@@ -76,10 +76,11 @@ double against_difference(const double *nodes, const ehd_grid *grid, const doubl
 
 /* Of a grid without nodes only its beginning and its step are known. */
 static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
-    const ehd_grid like_other =
+    ehd_grid like_other =
         grid_of(grid->x_min, grid->step, other->num_inner > 0 ? grid->inner_x : other->inner_x,
                 grid->inner_lines, grid->half, other->discretization);
 
+    like_other.boundary = other->boundary;
     return grid_same(&like_other, other);
 }
 
@@ -87,6 +88,7 @@ static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
 static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid *other) {
     const ehd_grid whole = grid_whole(grid);
     const bool moved = !same_nodes(&whole, other);
+    const bool bounded = grid->boundary != other->boundary;
     const bool discretized = grid->discretization != other->discretization;
 
     printf("against %s", path);
@@ -100,7 +102,10 @@ static void print_heading(const char *path, const ehd_grid *grid, const ehd_grid
     if (discretized)
         printf("%sanother discretization, %s", moved ? ", " : " (",
                discretization_name(other->discretization));
-    printf("%s:\n", moved || discretized ? ": what it does is in the deviations)" : "");
+    if (bounded)
+        printf("%sanother boundary, %s", moved || discretized ? ", " : " (",
+               boundary_name(other->boundary));
+    printf("%s:\n", moved || discretized || bounded ? ": what it does is in the deviations)" : "");
 }
 
 ehd_status against_check(double moes_M, double alpha_p_H, double hertz_pressure, const char *path,

@@ -98,6 +98,7 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
                                     .step = model->grid.step,
                                     .discretization =
                                         discretization_name(model->grid.discretization),
+                                    .boundary = boundary_name(model->grid.boundary),
                                     .deformation = deformation_names[model->deformation],
                                     .pressure_modes = model->num_pressure,
                                     .deformation_modes = model->num_deformation,
@@ -155,6 +156,9 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
         return ehd_fail(error, EHD_DATA, "discretization: found %s, expected %s as in %s",
                         discretization_name(grid->discretization),
                         discretization_name(own->discretization), model->path);
+    if (contact->kind == model->reduced.kind && grid->boundary != own->boundary)
+        return ehd_fail(error, EHD_DATA, "boundary: found %s, expected %s as in %s",
+                        boundary_name(grid->boundary), boundary_name(own->boundary), model->path);
     return ehd_fail(error, EHD_DATA,
                     "grid: found a %s contact with %zu nodes from %g in steps of %g, expected a %s "
                     "contact with %zu from %g in steps of %g as in %s",

@@ -39,6 +39,7 @@ typedef struct ehdrom_properties {
     size_t num_lines;                         // across, both sides of a mirror; 1 of a line contact
     double x_min, step;                       // of the grid, in half widths
     const char *discretization;               // "accurate" or "published"
+    const char *boundary;                     // "open" or, of a line contact too, "zero"
     const char *deformation;                  // "independent" or "coupled"
     size_t pressure_modes, deformation_modes; // in use
     size_t unknowns;                          // of the reduced system
@@ -82,7 +83,8 @@ void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
 
 /* Solves one contact from the trained solutions. Not converged and not trusted are outcomes in
  * result->status. The grid is the model's, also where M and L alone would choose another. Returns
- * EHD_OK, or EHD_DATA when the scene gives a grid, or has a discretisation, that is not the model's:
+ * EHD_OK, or EHD_DATA when the scene gives a grid, or has a discretisation or a boundary, that is not the
+ * model's:
  * one that names none has the accurate one, a model of a version before 0.3.0 the published one. */
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         ehd_error *error);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/exit_search.h"
 
+#include "common/physics/far_field.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -76,9 +78,24 @@ typedef struct band_stencil {
     reynolds_fluid fluid;
 } band_stencil;
 
+/* P and H at a boundary node of a stencil, whose lines beside the grid have no nodes in the band. */
+static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
+                            bool banded) {
+    const reduced_model *model = query->search->model;
+    const double approach = query->z[model->num_unknowns - 1];
+    const double x = grid_x(&model->grid, node), y = grid_y(&model->grid, node);
+
+    if (far_field_is_there(&model->grid))
+        *pressure = far_field_pressure(query->contact, approach, x, y).value;
+    if (!banded) *film = far_field_film(approach, x, y);
+}
+
 static void fill_stencil(band_stencil *around, const exit_query *query, size_t node) {
     const reduced_model *model = query->search->model;
     const reynolds_stencil nodes = reynolds_stencil_at(&model->grid, node);
+    const bool across = model->grid.inner_lines > 1;
+    const size_t last = grid_width(&model->grid) - 1;
+    bool outer[NUM_STENCIL]; // boundary nodes of a point contact
     size_t count = 0;
 
     for (size_t a = 0; a < NUM_STENCIL; a++) {
@@ -93,12 +110,16 @@ static void fill_stencil(band_stencil *around, const exit_query *query, size_t n
         const band_line *line = &model->band.lines[at.line];
         size_t index = banded ? line->offset + at.column - line->begin : 0;
         around->pressure[count] = pressurised ? query->nodes->band_pressure[index] : 0;
-        // Boundary lines have no nodes in the band. Their film has no effect, since neither they
-        // nor the exit have pressure.
-        around->film[count++] = banded ? film_at(query, other, index) : 0;
+        around->film[count] = banded ? film_at(query, other, index) : 0;
+        outer[count] = across && (!banded || at.column == 0 || at.column == last);
+        if (outer[count])
+            fill_outer_node(&around->pressure[count], &around->film[count], query, other, banded);
+        count++;
     }
     around->fluid = reynolds_fluid_in(around->memory, count, query->contact);
     reynolds_fluid_evaluate(&around->fluid, query->contact, around->pressure, count);
+    for (size_t i = 0; i < count && around->fluid.density; i++)
+        if (outer[i]) around->fluid.density[i] = 1; // as far_field_set_density
 }
 
 static double multiplier_at(void *state, size_t node) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/indicator.h"
 
+#include "common/physics/far_field.h"
 #include "romrun/model/reduced_cut.h"
 
 #include <cblas.h>
@@ -12,6 +13,7 @@ struct indicator {
     const reduced_model *model;
     double *pressure, *film; // [num_needed] of the control rows
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
+    far_field outer;         // boundary nodes among the needed ones
     double *band_pressure;   // [nodes of the band] where the exit differs from its checkpoint's
     cut_run *runs;           // [num_lines]
     reynolds_row *rows;      // [num_rows] of the control rows
@@ -38,6 +40,7 @@ indicator *indicator_create(const reduced_model *model) {
     self->pressure = arena_array(memory, num_needed, sizeof(double));
     self->film = arena_array(memory, num_needed, sizeof(double));
     self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * num_needed, sizeof(double));
+    far_field_init(&self->outer, &model->grid, control->needed_node, control->num_needed, memory);
     self->band_pressure = arena_array(memory, model->band.num_nodes, sizeof(double));
     self->runs = arena_array(memory, model->band.num_lines, sizeof *self->runs);
     self->rows = arena_array(memory, (control->num_rows + 1), sizeof *self->rows);
@@ -105,7 +108,10 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
 
     if (control->num_rows == 0) return self->residual;
     expand(self, state);
+    far_field_add(self->pressure, &self->outer, contact,
+                  state->coordinates[model->num_unknowns - 1]);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
+    far_field_set_density(&fluid, &self->outer);
     reynolds_rows(self->rows, &model->grid, contact->entrainment, NULL, control->stencils,
                   control->num_rows, &fluid, self->pressure, self->film);
     for (size_t r = 0; r < control->num_rows; r++) {

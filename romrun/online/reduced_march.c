@@ -368,7 +368,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (frame->speed > 0)
         status = solve(&info, self, &contact, NULL, error);
     else
-        info.scalars = reduced_scalars(self->solver, &first->state);
+        info.scalars = reduced_scalars(self->solver, &first->state, &contact);
     if (!status && info.status == EHD_OK && frame->speed > 0 && !isnan(frame->approach))
         status = find_load(&info, self, &first->frame, error);
     if (status) return status;

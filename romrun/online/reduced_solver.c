@@ -148,21 +148,21 @@ static void evaluate(reduced_solver *self, const reduced_state *state, const red
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     nodes_move_exit(&self->nodes, reduced_state_exits(state));
     nodes_expand_state(&self->nodes, known, state->coordinates);
-    system_evaluate(&self->system, &self->nodes, contact, squeeze);
+    system_evaluate(&self->system, &self->nodes, state->coordinates[self->model->num_unknowns - 1],
+                    contact, squeeze);
 }
 
 /* The least-squares problem of the rows before the exit, and of the exit's cell where it has one;
  * returns the number of its rows. */
 static size_t build_system(reduced_solver *self, const reduced_state *state,
-                           const ehd_contact *contact, const reduced_squeeze *squeeze,
-                           bool with_cell) {
+                           const reduced_squeeze *squeeze, bool with_cell) {
     row_system *system = &self->system;
     double weight = system_closure_weight(squeeze);
 
     system_list_active(system, &self->nodes, with_cell ? state->exit - 1 : NO_NODE);
-    system_fill_matrix(system, &self->nodes, &contact->closure, weight);
+    system_fill_matrix(system, &self->nodes, weight);
     size_t num_rows = system_fill_right(system, &self->nodes, state->coordinates, system->active,
-                                        system->num_active, &contact->closure, weight);
+                                        system->num_active, weight);
     if (!with_cell) return num_rows;
     system_add_cell(system, &self->nodes, &self->exits.cell);
     return num_rows + 1;
@@ -311,7 +311,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         const bool with_cell =
             within_node && exits_find_cell(&self->exits, &self->nodes, state, contact,
                                            system_flux(&self->system, contact, &self->nodes));
-        size_t num_rows = build_system(self, state, contact, squeeze, with_cell);
+        size_t num_rows = build_system(self, state, squeeze, with_cell);
         info->residual = cblas_dnrm2((int)num_rows, self->system.right, 1);
         start = add_seconds(&info->seconds_rows, start);
         if (!isfinite(info->residual)) return fail(info, "residual not finite");
@@ -369,7 +369,7 @@ void reduced_keep_factors(reduced_solver *self, const reduced_state *state,
     memset(no_residual, 0, self->model->rows.num_rows * sizeof(double));
     evaluate(self, state, NULL, contact, &squeeze);
     system_list_active(&self->system, &self->nodes, NO_NODE);
-    system_fill_matrix(&self->system, &self->nodes, &contact->closure, weight);
+    system_fill_matrix(&self->system, &self->nodes, weight);
     kept_factors_set(&self->kept, &self->system, &self->nodes, weight);
 }
 
@@ -381,13 +381,13 @@ typedef struct kept_iterate {
 
 /* One step; false where it converges too slowly or needs damping. */
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
-                           reduced_solver *self, const contact_closure *closure) {
+                           reduced_solver *self) {
     const reduced_model *model = self->model;
     const double first_rate = 0.3; // of convergence, before it was observed
     const kept_factors *kept = &self->kept;
     double before = at->change, *step = self->system.step, *right = self->system.right;
     size_t num_rows = system_fill_right(&self->system, &self->nodes, state->coordinates, kept->row,
-                                        kept->num_rows, closure, kept->weight);
+                                        kept->num_rows, kept->weight);
 
     info->residual = cblas_dnrm2((int)num_rows, right, 1);
     if (!isfinite(info->residual) ||
@@ -415,7 +415,7 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
     for (size_t iteration = 0; iteration < MAX_KEPT_ITERATIONS; iteration++) {
         evaluate(self, state, iteration == 0 ? squeeze->start : NULL, contact, squeeze);
         start = add_seconds(&info->seconds_rows, start);
-        bool converges = take_kept_step(&at, info, state, self, &contact->closure);
+        bool converges = take_kept_step(&at, info, state, self);
         start = add_seconds(&info->seconds_linear, start);
         if (!converges) return false;
         bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, at.change);
@@ -466,8 +466,10 @@ static void expand(reduced_solver *self, const reduced_state *state, const reduc
 }
 
 /* Scalars of the state that has been expanded. */
-static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state) {
+static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
+                                  const ehd_contact *contact) {
     const reduced_model *model = self->model;
+    const double approach = state->coordinates[model->num_unknowns - 1];
     node_state *nodes = &self->nodes;
     size_t lowest;
     const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates);
@@ -476,9 +478,10 @@ static contact_scalars scalars_of(reduced_solver *self, const reduced_state *sta
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
                              .minimum_film_thickness = minimum,
                              .minimum_position = grid_x(&model->grid, lowest),
-                             .rigid_approach = state->coordinates[model->num_unknowns - 1],
+                             .rigid_approach = approach,
                              .exit_position = reduced_exit_position(state, model),
-                             .load = nodes_load(nodes) / model->kind->load};
+                             .load = (nodes_load(nodes) + far_field_load(contact, approach).value) /
+                                     model->kind->load};
 }
 
 ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solver *solver,
@@ -495,7 +498,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
         if (in_time)
             state->exit_offset =
                 exits_place(&solver->exits, &solver->nodes, state, contact, squeeze);
-        info->scalars = scalars_of(solver, state);
+        info->scalars = scalars_of(solver, state, contact);
     }
     if (!status && info->status != EHD_NOT_CONVERGED && !(info->scalars.minimum_film_thickness > 0))
         fail(info, "a film that is not positive");
@@ -505,9 +508,10 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
 
 // ---- quantities of a solution
 
-contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state) {
+contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state,
+                                const ehd_contact *contact) {
     expand(self, state, NULL);
-    return scalars_of(self, state);
+    return scalars_of(self, state, contact);
 }
 
 /* Adds the gradient of the central film to one of zeros. */

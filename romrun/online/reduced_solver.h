@@ -125,7 +125,8 @@ bool reduced_exit_divides(const reduced_state *state, const reduced_model *model
 double reduced_exit_position(const reduced_state *state, const reduced_model *model);
 
 /* Scalars of a state, solved or not. */
-contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state);
+contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state,
+                                const ehd_contact *contact);
 
 typedef enum reduced_film {
     REDUCED_CENTRAL_FILM,

@@ -32,6 +32,9 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->rows = arena_array(memory, num_rows, sizeof *self->rows);
     self->fluid_memory =
         arena_array(memory, NUM_FLUID_ARRAYS * model->rows.num_needed, sizeof(double));
+    self->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));
+    far_field_init(&self->outer, &model->grid, model->rows.needed_node, model->rows.num_needed,
+                   memory);
     self->active = arena_array(memory, num_rows, sizeof *self->active);
     self->matrix = arena_array(memory, max_rows * model->num_unknowns, sizeof(double));
     self->right = arena_array(memory, max_rows, sizeof(double));
@@ -72,18 +75,22 @@ void system_list_active(row_system *self, const node_state *nodes, size_t cell_n
             self->active[self->num_active++] = r;
 }
 
-void system_evaluate(row_system *self, const node_state *nodes, const ehd_contact *contact,
-                     const reduced_squeeze *squeeze) {
+void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
+                     const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const row_set *set = &self->model->rows;
     size_t num_needed = set->num_needed;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
     const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
                                            squeeze ? squeeze->previous : NULL};
 
-    reynolds_fluid_evaluate(&fluid, contact, nodes->now.pressure, num_needed);
+    self->closure = far_field_closure(&self->outer, contact, rigid_approach);
+    memcpy(self->pressure, nodes->now.pressure, num_needed * sizeof(double));
+    far_field_add(self->pressure, &self->outer, contact, rigid_approach);
+    reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
+    far_field_set_density(&fluid, &self->outer);
     reynolds_rows(self->rows, &self->model->grid, contact->entrainment,
                   squeeze ? &rows_squeeze : NULL, set->stencils, set->num_rows, &fluid,
-                  nodes->now.pressure, nodes->now.film);
+                  self->pressure, nodes->now.film);
 }
 
 // ---- right side
@@ -93,9 +100,9 @@ double system_closure_weight(const reduced_squeeze *squeeze) {
 }
 
 size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
-                         const size_t *list, size_t num_list, const contact_closure *closure,
-                         double closure_weight) {
+                         const size_t *list, size_t num_list, double closure_weight) {
     const reduced_model *model = self->model;
+    const contact_closure *closure = &self->closure;
     size_t count = 0;
 
     for (; count < num_list; count++) {
@@ -179,7 +186,7 @@ static void fill_reynolds_row(double *target, const row_system *self, const node
         if (!there) continue;
         if (nodes->pressurised[q]) by_pressure[a] = weight * row->by_pressure[a];
         by_film[a] = weight * row->by_film[a];
-        approach += row->by_film[a];
+        approach += row->by_film[a] + row->by_pressure[a] * self->outer.by_approach[q];
     }
     memset(target, 0, model->num_unknowns * sizeof(double));
     if (model->band.num_lines > 1) {
@@ -289,9 +296,9 @@ static size_t fill_elasticity(row_system *self, size_t count) {
     return count;
 }
 
-void system_fill_matrix(row_system *self, const node_state *nodes, const contact_closure *closure,
-                        double closure_weight) {
+void system_fill_matrix(row_system *self, const node_state *nodes, double closure_weight) {
     const reduced_model *model = self->model;
+    const contact_closure *closure = &self->closure;
     size_t n = model->num_unknowns, num_pressure = model->num_pressure, count = 0;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
 

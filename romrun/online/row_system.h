@@ -5,27 +5,31 @@
 #define EHD_ROW_SYSTEM_H
 
 #include "common/physics/exit.h"
+#include "common/physics/far_field.h"
 #include "romrun/online/least_squares.h"
 #include "romrun/online/node_state.h"
 
 typedef struct row_system {
     const reduced_model *model;
-    reynolds_row *rows;   // [rows of the model] at the state
-    double *fluid_memory; // [NUM_FLUID_ARRAYS, num_needed]
-    size_t num_active;    // rows before the exit
-    size_t num_cells;     // 1 where the exit lies within a node: its cell's row is the last one
-    size_t *active;       // [rows of the model] these
-    double *matrix;       // [system_max_rows, num_unknowns]
-    double *right;        // [system_max_rows]
-    double *step;         // [num_unknowns]
-    double *gradient;     // [num_unknowns] of a film
-    double *dual;         // [num_unknowns] (J^T J)^-1 gradient
-    double *left;         // [system_max_rows] what the step leaves
-    double *moves;        // [system_max_rows] J dual: change of the film by an error of 1 in a row
-    double *offset;       // [num_unknowns] by which a step moves the exit within its node
-    double *flux_step;    // [num_unknowns] by which it changes the flux
-    reynolds_row flux;    // of system_flux
-    size_t flux_row;      // of the model
+    reynolds_row *rows;      // [rows of the model] at the state
+    double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
+    far_field outer;         // boundary nodes among the needed ones
+    double *pressure;        // [num_needed] of the state, with that of the far field
+    contact_closure closure; // at the state, with the load beyond the grid
+    size_t num_active;       // rows before the exit
+    size_t num_cells;        // 1 where the exit lies within a node: its cell's row is the last one
+    size_t *active;          // [rows of the model] these
+    double *matrix;          // [system_max_rows, num_unknowns]
+    double *right;           // [system_max_rows]
+    double *step;            // [num_unknowns]
+    double *gradient;        // [num_unknowns] of a film
+    double *dual;            // [num_unknowns] (J^T J)^-1 gradient
+    double *left;            // [system_max_rows] what the step leaves
+    double *moves;     // [system_max_rows] J dual: change of the film by an error of 1 in a row
+    double *offset;    // [num_unknowns] by which a step moves the exit within its node
+    double *flux_step; // [num_unknowns] by which it changes the flux
+    reynolds_row flux; // of system_flux
+    size_t flux_row;   // of the model
     least_squares *factors;
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
@@ -41,9 +45,9 @@ void system_free(row_system *self);
 /* Largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
-/* Rows and their derivatives at the state that `nodes` holds, into self->rows. */
-void system_evaluate(row_system *self, const node_state *nodes, const ehd_contact *contact,
-                     const reduced_squeeze *squeeze);
+/* Rows and their derivatives at the state that `nodes` holds, into self->rows, and the closure. */
+void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
+                     const ehd_contact *contact, const reduced_squeeze *squeeze);
 
 /* Lists the rows before the exit; but for that at the node whose cell has one of its own, or
  * NO_NODE. */
@@ -59,12 +63,10 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
 /* Right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the exit),
  * projected elasticity, closure. Returns the number of rows. */
 size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,
-                         const size_t *list, size_t num_list, const contact_closure *closure,
-                         double closure_weight);
+                         const size_t *list, size_t num_list, double closure_weight);
 
 /* Matrix (eq. 38) for the active rows, at the present exit. */
-void system_fill_matrix(row_system *self, const node_state *nodes, const contact_closure *closure,
-                        double closure_weight);
+void system_fill_matrix(row_system *self, const node_state *nodes, double closure_weight);
 
 /* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);

@@ -34,7 +34,8 @@ for line in range(33):
     loaded = numpy.nonzero(pressure[line])[0]
     x = half["x"][loaded[-1]] + 0.125 if len(loaded) else numpy.nan
     assert numpy.array_equal(exits[line], x, equal_nan=True), line
-assert abs(pressure.sum() * 0.125**2 / (2 * numpy.pi / 3) - 1) < 1e-9
+assert abs(half["load"][0] - 1) < 1e-9
+assert -0.1 < pressure.sum() * 0.125**2 / (2 * numpy.pi / 3) - 1 < -0.01  # the rest is beyond the grid
 assert half["film_thickness"][0, 16, 24] == half["central_film_thickness"][0]
 PYTHON
 }

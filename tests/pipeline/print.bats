@@ -66,7 +66,7 @@ x, y, pressure = np.array([[line.split(",") for line in block] for block in bloc
 assert header == "x,y,pressure" and len(blocks) == 33
 assert np.all(x == x[0]) and np.all(np.diff(x) > 0) and np.all(y == y[:, :1]) and np.all(np.diff(y[:, 0]) > 0)
 # half of the pressure is where the contact ends, on the lines through its middle
-for least, place, values in (0.7, x[16], pressure[16]), (0.6, y[:, 20], pressure[:, 20]):
+for least, place, values in (0.5, x[16], pressure[16]), (0.5, y[:, 20], pressure[:, 20]):
     top = np.argmax(values)
     ends = np.interp(0.5, values[:top], place[:top]), np.interp(0.5, values[:top:-1], place[:top:-1])
     assert -1 < ends[0] < -least and least < ends[1] < 1, ends

@@ -75,7 +75,7 @@ YAML
     romrun --calibrate check.yml --model m.h5 -o calibrated.h5
     romrun --trade --model calibrated.h5 >trade.txt
     grep -q "12  *0  *60" trade.txt
-    romrun scene.yml --model calibrated.h5 --accuracy 5e-2 || [ $? -eq 4 ]
+    romrun scene.yml --model calibrated.h5 --accuracy 1e-1 || [ $? -eq 4 ]
 }
 
 @test "the full model verifies it" {

@@ -146,7 +146,7 @@ model["pressure_basis"] = pressure_modes
 for name in basis:
     if name.startswith("state_"):
         model[name] = basis[name][...]
-for name in "contact", "x_min", "step", "discretization", "half", "deformation":
+for name in "contact", "x_min", "step", "discretization", "boundary", "half", "deformation":
     if name in basis.attrs:
         model.attrs[name] = basis.attrs[name]
 model.attrs["schema_name"], model.attrs["schema_version"] = "ehdrom-model", "2.0"

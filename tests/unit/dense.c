@@ -66,7 +66,7 @@ static void add_pressure_stencils(double *matrix, const full_system *system) {
     }
 }
 
-/* Column of the rigid approach, which moves every film alike. */
+/* Column of the rigid approach, which moves every film alike and the pressures around the grid. */
 static void fill_approach_column(double *column, const film_row *film, const full_system *system) {
     size_t size = system->num_unknowns + 1;
 
@@ -74,6 +74,11 @@ static void fill_approach_column(double *column, const film_row *film, const ful
         column[i] = 0;
         for (int a = 0; a < film[i].count; a++)
             column[i] += film[i].weight[a];
+        const size_t r = row_of(system, i);
+        for (int a = 0; a < NUM_STENCIL && system->outer; a++)
+            if (system->stencils[r].node[a] != NO_NODE)
+                column[i] += system->rows[r].by_pressure[a] * system->row_scale[r] *
+                             system->outer->by_approach[system->stencils[r].node[a]];
     }
     column[size - 1] = system->closure_approach;
 }

@@ -38,16 +38,24 @@ void check_same_state(const problem *actual, const problem *expected) {
 void problem_rows(reynolds_row *rows, const problem *solved) {
     const ehd_grid *grid = &solved->contact.grid;
     size_t n = grid->num_nodes;
-    double *memory = malloc(NUM_FLUID_ARRAYS * n * sizeof *memory);
+    double *memory = malloc((NUM_FLUID_ARRAYS + 1) * n * sizeof *memory);
     reynolds_stencil *stencils = malloc(grid->num_inner * sizeof *stencils);
+    arena of_outer = {0};
+    far_field outer;
 
     assert_true(memory && stencils);
+    double *pressure = memory + NUM_FLUID_ARRAYS * n;
+    memcpy(pressure, solved->state.pressure, n * sizeof *pressure);
+    far_field_init(&outer, grid, NULL, n, &of_outer);
+    far_field_add(pressure, &outer, &solved->contact, solved->state.rigid_approach);
     reynolds_fluid fluid = reynolds_fluid_in(memory, n, &solved->contact);
     for (size_t r = 0; r < grid->num_inner; r++)
         stencils[r] = reynolds_stencil_at(grid, grid_node_of_row(grid, r));
-    reynolds_fluid_evaluate(&fluid, &solved->contact, solved->state.pressure, n);
-    reynolds_rows(rows, grid, 1, NULL, stencils, grid->num_inner, &fluid, solved->state.pressure,
+    reynolds_fluid_evaluate(&fluid, &solved->contact, pressure, n);
+    far_field_set_density(&fluid, &outer);
+    reynolds_rows(rows, grid, 1, NULL, stencils, grid->num_inner, &fluid, pressure,
                   solved->state.film);
+    arena_free(&of_outer);
     free(stencils);
     free(memory);
 }

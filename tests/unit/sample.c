@@ -61,6 +61,7 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
     scene given = sample_scene(lubricant, density, moes_M, moes_L);
 
     snprintf(given.contact, sizeof given.contact, "point");
+    snprintf(given.boundary, sizeof given.boundary, "open");
     given.grid.step = 6 / (double)cells;
     given.grid.x_min = -4.5 + given.grid.step;
     given.grid.x_max = 1.5 - given.grid.step;
@@ -71,6 +72,7 @@ ehd_contact sample_point(const char *lubricant, const char *density, double moes
 
 ehd_contact sample_published(ehd_contact contact) {
     contact.grid.discretization = DISCRETIZATION_PUBLISHED;
+    contact.grid.boundary = BOUNDARY_ZERO;
     return contact;
 }
 

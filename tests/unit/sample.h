@@ -22,7 +22,7 @@ ehd_contact sample_contact(const char *lubricant, const char *density, double mo
 ehd_contact sample_point(const char *lubricant, const char *density, double moes_M, double moes_L,
                          size_t cells, bool half);
 
-/* The same contact with the published rows. */
+/* The same contact with the published rows, and zero pressure around a point contact's grid. */
 ehd_contact sample_published(ehd_contact contact);
 
 /* Line contacts of all laws, light and heavy, on grids as coarse as each bears. */

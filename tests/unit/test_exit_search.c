@@ -26,7 +26,7 @@ static reduced_basis whole_basis(const trained *from) {
 static int set_up(void **state) {
     (void)state;
     trained_init_published(&line, 0.02); // exits at nodes
-    trained_init_point(&half_point, true);
+    trained_init_point(&half_point, true, "open");
     line_basis = whole_basis(&line);
     point_basis = whole_basis(&half_point);
     return 0;

@@ -326,8 +326,10 @@ static bool is_before_exit(const point_film *self, double x, double y) {
 
 /* Compares with direct tensor splines at nodes of a frame that is `now`, away from where the
  * model's splines end: with the farthest exits there is pressure up to there. */
-static void compare_point(const point_film *self, const contact_frame *now, double tolerance) {
+static void compare_point(const point_film *self, const contact_frame *now, double tolerance,
+                          double at_ends) {
     const ehd_grid *grid = &self->basis->grid;
+    const grid_extent extent = grid_extent_of(grid);
     double stretch = frame_stretch(now, &self->film.frame);
     double ratio = frame_film_ratio(now, &self->film.frame);
     double hertz = self->reference.hertz_pressure;
@@ -350,7 +352,9 @@ static void compare_point(const point_film *self, const contact_frame *now, doub
         double there =
             is_before_exit(self, x, y) && x > grid_x(grid, 0) ? plane_at(&uncut, x, y) : 0;
         double density = lubricant_density(&self->reference.lubricant, there * hertz);
-        check_close(mass_at(self, node, now), expected * density * ratio, tolerance, 0);
+        const bool at_end = x < grid_x(grid, 2) || fabs(y) > extent.y_max - grid->step;
+        check_close(mass_at(self, node, now), expected * density * ratio,
+                    at_end ? at_ends : tolerance, 0);
     }
     plane_free(&pressure);
     plane_free(&uncut);
@@ -366,11 +370,11 @@ static void films_of_point_contacts_equal_tensor_splines(void **unused) {
         const contact_frame frames[] = {point_frame(0.93, 1), point_frame(1.02, 1.01),
                                         point_frame(1.3, 1)};
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            compare_point(&self, &frames[f],
-                          3e-5); // at the grid's ends the pressure's splines differ
+            // within a step of the grid's ends the pressure's splines differ: it falls to zero there
+            compare_point(&self, &frames[f], 3e-5, 2e-4);
         self.reference.lubricant.density = NULL;
         for (size_t f = 0; f < sizeof frames / sizeof *frames; f++)
-            compare_point(&self, &frames[f], 1e-6);
+            compare_point(&self, &frames[f], 1e-6, 1e-6);
         point_film_free(&self);
     }
 }
@@ -467,7 +471,7 @@ static void straight_modes_go_on_straight(void **unused) {
 static int set_up(void **state) {
     (void)state;
     trained_init(&training, 0.05);
-    trained_init_point(&half_training, true);
+    trained_init_point(&half_training, true, "open");
     trained_basis(&half_basis, &half_training, DEFORMATION_COUPLED, 0, 0);
     whole_basis = mirrored_basis(&half_basis);
     return 0;

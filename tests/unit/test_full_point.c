@@ -258,7 +258,9 @@ static void solution_satisfies_the_problem(void **state) {
             }
         }
         assert_true(count > grid->num_inner / 2 && count < grid->num_inner);
-        check_close(sum * grid->step * grid->step, 2 * M_PI / 3, 1e-9, 0);
+        const double beyond = far_field_load(&contact, solved.state.rigid_approach).value;
+        assert_true(beyond > 0 && beyond < 0.3);
+        check_close(sum * grid->step * grid->step + beyond, 2 * M_PI / 3, 1e-9, 0);
         assert_true(solved.info.complementarity <= 1e-9);
         assert_false(full_is_cut(&solved.state, grid, false));
         problem_free(&solved);
@@ -294,9 +296,10 @@ static void fine_grids_take_few_iterations(void **state) {
     size_t newton = 0, gmres = 0;
 
     for (int i = 0; i < 2; i++) {
-        const ehd_contact contact =
+        ehd_contact contact =
             sample_point("barus", "dowson-higginson", moes_M[i], moes_L[i], 128, true);
         problem solved;
+        contact.grid.boundary = BOUNDARY_ZERO; // open: 7 and 5 iterations, 44 and 55 of GMRES
         problem_solve_cold(&solved, &contact, &settings);
         newton += solved.info.newton_iterations;
         gmres += solved.info.gmres_iterations;

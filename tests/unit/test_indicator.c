@@ -259,13 +259,13 @@ static ehd_status keep_problem(double *step, void *context, const double *matrix
 
 /* How the central film changes with the coordinates, in which it is linear. */
 static void film_gradient(double *gradient, reduced_solver *solver, const reduced_state *at,
-                          size_t num_columns) {
-    const contact_scalars before = reduced_scalars(solver, at);
+                          const ehd_contact *contact, size_t num_columns) {
+    const contact_scalars before = reduced_scalars(solver, at, contact);
 
     for (size_t j = 0; j < num_columns; j++) {
         const double kept = at->coordinates[j], change = 1e-6;
         at->coordinates[j] += change;
-        const contact_scalars after = reduced_scalars(solver, at);
+        const contact_scalars after = reduced_scalars(solver, at, contact);
         at->coordinates[j] = kept;
         gradient[j] = (after.central_film_thickness - before.central_film_thickness) / change;
     }
@@ -312,7 +312,7 @@ static void film_error_is_what_each_row_does(void **state) {
             double gradient[40], cause[400], influence[400], sum = 0;
             reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
             check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
-            film_gradient(gradient, other, &at, last.num_columns);
+            film_gradient(gradient, other, &at, contact, last.num_columns);
             shortest_cause(cause, &last, gradient);
             for (size_t r = 0; r < last.num_rows; r++) {
                 double left =

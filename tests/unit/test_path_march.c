@@ -17,7 +17,7 @@ typedef struct problem {
     reduced_basis basis, nodes; // every node a mode of its own
 } problem;
 
-enum { LINE, POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17
+enum { LINE, POINT, OPEN_POINT, NUM_PROBLEMS }; // 121 nodes; 33 by 17, the same
 
 static problem problems[NUM_PROBLEMS];
 static ehd_error error;
@@ -28,7 +28,8 @@ static ehd_error error;
 static int set_up(void **state) {
     (void)state;
     trained_init_accurate(&problems[LINE].training, 0.05);
-    trained_init_point(&problems[POINT].training, true);
+    trained_init_point(&problems[POINT].training, true, "zero");
+    trained_init_point(&problems[OPEN_POINT].training, true, "open");
     for (size_t p = 0; p < NUM_PROBLEMS; p++) {
         problem *self = &problems[p];
         trained_basis(&self->basis, &self->training, DEFORMATION_COUPLED, 0, 0);
@@ -152,7 +153,7 @@ static void march_as_the_full_model(const problem *of, bool compressible, size_t
     }
     assert_true(most > 1.04 * least);
     // as they are carried in splines of other places
-    assert_true(effects > 0 && sqrt(off / effects) < 0.25);
+    assert_true(effects > 0 && sqrt(off / effects) < (of == &problems[OPEN_POINT] ? 0.5 : 0.25));
     full_march_free(full);
     marching_free(&self);
 }
@@ -169,6 +170,9 @@ static void so_does_a_point(void **state) {
     (void)state;
     march_as_the_full_model(&problems[POINT], false, 10, 1e-5, 2e-4);
     march_as_the_full_model(&problems[POINT], true, 10, 1e-5, 2e-4);
+    // here the exit at Y = 0 moves in the third step, and the full model filters what it cuts
+    march_as_the_full_model(&problems[OPEN_POINT], false, 10, 1e-3, 3e-3);
+    march_as_the_full_model(&problems[OPEN_POINT], true, 10, 1e-3, 3e-3);
 }
 
 static bool is_on_the_way(const ehd_grid *grid, size_t row) {
@@ -211,7 +215,7 @@ static void check_error_of_few_rows(const problem *of) {
 
 static void few_rows_tell_the_error_of_all(void **state) {
     (void)state;
-    for (size_t p = 0; p < NUM_PROBLEMS; p++)
+    for (size_t p = 0; p < OPEN_POINT; p++) // there the exit moves too soon to tell
         check_error_of_few_rows(&problems[p]);
 }
 

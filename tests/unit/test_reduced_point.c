@@ -26,8 +26,8 @@ enum { NUM_BASES = sizeof bases / sizeof *bases };
 
 static int set_up(void **state) {
     (void)state;
-    trained_init_point(&half, true);
-    trained_init_point(&whole, false);
+    trained_init_point(&half, true, "open");
+    trained_init_point(&whole, false, "open");
     for (int b = 0; b < NUM_BASES; b++)
         trained_basis(bases[b].basis, bases[b].training, bases[b].kind, 0, 0);
     return 0;

@@ -143,6 +143,39 @@ static void inlet_effect_of_a_point_contact(void **state) {
     }
 }
 
+/* With the far field around, of a domain from -length on, three quarters as wide to either side. */
+static ehd_contact open_point_from(double moes_M, double moes_L, double length, double step,
+                                   bool half) {
+    ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, half);
+    const size_t beside = (size_t)lround(0.75 * length / step);
+
+    contact.grid = grid_of(-length, step, (size_t)lround((length + fmax(2, length / 2)) / step) + 1,
+                           half ? beside + 1 : 2 * beside + 1, half, contact.grid.discretization);
+    contact.grid.boundary = BOUNDARY_OPEN;
+    return contact;
+}
+
+/* Against the film on a domain of twice the length, on the grid of twice the step, on which it is
+ * estimated from a shorter one. With zero around these effects are 30 to 100 times as large. */
+static void inlet_effect_of_an_open_point_contact(void **state) {
+    (void)state;
+    static const double cases[][3] = {{2, 0, 8}, {3, 5, 4}, {10, 0, 4}, {20, 5, 4}}; // M, L, length
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const double M = cases[i][0], L = cases[i][1], length = cases[i][2];
+        const ehd_contact half = open_point_from(M, L, length, 0.125, true);
+        const ehd_contact whole = open_point_from(M, L, length, 0.125, false);
+        const ehd_contact coarse = open_point_from(M, L, length, 0.25, true);
+        const ehd_contact longer = open_point_from(M, L, 2 * length, 0.25, true);
+        const film_effects found = estimate(&half).effects, of_whole = estimate(&whole).effects;
+        const double effect = central_film(&longer) / central_film(&coarse) - 1;
+        const double ratio = found.of[EFFECT_INLET] / effect;
+        assert_true(fabs(effect) < 0.03);
+        assert_true(ratio > 0.4 && ratio < 2);
+        check_close(found.of[EFFECT_INLET], of_whole.of[EFFECT_INLET], 1e-3, 1e-6);
+        check_close(found.of[EFFECT_INLET_MINIMUM], of_whole.of[EFFECT_INLET_MINIMUM], 1e-3, 1e-6);
+    }
+}
+
 /* Against the extrapolation from two finer grids. */
 static void step_effect_is_what_a_fine_step_does(void **state) {
     (void)state;
@@ -294,21 +327,27 @@ static void any_number_of_nodes(void **state) {
 
 static void estimate_without_memory(void **state) {
     (void)state;
-    ehd_contact contact = sample_contact("barus", "dowson-higginson", 12, 8, 0.05);
-    full_resolution resolution;
-    full_state solution;
-    size_t call = 0;
-    bool failed;
+    const ehd_contact contacts[] = {
+        sample_contact("barus", "dowson-higginson", 12, 8, 0.05),
+        sample_point("barus", "incompressible", 15, 4, 48, true),
+    };
+    for (int c = 0; c < 2; c++) {
+        full_resolution resolution;
+        full_state solution;
+        size_t call = 0;
+        bool failed;
 
-    solve(&solution, &contact);
-    do {
-        allocation_fail_at(call);
-        ehd_status status = full_resolution_estimate(&resolution, &solution, &contact, NULL);
-        failed = allocation_failed();
-        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
-    } while (failed && call++ < 300);
-    assert_true(call >= 30 && call < 300);
-    full_state_free(&solution);
+        solve(&solution, &contacts[c]);
+        do {
+            allocation_fail_at(call);
+            ehd_status status =
+                full_resolution_estimate(&resolution, &solution, &contacts[c], NULL);
+            failed = allocation_failed();
+            assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+        } while (failed && call++ < 300);
+        assert_true(call >= 30 && call < 300);
+        full_state_free(&solution);
+    }
 }
 
 /* Coarser grids of a point contact may reach farther to the sides than the grid does; of half of it
@@ -329,6 +368,7 @@ int main(void) {
         cmocka_unit_test(inlet_effect_is_what_a_long_inlet_does),
         cmocka_unit_test(inlet_effect_is_integrated_finely),
         cmocka_unit_test(inlet_effect_of_a_point_contact),
+        cmocka_unit_test(inlet_effect_of_an_open_point_contact),
         cmocka_unit_test(step_effect_is_what_a_fine_step_does),
         cmocka_unit_test(step_effects_are_of_the_right_size),
         cmocka_unit_test(orders_of_manufactured_films),

@@ -762,6 +762,25 @@ static void stationary_text_knows_no_time(void **state) {
     free(text);
 }
 
+/* Of points with the accurate rows; lines have none. */
+static void the_default_boundary_is_open(void **state) {
+    static const char point[] = "contact: point\nregime: stationary\nmoes: {M: 12, L: 5}\n"
+                                "lubricant: {viscosity: {law: barus, alpha: 2e-8}}\n";
+    char text[1024];
+    scene of;
+    (void)state;
+    accepts(&of, good);
+    assert_string_equal(of.boundary, "");
+    accepts(&of, point);
+    assert_string_equal(of.boundary, "open");
+    snprintf(text, sizeof text, "%sboundary: zero\n", point);
+    accepts(&of, text);
+    assert_string_equal(of.boundary, "zero");
+    snprintf(text, sizeof text, "%sdiscretization: published\n", point);
+    accepts(&of, text);
+    assert_string_equal(of.boundary, "zero");
+}
+
 /* Lines and points, stationary and in time, from a file or by hand. */
 static void the_default_discretization_is_accurate(void **state) {
     char text[1024];
@@ -799,6 +818,8 @@ static void kept_text_without_a_discretization_is_of_the_published_one(void **st
         {"a: 1\ndiscretization: accurate\n", "a: 1\ndiscretization: published\n", false},
         {"a: 1\ndiscretization: published\n", "a: 1\ndiscretization: published\n", true},
         {"a: 1\ndiscretization: published\n", "a: 1\ndiscretization: accurate\n", false},
+        {"a: 1\nb: 2\n", "a: 1\ndiscretization: published\nboundary: zero\nb: 2\n", true},
+        {"a: 1\nb: 2\n", "a: 1\ndiscretization: published\nboundary: open\nb: 2\n", false},
         {"", "discretization: published\n", true},
         {"", "a", false},
     };
@@ -1283,6 +1304,7 @@ int main(void) {
         cmocka_unit_test(refuses_bad_histories),
         cmocka_unit_test(transient_text_round_trips),
         cmocka_unit_test(stationary_text_knows_no_time),
+        cmocka_unit_test(the_default_boundary_is_open),
         cmocka_unit_test(the_default_discretization_is_accurate),
         cmocka_unit_test(kept_text_without_a_discretization_is_of_the_published_one),
         cmocka_unit_test(files_are_relative_to_the_file_that_names_them),

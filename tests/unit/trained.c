@@ -72,11 +72,12 @@ void trained_init_published(trained *self, double step) {
     train(self);
 }
 
-void trained_init_point(trained *self, bool half) {
+void trained_init_point(trained *self, bool half, const char *boundary) {
     memset(self, 0, sizeof *self);
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         scene given = sample_scene("barus", "dowson-higginson", moes_M[s / 3], moes_L[s % 3]);
         strcpy(given.contact, "point");
+        strcpy(given.boundary, boundary);
         given.grid.x_min = -2.5;
         given.grid.x_max = 1.5;
         given.grid.step = 0.125;

@@ -27,8 +27,8 @@ void trained_init_published(trained *self, double step); // the same with the pu
 void trained_init_accurate(trained *self, double step);
 
 /* The same points of a point contact on -2.5 … 1.5 and -2 … 2 in steps of 0.125, or on the half y
- * >= 0. */
-void trained_init_point(trained *self, bool half);
+ * >= 0, with a boundary "open" or "zero". */
+void trained_init_point(trained *self, bool half, const char *boundary);
 void trained_free(trained *self);
 
 /* The smallest film between the nodes of a grid, as results give it; [num_nodes]. */

@@ -10,6 +10,7 @@
 The reference of a line is on a grid with an inlet that is long, extrapolated from three steps; that of a point is put
 together from what step and domain do separately. Its own doubt is a column.
 """
+import math
 import os
 import sys
 import tempfile
@@ -25,8 +26,10 @@ FILMS = "H_c", "H_m"
 LIMITS = 1, 3  # per cent, of H_c and H_m
 LENGTHS = 1.5, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64  # of inlets that contacts choose
 
-# Domain on which the step of a point is varied, up to this M: -x_min, x_max, y_max.
-POINT_DOMAIN = {20: (4, 2, 3), 2000: (2.5, 1.5, 2)}
+# Domain on which the step of a point is varied, up to this M: -x_min, x_max, y_max; and up to which M a quarter of it
+# is solved too.
+POINT_DOMAIN = {1: (24, 8, 18), 2: (12, 4, 9), 3: (8, 3, 6), 5: (6, 2, 4.5), 20: (4, 2, 3), 2000: (2.5, 1.5, 2)}
+FINE_POINTS = 300
 
 # Reference of a line up to this M: length of the inlet, coarsest of three steps.
 LINE_REFERENCE = {20: (64, 0.02), 200: (16, 0.005), 2000: (4, 0.001)}
@@ -91,31 +94,32 @@ def line(lubricant, M, L):
 
 
 def point(lubricant, M, L):
-    """A point contact on its own grid. Its reference has the effect of the step from a domain that is small, and that
-    of the domain as fullrun estimates it, by the far field (../discretization measures how well): of H_c for both
-    films, since the place of nodes changes H_m by more."""
+    """A point contact on its own grid, with the far field around. Its reference has the effect of the step from a
+    domain that is small, and that of the domain from one twice as long: of H_c for both films, since the place of nodes
+    changes H_m by more. The doubt of the latter is what 1.5 times the length would make of it."""
     def on(**grid):
         return solve("point", lubricant, M, L, grid)
 
     def domain(length, step):
-        return on(x_min=-length, x_max=max(2, length / 4), y_max=0.75 * length, step=step)
+        return on(x_min=-length, x_max=max(2, math.ceil(length / 3)), y_max=0.75 * length, step=step)
 
     own = on()
     step, length = own["step"], -own["x_min"]
     small = dict(zip(("x_min", "x_max", "y_max"), next(it for most, it in POINT_DOMAIN.items() if float(M) <= most)))
     small["x_min"] *= -1
-    twice, here, half, quarter = (films(on(**small, step=step * 2**i)) for i in (1, 0, -1, -2))
-    stepless = limit(here, half, quarter)
-    shorter = domain(max(LENGTHS[LENGTHS.index(length) - 1], 3), step)
-    unbounded = 1 + own["inlet"]
-    exact = films(own) * stepless / here * unbounded
-    nodes = (round((max(2, length / 4) + length) / step) + 1) * (2 * round(0.75 * length / step) + 1)
+    finer = 2 if float(M) <= FINE_POINTS else 1
+    twice, here, half, quarter = (films(on(**small, step=min(step * 2**i, 0.25))) for i in (1, 0, -1, -finer))
+    stepless = limit(*((here, half, quarter) if finer == 2 else (twice, here, half)))
+    long, longer = (films(domain(factor * length, step))[0] / own["H_c"] for factor in (1.5, 2))
+    shorter = films(domain(LENGTHS[LENGTHS.index(length) - 1], step))
+    exact = films(own) * stepless / here * longer
+    nodes = (round((max(2, math.ceil(length / 3)) + length) / step) + 1) * (2 * round(0.75 * length / step) + 1)
     return compared({**own, "of the step": 100 * (here / stepless - 1)[0], "of H_m": 100 * (here / stepless - 1)[1]},
                     nodes, exact, {
         "error": films(own), "reference, step": exact * quarter / stepless,
-        "reference, domain": exact * (1 + shorter["inlet"]) * films(shorter)[0] / films(own)[0] / unbounded,
+        "reference, domain": exact * long / longer,
         "twice the step": films(own) * twice / here, "half the step": films(own) * half / here,
-        "shorter inlet": films(shorter)})
+        "shorter inlet": shorter})
 
 
 def lines(folder, all_M, all_L):

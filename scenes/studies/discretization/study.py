@@ -38,6 +38,7 @@ def solve(folder, case, step, discretization, domain=None):
     """Solution of a case, with its own estimates of the step."""
     kind, M, L, viscosity, density = case
     domain = domain or DOMAINS[kind]
+    boundary = f"boundary: {os.environ['POINT_BOUNDARY']}\n" if kind == "point" else ""  # the same for both rows
     where = "" if domain == DOMAINS[kind] else "-" + "".join(c for c in domain if c in "-.0123456789")
     file = f"{folder}/{kind}-{M}-{L}-{viscosity.split(',')[0].split()[-1]}-{discretization}-{step}{where}"
     results.write_changed(f"{file}.yml", f"""contact: {kind}
@@ -46,7 +47,7 @@ moes: {{M: {M}, L: {L}}}
 lubricant: {{viscosity: {{{viscosity}}}, density: {{law: {density}}}}}
 grid: {{{domain}, step: {step}}}
 discretization: {discretization}
-output: {{fields: false}}
+{boundary}output: {{fields: false}}
 """)
 
     def run():

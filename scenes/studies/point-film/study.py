@@ -25,6 +25,7 @@ SCENE = """contact: point
 regime: stationary
 lubricant: {{viscosity: {{law: roelands, eta0: 0.04, alpha: {alpha}}}, density: {{law: dowson-higginson}}}}
 grid: {{x_min: {x_min!r}, x_max: {x_max!r}, y_max: {y_max!r}{step}}}
+boundary: zero
 """
 
 

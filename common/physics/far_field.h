@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What lies around the grid of a point contact whose boundary is open (README.md, far field). */
+#ifndef EHD_FAR_FIELD_H
+#define EHD_FAR_FIELD_H
+
+#include "common/physics/reynolds.h"
+#include "common/program/arena.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+/* A quantity of the far field and its derivative by the rigid approach. */
+typedef struct far_value {
+    double value, by_approach;
+} far_value;
+
+/* Whether there is a far field: around the grid of a point contact with BOUNDARY_OPEN. */
+bool far_field_is_there(const ehd_grid *grid);
+
+/* H far away, r^2/2 + H0 + 4/(3 pi r): the deflection is that of the whole load in one point. */
+double far_field_film(double rigid_approach, double x, double y);
+
+/* P there: lambda |U| S(phi) r/(2H)^2, with phi from the side on which the fluid comes in and S = 0.8
+ * cos(phi) + b cosh(3 phi), up to the exit, where S = S' = 0, and 0 behind it. With H = r^2/2 + c it
+ * solves the isoviscous Reynolds equation up to terms of c^2/r^4. U is contact->far_speed. */
+far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x, double y);
+
+/* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
+far_value far_field_load(const ehd_contact *contact, double rigid_approach);
+
+/* Whether a node of a point contact's grid is a boundary node. */
+bool far_field_is_at(const ehd_grid *grid, size_t node);
+
+// ---- prepared for many states on a grid
+
+/* Directions of Gauss' rule in phi, between the corners of the grid. */
+enum { FAR_RAYS = 16 };
+typedef struct far_rays {
+    size_t num;
+    double inverse_end[FAR_RAYS]; // 1 over the distance at which the inner nodes' cells end
+    double weight[FAR_RAYS];      // with S
+} far_rays;
+
+/* The boundary nodes in a list of nodes, and what lies beyond. */
+typedef struct far_field {
+    size_t num;
+    size_t *index;       // [num] in the list
+    double *inverse;     // [num] 1/r
+    double *shape[2];    // [num] S, of an entrainment towards larger X and of one backwards
+    double *by_approach; // [num_nodes] of far_field_add: dP/dH0, zero at the others
+    far_rays rays[2];
+} far_field;
+
+/* Memory from an arena. */
+void far_field_init(
+    // output:
+    far_field *self, // which may not be used when memory->failed
+    // input:
+    const ehd_grid *grid,
+    const size_t *nodes, // [num_nodes] of the grid; NULL: all
+    size_t num_nodes, arena *memory);
+
+/* Adds P of the far field, where there is one, at the boundary nodes, and sets by_approach. */
+void far_field_add(
+    // in and out:
+    double *pressure, // [num_nodes] at the nodes of the list
+    far_field *self,
+    // input:
+    const ehd_contact *contact, double rigid_approach);
+
+/* The contact's closure by what the inner nodes carry, by_load h^2 sum P + by_approach H0 = value:
+ * with the load beyond them, linearised at this rigid approach. */
+contact_closure far_field_closure(const far_field *self, const ehd_contact *contact,
+                                  double rigid_approach);
+
+/* What enters the grid is that of no pressure, as in the previous states of a film in time, which know
+ * no other at these nodes. */
+void far_field_set_density(reynolds_fluid *fluid, const far_field *self);
+
+#endif

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The far field of a point contact, and films on grids with it around. */
+#include "common/physics/far_field.h"
+#include "tests/unit/check.h"
+#include "tests/unit/problem.h"
+#include "tests/unit/sample.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_contact contact_on(double moes_M, double moes_L, double x_min, double x_max,
+                              double y_max, double step, const char *boundary) {
+    scene given = sample_scene("barus", "incompressible", moes_M, moes_L);
+    ehd_contact contact;
+
+    strcpy(given.contact, "point");
+    strcpy(given.boundary, boundary);
+    given.grid = (grid_settings){x_min, x_max, step, y_max, 1};
+    assert_int_equal(scene_contact(&contact, &given, NULL), EHD_OK);
+    return contact;
+}
+
+static double pressure_at(const ehd_contact *contact, double approach, double x, double y) {
+    return far_field_pressure(contact, approach, x, y).value;
+}
+
+/* d/dX (H^3 dP/dX) + d/dY (H^3 dP/dY) - lambda dH/dX over lambda |dH/dX|, by differences. */
+static double reynolds_at(const ehd_contact *contact, double approach, double x, double y) {
+    const double d = 0.01 * hypot(x, y);
+    const double here = pressure_at(contact, approach, x, y);
+    double sum = 0;
+
+    for (int i = 0; i < 4; i++) {
+        const double along = i < 2 ? (i ? d : -d) : 0, across = i < 2 ? 0 : (i > 2 ? d : -d);
+        const double film = far_field_film(approach, x + along / 2, y + across / 2);
+        sum += film * film * film * (pressure_at(contact, approach, x + along, y + across) - here);
+    }
+    const double slope =
+        (far_field_film(approach, x + d, y) - far_field_film(approach, x - d, y)) / (2 * d);
+    return (sum / (d * d) / contact->lambda - slope) / fabs(slope);
+}
+
+/* Away from the exit; what is left falls with r^-3 or faster: c^2/r^4, and c is not constant. */
+static void solves_the_reynolds_equation(void **state) {
+    (void)state;
+    const ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, "open");
+    const double directions[] = {0, 0.4, 0.8, 1.2};
+    for (int approach = -1; approach <= 1; approach++) {
+        for (size_t i = 0; i < 4; i++) {
+            const double x = -cos(directions[i]), y = sin(directions[i]);
+            const double near = reynolds_at(&contact, approach, 8 * x, 8 * y);
+            const double far = reynolds_at(&contact, approach, 32 * x, 32 * y);
+            assert_true(fabs(near) < 0.02);
+            assert_true(fabs(far) < 5e-4);
+        }
+    }
+}
+
+/* P and its slope end together, so that it falls with the square of the angle from the exit. */
+static void ends_at_the_exit(void **state) {
+    (void)state;
+    const ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, "open");
+    const double exit = M_PI - atan(3), d = 1e-2;
+    double before[2];
+
+    for (int i = 0; i < 2; i++) {
+        const double phi = exit - d * (i + 1), behind = exit + d * (i + 1);
+        before[i] = pressure_at(&contact, -0.5, -5 * cos(phi), 5 * sin(phi));
+        check_close(pressure_at(&contact, -0.5, -5 * cos(behind), 5 * sin(behind)), 0, 0, 0);
+    }
+    assert_true(before[0] > 0);
+    check_close(before[1] / before[0], 4, 0.05, 0);
+    check_close(pressure_at(&contact, -0.5, -3, 4), pressure_at(&contact, -0.5, -3, -4), 0, 0);
+}
+
+/* What two grids have beyond them differs by what lies between; the derivative by differences. */
+static void counts_the_load_beyond(void **state) {
+    (void)state;
+    const ehd_contact one = contact_on(10, 0, -4, 2, 3, 0.25, "open");
+    const ehd_contact other = contact_on(10, 0, -6, 4, 7, 0.25, "open");
+    const double step = 0.0125, approach = -0.4, d = 1e-5;
+    double between = 0;
+
+    for (double x = -6.125 + step / 2; x < 4.125; x += step)
+        for (double y = step / 2; y < 7.125; y += step)
+            if (x < -4.125 || x > 2.125 || y > 3.125)
+                between += 2 * step * step * pressure_at(&one, approach, x, y);
+    const far_value load = far_field_load(&one, approach);
+    check_close(load.value - far_field_load(&other, approach).value, between, 1e-3, 0);
+    check_close(
+        load.by_approach,
+        (far_field_load(&one, approach + d).value - far_field_load(&one, approach - d).value) /
+            (2 * d),
+        1e-6, 0);
+    const far_value there = far_field_pressure(&one, approach, -3, 2);
+    check_close(there.by_approach,
+                (pressure_at(&one, approach + d, -3, 2) - pressure_at(&one, approach - d, -3, 2)) /
+                    (2 * d),
+                1e-6, 0);
+
+    // at this approach the closure is the load balance, and its slope is that of the balance
+    arena memory = {0};
+    far_field prepared;
+    far_field_init(&prepared, &one.grid, NULL, one.grid.num_nodes, &memory);
+    const contact_closure closure = far_field_closure(&prepared, &one, approach);
+    const double carried = 2.0;
+    check_close(closure.by_load * carried + closure.by_approach * approach - closure.value,
+                carried + load.value - one.closure.value, 1e-12, 1e-12);
+    check_close(closure.by_approach, load.by_approach, 1e-12, 0);
+    arena_free(&memory);
+}
+
+/* At the boundary nodes alone, with its derivative, in either direction. */
+static void is_added_at_the_boundary_nodes(void **state) {
+    (void)state;
+    for (int i = 0; i < 4; i++) {
+        ehd_contact contact = contact_on(10, 0, -4, 2, 3, 0.25, i < 2 ? "open" : "zero");
+        const ehd_grid *grid = &contact.grid;
+        double *pressure = calloc(grid->num_nodes, sizeof *pressure);
+        arena memory = {0};
+        far_field field;
+
+        assert_non_null(pressure);
+        if (i % 2) contact.far_speed = -0.7;
+        far_field_init(&field, grid, NULL, grid->num_nodes, &memory);
+        far_field_add(pressure, &field, &contact, 0.2);
+        for (size_t k = 0; k < grid->num_nodes; k++) {
+            const size_t column = k % grid_width(grid);
+            const bool outer = column == 0 || column + 1 == grid_width(grid) ||
+                               k / grid_width(grid) + 1 == grid_lines(grid);
+            const far_value there =
+                far_field_pressure(&contact, 0.2, grid_x(grid, k), grid_y(grid, k));
+            check_close(pressure[k], outer && i < 2 ? there.value : 0, 1e-13, 0);
+            check_close(field.by_approach[k], outer && i < 2 ? there.by_approach : 0, 1e-13, 0);
+        }
+        arena_free(&memory);
+        free(pressure);
+    }
+}
+
+/* Of lines, with zero around, and without entrainment there is none; backwards it is mirrored. */
+static void where_it_is(void **state) {
+    (void)state;
+    const ehd_contact line = sample_contact("barus", "incompressible", 10, 0, 0.05);
+    const ehd_contact zero = contact_on(10, 0, -4, 2, 3, 0.25, "zero");
+    ehd_contact open = contact_on(10, 0, -4, 2, 3, 0.25, "open");
+    ehd_contact mirrored = contact_on(10, 0, -2, 4, 3, 0.25, "open");
+
+    check_close(far_field_load(&line, 0).value, 0, 0, 0);
+    check_close(far_field_load(&zero, 0).value, 0, 0, 0);
+    mirrored.far_speed = -1;
+    check_close(far_field_load(&mirrored, 0.3).value, far_field_load(&open, 0.3).value, 1e-14, 0);
+    check_close(pressure_at(&mirrored, 0.3, 4, 1), pressure_at(&open, 0.3, -4, 1), 1e-14, 0);
+    open.far_speed = 0;
+    check_close(far_field_load(&open, 0.3).value, 0, 0, 0);
+    check_close(pressure_at(&open, 0.3, -4, 1), 0, 0, 0);
+}
+
+static contact_scalars films_of(const ehd_contact *contact) {
+    const full_settings settings = full_default_settings();
+    problem found;
+
+    problem_solve_cold(&found, contact, &settings);
+    const contact_scalars scalars = full_evaluate_scalars(&found.state, contact);
+    assert_true(found.info.newton_iterations < 10);
+    problem_free(&found);
+    return scalars;
+}
+
+/* A domain from -4 on is as good as one from -16 on; with zero around they differ. */
+static void short_domains_are_as_good_as_long_ones(void **state) {
+    (void)state;
+    static const double points[][2] = {{5, 0}, {10, 0}, {10, 5}, {20, 5}};
+    double differences = 0;
+
+    for (size_t i = 0; i < sizeof points / sizeof *points; i++) {
+        const double M = points[i][0], L = points[i][1];
+        const ehd_contact near = contact_on(M, L, -4, 2, 3, 0.125, "open");
+        const ehd_contact far = contact_on(M, L, -16, 6, 12, 0.125, "open");
+        const ehd_contact without = contact_on(M, L, -4, 2, 3, 0.125, "zero");
+        const contact_scalars expected = films_of(&far), found = films_of(&near);
+        check_close(found.central_film_thickness, expected.central_film_thickness, 1e-3, 0);
+        check_close(found.minimum_film_thickness, expected.minimum_film_thickness, 1e-3, 0);
+        check_close(found.load, 1, 1e-9, 0);
+        differences +=
+            fabs(films_of(&without).central_film_thickness / expected.central_film_thickness - 1);
+    }
+    assert_true(differences > 0.1);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(solves_the_reynolds_equation),
+        cmocka_unit_test(ends_at_the_exit),
+        cmocka_unit_test(counts_the_load_beyond),
+        cmocka_unit_test(is_added_at_the_boundary_nodes),
+        cmocka_unit_test(where_it_is),
+        cmocka_unit_test(short_domains_are_as_good_as_long_ones),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
