@@ -28,16 +28,34 @@ static gsl_spline **make_splines(size_t count, size_t num_nodes) {
     return splines;
 }
 
+enum { POINTS = 6 }; // of the interpolation beyond the grid
+
+/* The grid with as much around it as a contact grows under 2.25 times its load, or as fluid moves
+ * within a few steps. */
+static ehd_grid wide_grid(const ehd_grid *grid, size_t *margin, size_t *side) {
+    const double growth = 0.5; // of a line; of a point 0.31
+    const double x = fmax(fabs(grid_x(grid, 0)), fabs(grid_x(grid, grid->inner_x + 1)));
+    const double y = grid->inner_lines > 1 ? grid_y(grid, grid->num_nodes - 1) : 0;
+
+    *margin = (size_t)ceil(growth * x / grid->step) + POINTS;
+    *side = grid->inner_lines > 1 ? (size_t)ceil(growth * y / grid->step) + POINTS : 0;
+    return grid_like(grid, grid->x_min - (double)*margin * grid->step, grid->step,
+                     grid->inner_x + 2 * *margin, grid->inner_lines + (grid->half ? 1 : 2) * *side);
+}
+
 ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd_error *error) {
     const ehd_grid *grid = &reference->grid;
     bool compressible = reference->lubricant.density != NULL;
+    size_t margin, side;
+    const ehd_grid wide = wide_grid(grid, &margin, &side);
     ehd_status status = full_state_init(&self->state, grid, error);
 
     if (status) return status;
+    self->beyond = malloc(wide.num_nodes * sizeof *self->beyond);
     self->num_lines = grid_lines(grid);
     self->deflection = make_splines(self->num_lines, grid_width(grid));
     self->pressure = compressible ? make_splines(self->num_lines, grid_width(grid)) : NULL;
-    if (self->deflection && (self->pressure || !compressible)) return EHD_OK;
+    if (self->beyond && self->deflection && (self->pressure || !compressible)) return EHD_OK;
     previous_free(self);
     return ehd_fail(error, EHD_MEMORY, "previous state: found no memory for %zu nodes",
                     grid->num_nodes);
@@ -45,6 +63,8 @@ ehd_status previous_init(previous_state *self, const ehd_contact *reference, ehd
 
 void previous_free(previous_state *self) {
     full_state_free(&self->state);
+    free(self->beyond);
+    self->beyond = NULL;
     self->deflection = free_splines(self->deflection, self->num_lines);
     self->pressure = free_splines(self->pressure, self->num_lines);
 }
@@ -53,10 +73,14 @@ double previous_bytes(const ehd_contact *reference, size_t num_states) {
     const double of_spline = 6 * sizeof(double); // abscissae, values and GSL's own
     const double of_state = sizeof(full_state) + 2 * sizeof(double),
                  of_carrier = 6 * sizeof(double) + of_spline;
+    const double of_wide_state = sizeof(double), of_deflection = 15 * sizeof(double);
     double splines = reference->lubricant.density ? 2 : 1;
+    size_t margin, side;
+    const ehd_grid wide = wide_grid(&reference->grid, &margin, &side);
 
     return (double)reference->grid.num_nodes *
-           ((double)num_states * (of_state + splines * of_spline) + of_carrier);
+               ((double)num_states * (of_state + splines * of_spline) + of_carrier) +
+           (double)wide.num_nodes * ((double)num_states * of_wide_state + of_deflection);
 }
 
 /* Y of all lines of the whole grid, to which the values of a half grid are mirrored. */
@@ -87,7 +111,9 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     bool across = grid->inner_lines > 1;
     if (across) self->across = gsl_spline_alloc(gsl_interp_cspline, self->num_across);
     self->errors = make_splines(grid_lines(grid), width);
-    if (memory->failed || (across && !self->across) || !self->errors) {
+    self->wide = wide_grid(grid, &self->margin, &self->side);
+    self->deflection = deflection_create(reference->kind, &self->wide);
+    if (memory->failed || (across && !self->across) || !self->errors || !self->deflection) {
         previous_carrier_free(self);
         return ehd_fail(error, EHD_MEMORY, "previous states: found no memory for %zu nodes",
                         grid->num_nodes);
@@ -105,6 +131,7 @@ void previous_carrier_free(previous_carrier *self) {
     arena_free(&self->memory);
     if (self->across) gsl_spline_free(self->across);
     free_splines(self->errors, grid_lines(&self->reference.grid));
+    deflection_free(self->deflection);
     path_filter_free(&self->filter);
     memset(self, 0, sizeof *self);
 }
@@ -157,6 +184,7 @@ void previous_prepare(previous_state *self, previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     const previous_state *base = previous_base(carrier, &self->frame);
 
+    self->beyond[0] = NAN;
     set_values(carrier, self->state.film, base ? base->state.film : NULL);
     for (size_t k = 0; k < grid->num_nodes; k++) {
         carrier->filtered[k] = carrier->values[k] - self->state.film[k];
@@ -229,9 +257,9 @@ static void resample(double *inner, gsl_spline *const *splines, origin from,
     }
 }
 
-/* H0 and deflection at a point beyond the grid. */
-static double deflection_beyond(const previous_state *self, const ehd_contact *reference, double x,
-                                double y) {
+/* H0 and deflection at any point, by its sum over the nodes. */
+static double deflection_at(const previous_state *self, const ehd_contact *reference, double x,
+                            double y) {
     const ehd_grid *grid = &reference->grid;
     double sum = self->state.rigid_approach;
 
@@ -243,6 +271,57 @@ static double deflection_beyond(const previous_state *self, const ehd_contact *r
         if (grid_weight(grid, k) > 1) // the mirrored node
             kernel += deflection_influence(reference->kind, grid, along, fabs(y + grid_y(grid, k)));
         sum += pressure * kernel;
+    }
+    return sum;
+}
+
+/* Sets a state's deflection on the wide grid. */
+static void look_beyond(const previous_state *self, const previous_carrier *carrier) {
+    const ehd_grid *grid = &carrier->reference.grid;
+    const size_t width = grid_width(grid), wide = grid_width(&carrier->wide);
+    const size_t before = grid->half ? 0 : carrier->side;
+
+    memset(self->beyond, 0, carrier->wide.num_nodes * sizeof *self->beyond);
+    for (size_t k = 1; k < self->state.exit; k++)
+        self->beyond[(k / width + before) * wide + carrier->margin + k % width] =
+            self->state.pressure[k];
+    deflection_apply(self->beyond, carrier->deflection, self->beyond);
+}
+
+/* The first of POINTS nodes around a place in numbers of nodes, and Lagrange's weights of them. */
+static ptrdiff_t lagrange(double weight[POINTS], double place) {
+    const double below = floor(place);
+
+    for (int i = 0; i < POINTS; i++) {
+        const double at = place - below + POINTS / 2 - 1;
+        weight[i] = 1;
+        for (int j = 0; j < POINTS; j++)
+            if (j != i) weight[i] *= (at - j) / (i - j);
+    }
+    return (ptrdiff_t)below - (POINTS / 2 - 1);
+}
+
+/* H0 and deflection at a point beyond the grid, from which pressures are so far that six points of
+ * the wide grid give the film there to 1e-8 on steps of 0.19 (test_previous.c), on 65 by 65 nodes in
+ * time the central film to 6e-13. Farther away by the sum, which takes a hundred times as long. */
+static double deflection_beyond(const previous_state *self, const previous_carrier *carrier,
+                                double x, double y) {
+    const ehd_grid *wide = &carrier->wide;
+    const ptrdiff_t width = (ptrdiff_t)grid_width(wide), lines = (ptrdiff_t)grid_lines(wide);
+    const bool point = wide->inner_lines > 1;
+    double along[POINTS], across[POINTS] = {1}, sum = self->state.rigid_approach;
+    const ptrdiff_t column = lagrange(along, (x - grid_x(wide, 0)) / wide->step);
+    const ptrdiff_t line = point ? lagrange(across, (y - grid_y(wide, 0)) / wide->step) : 0;
+    const ptrdiff_t num_lines = point ? POINTS : 1;
+
+    if (column < 0 || column + POINTS > width || line + num_lines > lines ||
+        (line < 0 && !wide->half))
+        return deflection_at(self, &carrier->reference, x, y);
+    if (isnan(self->beyond[0])) look_beyond(self, carrier);
+    for (ptrdiff_t l = 0; l < num_lines; l++) {
+        const double *at = self->beyond + labs(line + l) * width + column;
+        for (int i = 0; i < POINTS; i++)
+            sum += across[l] * along[i] * at[i];
     }
     return sum;
 }
@@ -261,7 +340,7 @@ static void add_mass(double *mass, double weight, const previous_state *self, or
         size_t k = grid_node_of_row(grid, r);
         double x = from.stretch * grid_x(grid, k) - from.shift, y = from.stretch * grid_y(grid, k);
         bool inside = is_on_grid(carrier, x, y);
-        double film = inside ? carrier->film[r] : deflection_beyond(self, reference, x, y);
+        double film = inside ? carrier->film[r] : deflection_beyond(self, carrier, x, y);
         double density = 1;
         if (law && inside)
             density = lubricant_density(&reference->lubricant, carrier->pressure[r] * hertz);

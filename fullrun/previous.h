@@ -18,6 +18,8 @@ typedef struct previous_state {
     size_t num_lines;
     gsl_spline **deflection; // [num_lines] film without gap, along each line
     gsl_spline **pressure;   // NULL when incompressible: rho H is then the film
+    double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
+                    // is NaN while it is not known
 } previous_state;
 
 /* Memory for carrying states over. */
@@ -32,6 +34,9 @@ typedef struct previous_carrier {
     gsl_spline *across;            // NULL on a line contact
     gsl_spline **errors;           // [lines] of previous_keep_errors
     double *filtered;              // [num_nodes] what the filter last changed of a film
+    ehd_grid wide;                 // the grid, with `margin` columns and `side` lines around it
+    size_t margin, side;           // (of a half grid lines on the one side)
+    ehd_deflection *deflection;    // on the wide grid
     arena memory;                  // of all arrays
     // along the path:
     path_filter filter;         // of what differs from the start

@@ -317,7 +317,8 @@ static void local_error_is_that_before_the_exit(void **state) {
     first.march.sink = &check;
     marched_on(&first);
     assert_int_equal(first.outcome, EHD_OK);
-    assert_true(check.num_moves >= 3 && check.largest_in_front == 1);
+    assert_true(check.num_moves >= 3);
+    check_close(check.largest_in_front, 1, 1e-4, 0);
     marched_end(&first);
 }
 

