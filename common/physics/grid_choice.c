@@ -33,7 +33,7 @@ static const grid_rule line_rule = {
     .sides = NAN,
 };
 /* Point contacts with an open boundary, 55 from M = 1 to 1000, L 0 to 25 (the same study): H_c is
- * within 0.6 % and H_m within 1.0 %; with the next shorter domain H_c is off by 1.0 to 1.8 % at M
+ * within 0.6 % and H_m within 1.0 %; with the next shorter domain H_c is off by 0.7 to 1.8 % at M
  * of 1 to 3, with twice the step by 1.5 to 4 % where the spike lies at the centre (M of 5 to 10, L
  * from 10 on) and H_m by 8 % at M = 100, L = 0. */
 static const grid_rule open_rule = {
