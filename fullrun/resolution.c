@@ -216,8 +216,9 @@ static void free_coarse(coarse_grid *self) {
     full_solver_free(self->solver);
 }
 
-/* Of films before and after something was changed, the second to the first times a factor. The lowest
- * film follows the place of the exit, which jumps by nodes, so that it is not of the minimum itself. */
+/* Of films before and after something was changed, the second to the first times a factor. The
+ * lowest film follows the place of the exit, which jumps by nodes, so that it is not of the
+ * minimum itself. */
 static void set_inlet_effect(film_effects *effects, double factor, const film_pair *after,
                              const film_pair *before, const coarse_grid *self,
                              const double *film_before) {
@@ -230,8 +231,8 @@ static void set_inlet_effect(film_effects *effects, double factor, const film_pa
 }
 
 /* The effect of the domain's length where the far field is around: by what a domain shorter by a
- * fourth does to a solved point contact. It falls with the power 3 to 6 of the length (M 1 to 100, L 0
- * to 25), taken as 4. */
+ * fourth does to a solved point contact. It falls with the power 3 to 6 of the length (M 1 to 100,
+ * L 0 to 25), taken as 4. */
 static ehd_status solve_shorter(film_effects *effects, coarse_grid *longer, const film_pair *films,
                                 ehd_error *error) {
     const double shorter = 0.75, factor = -1 / (pow(shorter, -4) - 1);

@@ -39,7 +39,8 @@ ehd_status grid_count_lines(size_t *num_lines, artefact *file, const contact_kin
 ehd_status grid_read_discretization(ehd_discretization *discretization, artefact *file,
                                     ehd_error *error);
 
-/* The boundary of a file of a point contact: zero where it says nothing. EHD_DATA: an unknown one. */
+/* The boundary of a file of a point contact: zero where it says nothing. EHD_DATA: an unknown
+ * one. */
 ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error *error);
 
 /* Grid and kind of contact of an open file. EHD_DATA when the dry contact does not lie inside, or

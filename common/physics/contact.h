@@ -79,12 +79,13 @@ typedef struct ehd_carriage {
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
                           const ehd_carriage *expected, const char *expected_in, ehd_error *error);
 
-/* Uniform grid of square cells, the discretisation on it and what lies around it. The unknowns are at
- * `num_inner` inner nodes; boundary nodes, where the pressure is zero or given, lie one step outside. All nodes are numbered
- * together, along x first. A line contact has one line of nodes: node k is at x_min + (k-1) step, the inner nodes
- * are 1 … num_inner, and num_nodes = num_inner + 2. The lines of a point contact run from y =
- * -y_max to y_max or, on a half grid, which uses the symmetry, from y = 0; beyond the first and
- * last line is a line of boundary nodes, but none at the mirror line y = 0. */
+/* Uniform grid of square cells, the discretisation on it and what lies around it. The unknowns are
+ * at `num_inner` inner nodes; boundary nodes, where the pressure is zero or given, lie one step
+ * outside. All nodes are numbered together, along x first. A line contact has one line of nodes:
+ * node k is at x_min + (k-1) step, the inner nodes are 1 … num_inner, and num_nodes = num_inner +
+ * 2. The lines of a point contact run from y = -y_max to y_max or, on a half grid, which uses the
+ * symmetry, from y = 0; beyond the first and last line is a line of boundary nodes, but none at
+ * the mirror line y = 0. */
 typedef struct ehd_grid {
     double x_min; // contact half widths
     double step;

@@ -66,8 +66,8 @@ static const double abscissa[NUM_GAUSS] = {0.06943184420297371, 0.33000947820757
 static const double weight[NUM_GAUSS] = {0.17392742256872693, 0.32607257743127307,
                                          0.32607257743127307, 0.17392742256872693};
 
-/* Ends of what the sum over the inner nodes counts, half a step beyond them: against the flow, with
- * it, and beside. */
+/* Ends of what the sum over the inner nodes counts, half a step beyond them: against the flow,
+ * with it, and beside. */
 typedef struct inner_ends {
     double upstream, downstream, beside;
 } inner_ends;

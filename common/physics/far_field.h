@@ -19,9 +19,10 @@ bool far_field_is_there(const ehd_grid *grid);
 /* H far away, r^2/2 + H0 + 4/(3 pi r): the deflection is that of the whole load in one point. */
 double far_field_film(double rigid_approach, double x, double y);
 
-/* P there: lambda |U| S(phi) r/(2H)^2, with phi from the side on which the fluid comes in and S = 0.8
- * cos(phi) + b cosh(3 phi), up to the exit, where S = S' = 0, and 0 behind it. With H = r^2/2 + c it
- * solves the isoviscous Reynolds equation up to terms of c^2/r^4. U is contact->far_speed. */
+/* P there: lambda |U| S(phi) r/(2H)^2, with phi from the side on which the fluid comes in and S =
+ * 0.8 cos(phi) + b cosh(3 phi), up to the exit, where S = S' = 0, and 0 behind it. With H = r^2/2
+ * + c it solves the isoviscous Reynolds equation up to terms of c^2/r^4. U is
+ * contact->far_speed. */
 far_value far_field_pressure(const ehd_contact *contact, double rigid_approach, double x, double y);
 
 /* The load that it carries beyond the cells of the inner nodes; 0 where there is none. */
@@ -72,8 +73,8 @@ void far_field_add(
 contact_closure far_field_closure(const far_field *self, const ehd_contact *contact,
                                   double rigid_approach);
 
-/* What enters the grid is that of no pressure, as in the previous states of a film in time, which know
- * no other at these nodes. */
+/* What enters the grid is that of no pressure, as in the previous states of a film in time, which
+ * know no other at these nodes. */
 void far_field_set_density(reynolds_fluid *fluid, const far_field *self);
 
 #endif

@@ -32,10 +32,10 @@ static const grid_rule line_rule = {
     .longest = 64,
     .sides = NAN,
 };
-/* Point contacts with an open boundary, 50 from M = 1 to 100, L 0 to 25 (the same study): H_c is
- * within 0.6 % and H_m within 0.8 %; with the next shorter domain H_c is off by 1.0 to 1.8 % at M of 1
- * to 3, with twice the step by 1.5 to 4 % where the spike lies at the centre (M of 5 to 10, L from 10
- * on) and H_m by 8 % at M = 100, L = 0. */
+/* Point contacts with an open boundary, 55 from M = 1 to 1000, L 0 to 25 (the same study): H_c is
+ * within 0.6 % and H_m within 1.0 %; with the next shorter domain H_c is off by 0.7 to 1.8 % at M
+ * of 1 to 3, with twice the step by 1.5 to 4 % where the spike lies at the centre (M of 5 to 10, L
+ * from 10 on) and H_m by 8 % at M = 100, L = 0. */
 static const grid_rule open_rule = {
     .coarsest = 0.25,
     .around = 1. / 12,
@@ -49,10 +49,10 @@ static const grid_rule open_rule = {
     .behind = 1. / 3,
 };
 /* With zero pressure around the grid H_c is within 0.8 % and H_m within 2.5 % from M = 10 on; with
- * twice the step H_m is off by 10 % (M = 20, L = 0), with the next shorter domain H_c by 1.1 % (M =
- * 10, L = 0) and 1.2 % (M = 14, L = 0). Below, at small L, their films go with one over the length,
- * 1.5, 5 and 25 % off at M = 7, 5 and 3, and no domain is long enough. Exits far from the middle lie
- * at 0.21 of y_max. */
+ * twice the step H_m is off by 10 % (M = 20, L = 0), with the next shorter domain H_c by 1.1 % (M
+ * = 10, L = 0) and 1.2 % (M = 14, L = 0). Below, at small L, their films go with one over the
+ * length, 1.5, 5 and 25 % off at M = 7, 5 and 3, and no domain is long enough. Exits far from the
+ * middle lie at 0.21 of y_max. */
 static const grid_rule zero_rule = {
     .coarsest = 0.125,
     .around = INFINITY,

@@ -75,7 +75,7 @@ static const setting run_rows[] = {
      "First inner node, in contact half widths; below -1; default by M and L, -4 with published", ALWAYS, false},
     {"grid.x_max", REAL(grid.x_max), NULL, NULL, 1, 1e3, "1",
      "Last inner node, in contact half widths; above 1; default 2, of a point contact by M and L up to "
-     "4", ALWAYS, false},
+     "11", ALWAYS, false},
     {"grid.step", REAL(grid.step), NULL, NULL, 1e-6, 0.25, "1",
      "Distance of the nodes, in contact half widths; a whole number of steps fits; default by M and "
      "L, with published 0.005, of a point contact 0.0625", ALWAYS, false},

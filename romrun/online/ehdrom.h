@@ -83,9 +83,9 @@ void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
 
 /* Solves one contact from the trained solutions. Not converged and not trusted are outcomes in
  * result->status. The grid is the model's, also where M and L alone would choose another. Returns
- * EHD_OK, or EHD_DATA when the scene gives a grid, or has a discretisation or a boundary, that is not the
- * model's:
- * one that names none has the accurate one, a model of a version before 0.3.0 the published one. */
+ * EHD_OK, or EHD_DATA when the scene gives a grid, or has a discretisation or a boundary, that is
+ * not the model's: one that names none has the accurate one, a model of a version before 0.3.0 the
+ * published one. */
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
 

@@ -78,7 +78,8 @@ typedef struct band_stencil {
     reynolds_fluid fluid;
 } band_stencil;
 
-/* P and H at a boundary node of a stencil, whose lines beside the grid have no nodes in the band. */
+/* P and H at a boundary node of a stencil, whose lines beside the grid have no nodes in the
+ * band. */
 static void fill_outer_node(double *pressure, double *film, const exit_query *query, size_t node,
                             bool banded) {
     const reduced_model *model = query->search->model;

@@ -49,7 +49,7 @@ off() { awk -v a="$1" -v b="$2" -v limit="$3" 'BEGIN { d = a / b - 1; exit !(d *
     [ "$(fullrun --print p.h5 boundary)" = $'boundary\nzero' ]
     sed -i 's/contact: point/contact: line/; s/, y_max: 2//' scene.yml
     fullrun scene.yml --set grid.x_min=-3 --set grid.step=0.05 -o l.h5 >l.txt
-    ! grep -q "^boundary" l.txt
+    run ! grep -q "^boundary" l.txt
     refuse 65 "boundary" fullrun scene.yml -o x.h5 --set boundary=open
     refuse 65 "boundary: found both, expected open.zero" fullrun scene.yml -o x.h5 --set contact=point --set boundary=both
 }

@@ -108,8 +108,8 @@ static void grids_are_fine_and_wide_enough(void **state) {
     }
 }
 
-/* Of a point contact with zero pressure around it, of low M and L, the load beyond the domain decides:
- * with half of the length the film is off by 1.5 %. Films as below. */
+/* Of a point contact with zero pressure around it, of low M and L, the load beyond the domain
+ * decides: with half of the length the film is off by 1.5 %. Films as below. */
 static void points_count_the_load_beyond(void **state) {
     (void)state;
     const double central = 0.26890, smallest = 0.19779;
@@ -127,8 +127,8 @@ static void points_count_the_load_beyond(void **state) {
 }
 
 /* Films of unbounded inlets and steps without end (scenes/studies/default-grid), on the grids that
- * contacts choose: within 1 and 3 %. Half of the length is not enough where films are thick, nor twice
- * the step where the spike lies at the centre. */
+ * contacts choose: within 1 and 3 %. Half of the length is not enough where films are thick, nor
+ * twice the step where the spike lies at the centre. */
 static void points_with_the_far_field(void **state) {
     (void)state;
     static const struct {

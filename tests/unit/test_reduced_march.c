@@ -103,8 +103,9 @@ static void constant_conditions_keep_the_stationary_state(void **state) {
     marching_free(&self);
 }
 
-/* With every node as a mode of its own a step is one of the full model, given the same history and the
- * same exits, which by what is noise for either may differ by a node (under a load of 1.05). */
+/* With every node as a mode of its own a step is one of the full model, given the same history and
+ * the same exits, which by what is noise for either may differ by a node (under a load of
+ * 1.05). */
 static void a_step_of_full_rank_is_one_of_the_full_model(void **state) {
     (void)state;
     reduced_basis nodes = nodes_basis();

@@ -143,7 +143,8 @@ static void inlet_effect_of_a_point_contact(void **state) {
     }
 }
 
-/* With the far field around, of a domain from -length on, three quarters as wide to either side. */
+/* With the far field around, of a domain from -length on, three quarters as wide to either
+ * side. */
 static ehd_contact open_point_from(double moes_M, double moes_L, double length, double step,
                                    bool half) {
     ehd_contact contact = sample_point("barus", "incompressible", moes_M, moes_L, 24, half);
