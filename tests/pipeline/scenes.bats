@@ -188,7 +188,7 @@ exit "$CODE"
 SH
     chmod +x stops
     stops='run = results.trajectory("short.h5", os.getcwd() + "/stops", "scene.yml")
-print(run.code, run.message, run.steps > 0, run.time[0], run.load[0], run.time[-1], len(run.H_c) == len(run.time))'
+print(run.code, run.message, run.steps > 0, run.time[0], round(run.load[0], 12), run.time[-1], len(run.H_c) == len(run.time))'
     for code in 3 4; do
         CODE=$code run -0 --separate-stderr python "$stops"
         [ "$output" = "$code stops: no further True 0.0 1.0 0.2 True" ]
@@ -368,11 +368,13 @@ small_oscillator() {
     study draw again 4 24 ../stationary-line/out-accurate/model.h5 ../stationary-line/scene.yml
     run -1 cmp -s out/test-3-24/plan.yml again/plan.yml
     # a result that is off without a flag is one, however few they are
-    printf '%s\n' promise,where,whose,code,reduced,full 1e-2,inside,own,0,1.02,1 1e-2,inside,other,4,1.5,1 \
-        1e-2,outside,other,3,,1 1e-2,inside,own,0,1.001,1 1e-2,inside,own,4,1.001,1 >runs.csv
+    printf '%s\n' promise,where,whose,code,central,minimum,full_central,full_minimum 1e-2,inside,own,0,1,2.04,1,2 \
+        1e-2,inside,other,4,1.5,1,1,1 1e-2,outside,other,3,,,1,1 1e-2,inside,own,0,1.001,1,1,1 \
+        1e-2,inside,own,4,1.001,1,1,1 none,inside,own,0,1.011,1,1,1 >runs.csv
     run study table runs.csv 1 2
-    [[ $output == *"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
-    [[ $output == *"silent failures: 1, the worst 0.02 off" ]]
+    [[ $output == *"promise 0.01"*"inside, own lubricant         1        1       50.0 %                1        0          0            0"* ]]
+    [[ $output == *"no promise asked for"*"inside, own lubricant         0        0        0.0 %                1        0 "* ]]
+    [[ $output == *"silent failures: 2, the worst 0.02 off" ]]
     run_make -n $small
     [[ $status == 0 && ! $output =~ romrun\ --calibrate ]]
     # another model draws anew, also one that is older than what was drawn for this one
