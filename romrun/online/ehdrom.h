@@ -51,7 +51,7 @@ typedef struct ehdrom_properties {
 /* One solution; dimensionless unless stated. */
 typedef struct ehdrom_result {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED; EHD_UNTRUSTED: solved, but outside of
-                             // the trained range
+                             // the trained range, or a false solution by its residual
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     size_t iterations;
