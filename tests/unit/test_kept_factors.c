@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Steps in time with the factors of an earlier Jacobian. */
+#include "romrun/online/kept_factors.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 
@@ -95,8 +96,33 @@ static void kept_factors_serve_steps_alike(void **state) {
         }
 }
 
+/* By 0.025 half widths on each line of a point contact, on coarse grids by a node. */
+static void factors_serve_while_exits_are_near(void **state) {
+    size_t at[] = {50, 60}, here[] = {50, 60};
+    const kept_factors kept = {.exit = at};
+    const reduced_state moved = {.exits = here};
+    reduced_model model = {.band = {.num_lines = 2}};
+    (void)state;
+
+    const struct {
+        double step;
+        size_t nodes;
+    } grids[] = {{0.1, 1}, {0.025, 1}, {0.0124, 2}, {0.005, 5}};
+    for (size_t g = 0; g < 4; g++) {
+        model.grid.step = grids[g].step;
+        for (size_t line = 0; line < 2; line++) {
+            here[line] = at[line] + grids[g].nodes;
+            assert_true(kept_factors_are_near(&kept, &model, &moved));
+            here[line] = at[line] - grids[g].nodes - 1;
+            assert_false(kept_factors_are_near(&kept, &model, &moved));
+            here[line] = at[line];
+        }
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(factors_serve_while_exits_are_near),
         cmocka_unit_test(kept_factors_serve_steps_alike),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
