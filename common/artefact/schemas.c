@@ -155,9 +155,8 @@ static const artefact_field result_fields[] = {
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
     REAL("time_effect", "1", NEED_OPTIONAL,
-         "estimated relative change of the central film by ever smaller steps in time, but for "
-         "those "
-         "after a jump; NaN where it cannot be told; only when transient",
+         "estimated relative change of the central film by ever smaller steps in time; NaN where "
+         "it cannot be told; only when transient",
          "time"),
     REAL("time_effect_minimum", "1", NEED_OPTIONAL, "the same of the minimum film", "time"),
     REAL("restart", "1", NEED_OPTIONAL,

@@ -149,14 +149,11 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status) status = grid_count_lines(&num_lines, file, *kind, error);
     if (!status && artefact_has(file, "half"))
         status = artefact_get_integer(file, "half", &half, error);
-    ehd_discretization discretization = DISCRETIZATION_PUBLISHED;
-    ehd_boundary boundary = BOUNDARY_ZERO;
-    if (!status) status = grid_read_discretization(&discretization, file, error);
-    if (!status && num_lines > 1) status = grid_read_boundary(&boundary, file, error);
+    ehd_grid like = {.half = num_lines > 1 && half != 0};
+    if (!status) status = grid_read_discretization(&like.discretization, file, error);
+    if (!status && num_lines > 1) status = grid_read_boundary(&like.boundary, file, error);
     if (status) return status;
-    *grid = grid_of(grid->x_min, grid->step, artefact_length(file, "x"), num_lines,
-                    num_lines > 1 && half != 0, discretization);
-    grid->boundary = boundary;
+    *grid = grid_like(&like, grid->x_min, grid->step, artefact_length(file, "x"), num_lines);
     double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,

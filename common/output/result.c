@@ -310,11 +310,10 @@ void result_free(stored_result *stored) {
 }
 
 ehd_grid result_grid(const stored_result *stored) {
-    ehd_grid grid = grid_of(stored->x_min, stored->step, stored->num_inner / stored->num_lines,
-                            stored->num_lines, false, stored->discretization);
+    const ehd_grid like = {.discretization = stored->discretization, .boundary = stored->boundary};
 
-    grid.boundary = stored->boundary;
-    return grid;
+    return grid_like(&like, stored->x_min, stored->step, stored->num_inner / stored->num_lines,
+                     stored->num_lines);
 }
 
 ehd_status result_check_grid(const stored_result *stored, const char *path, const ehd_grid *grid,

@@ -155,6 +155,15 @@ const contact_kind *contact_kind_find(const char *name) {
 
 // ---- discretisations
 
+/* Index of a name; `num`: it is none of them. */
+static size_t find_name(const char *const *names, size_t num, const char *name) {
+    size_t i = 0;
+
+    while (i < num && strcmp(names[i], name) != 0)
+        i++;
+    return i;
+}
+
 static const char *const discretizations[] = {
     [DISCRETIZATION_PUBLISHED] = "published", [DISCRETIZATION_ACCURATE] = "accurate"};
 enum { NUM_DISCRETIZATIONS = sizeof discretizations / sizeof *discretizations };
@@ -164,12 +173,10 @@ const char *discretization_name(ehd_discretization discretization) {
 }
 
 bool discretization_find(ehd_discretization *discretization, const char *name) {
-    for (size_t i = 0; i < NUM_DISCRETIZATIONS; i++) {
-        if (strcmp(discretizations[i], name) != 0) continue;
-        *discretization = (ehd_discretization)i;
-        return true;
-    }
-    return false;
+    const size_t found = find_name(discretizations, NUM_DISCRETIZATIONS, name);
+
+    if (found < NUM_DISCRETIZATIONS) *discretization = (ehd_discretization)found;
+    return found < NUM_DISCRETIZATIONS;
 }
 
 static const char *const boundaries[] = {[BOUNDARY_ZERO] = "zero", [BOUNDARY_OPEN] = "open"};
@@ -180,12 +187,10 @@ const char *boundary_name(ehd_boundary boundary) {
 }
 
 bool boundary_find(ehd_boundary *boundary, const char *name) {
-    for (size_t i = 0; i < NUM_BOUNDARIES; i++) {
-        if (strcmp(boundaries[i], name) != 0) continue;
-        *boundary = (ehd_boundary)i;
-        return true;
-    }
-    return false;
+    const size_t found = find_name(boundaries, NUM_BOUNDARIES, name);
+
+    if (found < NUM_BOUNDARIES) *boundary = (ehd_boundary)found;
+    return found < NUM_BOUNDARIES;
 }
 
 static const char *const transports[] = {[TRANSPORT_UPWIND] = "upwind", [TRANSPORT_PATH] = "path"};
@@ -196,12 +201,10 @@ const char *transport_name(ehd_transport transport) {
 }
 
 bool transport_find(ehd_transport *transport, const char *name) {
-    for (size_t i = 0; i < NUM_TRANSPORTS; i++) {
-        if (strcmp(transports[i], name) != 0) continue;
-        *transport = (ehd_transport)i;
-        return true;
-    }
-    return false;
+    const size_t found = find_name(transports, NUM_TRANSPORTS, name);
+
+    if (found < NUM_TRANSPORTS) *transport = (ehd_transport)found;
+    return found < NUM_TRANSPORTS;
 }
 
 ehd_status carriage_check(const ehd_carriage *found, const char *found_in,
@@ -298,11 +301,10 @@ size_t grid_row_of_node(const ehd_grid *grid, size_t node) {
 ehd_grid grid_whole(const ehd_grid *grid) {
     size_t lines = grid->half ? 2 * grid->inner_lines - 1 : grid->inner_lines;
 
-    ehd_grid whole =
-        grid_of(grid->x_min, grid->step, grid->inner_x, lines, false, grid->discretization);
+    ehd_grid like = *grid;
 
-    whole.boundary = grid->boundary;
-    return whole;
+    like.half = false;
+    return grid_like(&like, grid->x_min, grid->step, grid->inner_x, lines);
 }
 
 size_t grid_row_of_whole(const ehd_grid *grid, size_t row) {

@@ -156,8 +156,8 @@ static double whole_steps(double length, double step) {
     return ceil(length / step - 1e-6);
 }
 
-ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, bool half,
-                     ehd_discretization discretization) {
+ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like) {
+    ehd_grid of = *like;
     double x_min = isnan(given->x_min) ? needed->x_min : given->x_min;
     const double x_max = isnan(given->x_max) ? needed->x_max : given->x_max;
     const double y_max = isnan(given->y_max) ? needed->y_max : given->y_max;
@@ -169,7 +169,6 @@ ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, bool h
     else if (isnan(given->x_min))
         x_min = x_max - steps * step;
     const size_t beside = isnan(y_max) ? 0 : (size_t)whole_steps(y_max, step);
-    half = half && beside > 0;
-    return grid_of(x_min, step, (size_t)steps + 1, half ? beside + 1 : 2 * beside + 1, half,
-                   discretization);
+    of.half = like->half && beside > 0;
+    return grid_like(&of, x_min, step, (size_t)steps + 1, of.half ? beside + 1 : 2 * beside + 1);
 }

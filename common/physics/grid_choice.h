@@ -13,8 +13,8 @@ grid_extent grid_extent_needed(const ehd_contact *contact);
 void grid_extent_join(grid_extent *self, const grid_extent *other);
 
 /* The grid of what is given, NaN where it is not, and else of what is needed: ends that are not
- * given move outwards, and a step that is not given is reduced, until whole steps fit. */
-ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, bool half,
-                     ehd_discretization discretization);
+ * given move outwards, and a step that is not given is reduced, until whole steps fit.
+ * Discretisation, boundary and, of a point contact, half are those of `like`. */
+ehd_grid grid_choose(const grid_extent *given, const grid_extent *needed, const ehd_grid *like);
 
 #endif

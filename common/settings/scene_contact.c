@@ -5,11 +5,7 @@
 #include <string.h>
 
 ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error) {
-    const ehd_boundary boundary = contact->grid.boundary;
-
-    contact->grid =
-        grid_choose(&contact->grid_given, needed, contact->grid.half, contact->grid.discretization);
-    contact->grid.boundary = boundary;
+    contact->grid = grid_choose(&contact->grid_given, needed, &contact->grid);
     if (contact->grid.num_inner <= MAX_NODES) return EHD_OK;
     return ehd_fail(
         error, EHD_DATA,

@@ -76,11 +76,12 @@ double against_difference(const double *nodes, const ehd_grid *grid, const doubl
 
 /* Of a grid without nodes only its beginning and its step are known. */
 static bool same_nodes(const ehd_grid *grid, const ehd_grid *other) {
-    ehd_grid like_other =
-        grid_of(grid->x_min, grid->step, other->num_inner > 0 ? grid->inner_x : other->inner_x,
-                grid->inner_lines, grid->half, other->discretization);
+    ehd_grid like = *other;
 
-    like_other.boundary = other->boundary;
+    like.half = grid->half;
+    const size_t columns = other->num_inner > 0 ? grid->inner_x : other->inner_x;
+    const ehd_grid like_other =
+        grid_like(&like, grid->x_min, grid->step, columns, grid->inner_lines);
     return grid_same(&like_other, other);
 }
 

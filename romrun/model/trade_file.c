@@ -50,6 +50,14 @@ static const column reals[] = {
     {"position_step_iterations", offsetof(trade_position, step_iterations), NULL, true},
     {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
 
+/* With an indicator; at least 0. Those after the first came later: without its own factor the
+ * minimum film takes that of the central one, and without residuals there is no limit to them. */
+static const column of_indicator[] = {
+    {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
+    {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},
+    {"position_largest_residual", offsetof(trade_position, largest_residual), NULL, false}};
+enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
+
 enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };
 
 static bool is_measured(const column *self, const trade_table *table) {
@@ -80,15 +88,20 @@ static ehd_status put_counts(artefact *file, const trade_table *table, ehd_error
     return status;
 }
 
+static ehd_status put_column(artefact *file, double *values, const column *self,
+                             const trade_table *table, ehd_error *error) {
+    for (size_t i = 0; i < table->num_positions; i++)
+        values[i] = *(const double *)member(&table->positions[i], self->offset);
+    return artefact_put(file, self->field, values, error);
+}
+
 static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error *error) {
     double *values = malloc(table->num_positions * NUM_TRADE_QUANTILES * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
     for (size_t c = 0; c < NUM_REALS && !status; c++) {
         if (!is_measured(&reals[c], table)) continue;
-        for (size_t i = 0; i < table->num_positions; i++)
-            values[i] = *(const double *)member(&table->positions[i], reals[c].offset);
-        status = artefact_put(file, reals[c].field, values, error);
+        status = put_column(file, values, &reals[c], table, error);
     }
     for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
         for (size_t i = 0; i < table->num_positions * NUM_TRADE_QUANTILES; i++)
@@ -106,15 +119,8 @@ static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_er
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
     if (!status) status = artefact_put_axis(file, "part", NUM_TRADE_PARTS, trade_parts, error);
-    for (size_t i = 0; i < num_positions && !status; i++)
-        values[i] = table->positions[i].indicator_factor;
-    if (!status) status = artefact_put(file, "indicator_factor", values, error);
-    for (size_t i = 0; i < num_positions && !status; i++)
-        values[i] = table->positions[i].indicator_factor_minimum;
-    if (!status) status = artefact_put(file, "indicator_factor_minimum", values, error);
-    for (size_t i = 0; i < num_positions && !status; i++)
-        values[i] = table->positions[i].largest_residual;
-    if (!status) status = artefact_put(file, "position_largest_residual", values, error);
+    for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++)
+        status = put_column(file, values, &of_indicator[c], table, error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
         values[i] = table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS];
     if (!status) status = artefact_put(file, "indicated_deviation", values, error);
@@ -194,20 +200,20 @@ static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error
     return status;
 }
 
-/* One positive number a position. */
-static ehd_status get_positive(double *values, size_t num_positions, artefact *file,
-                               const char *field, ehd_error *error) {
-    ehd_status status = artefact_get(file, field, values, error);
+/* Finite and at least 0. */
+static ehd_status get_of_indicator(trade_table *table, double *values, const column *self,
+                                   artefact *file, ehd_error *error) {
+    ehd_status status = artefact_get(file, self->field, values, error);
 
-    for (size_t i = 0; i < num_positions && !status; i++)
+    for (size_t i = 0; i < table->num_positions && !status; i++) {
+        *(double *)member(&table->positions[i], self->offset) = values[i];
         if (!(values[i] >= 0 && isfinite(values[i])))
             status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
-                              artefact_path(file), field, values[i]);
+                              artefact_path(file), self->field, values[i]);
+    }
     return status;
 }
 
-/* A calibration that has no factor of the minimum film took that of the central one; one that has no
- * residuals sets no limit to them. */
 static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
@@ -217,21 +223,13 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
     double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = get_positive(values, num_positions, file, "indicator_factor", error);
-    for (size_t i = 0; i < num_positions && !status; i++)
-        table->positions[i].indicator_factor = table->positions[i].indicator_factor_minimum =
-            values[i];
-    if (!status && artefact_has(file, "indicator_factor_minimum")) {
-        status = get_positive(values, num_positions, file, "indicator_factor_minimum", error);
-        for (size_t i = 0; i < num_positions && !status; i++)
-            table->positions[i].indicator_factor_minimum = values[i];
-    }
-    for (size_t i = 0; i < num_positions; i++)
-        table->positions[i].largest_residual = INFINITY;
-    if (!status && artefact_has(file, "position_largest_residual")) {
-        status = get_positive(values, num_positions, file, "position_largest_residual", error);
-        for (size_t i = 0; i < num_positions && !status; i++)
-            table->positions[i].largest_residual = values[i];
+    for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++) {
+        if (artefact_has(file, of_indicator[c].field))
+            status = get_of_indicator(table, values, &of_indicator[c], file, error);
+        for (size_t i = 0; i < num_positions && c == 0; i++) {
+            table->positions[i].indicator_factor_minimum = table->positions[i].indicator_factor;
+            table->positions[i].largest_residual = INFINITY;
+        }
     }
     if (!status) status = artefact_get(file, "indicated_deviation", values, error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)

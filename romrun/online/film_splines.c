@@ -324,13 +324,13 @@ static bool init_sums(node_sums *self, const spline_layout *layout) {
 
     self->layout = layout;
     self->sum = calloc(num_nodes, parts_of(layout) * sizeof *self->sum);
-    self->known = calloc(num_nodes, sizeof *self->known);
-    return self->sum && self->known;
+    self->of_state = calloc(num_nodes, sizeof *self->of_state);
+    return self->sum && self->of_state;
 }
 
 static void free_sums(node_sums *self) {
     free(self->sum);
-    free(self->known);
+    free(self->of_state);
 }
 
 ehd_status previous_film_init(previous_film *self, const reduced_model *model,
@@ -418,7 +418,7 @@ static void prepare_cut(previous_film *self, const reduced_model *model,
 static void prepare_sums(node_sums *self, const double *table, const double *coordinates) {
     self->table = table;
     self->coordinates = coordinates;
-    memset(self->known, 0, self->layout->num_lines * self->layout->num_columns);
+    self->state++;
 }
 
 void previous_film_prepare(previous_film *self, const reduced_model *model,
@@ -538,12 +538,12 @@ static const double *sums_at(const node_sums *self, const previous_film *cut, si
     const size_t parts = parts_of(layout), node = line * layout->num_columns + column;
     double *sum = self->sum + node * parts;
 
-    if (self->known[node]) return sum;
+    if (self->of_state[node] == self->state) return sum;
     cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)parts, (int)layout->width, 1,
                 self->table + node * layout->column, (int)layout->width, self->coordinates, 1, 0,
                 sum, 1);
     if (cut) add_cut(sum, cut, line, column, splines);
-    self->known[node] = true;
+    self->of_state[node] = self->state;
     return sum;
 }
 

@@ -84,8 +84,9 @@ ehd_status path_films_set_base(path_films *self, const struct previous_film *bas
 typedef struct node_sums {
     const spline_layout *layout;
     const double *table, *coordinates; // of the modes
-    double *sum;                       // [num_nodes of the layout, 2 or 4], where it is known
-    bool *known;                       // [num_nodes of the layout]
+    double *sum;                       // [num_nodes of the layout, 2 or 4]
+    size_t *of_state;                  // [num_nodes of the layout] for which state that is
+    size_t state;                      // this one; counts, from 1 on
 } node_sums;
 
 enum { EXIT_WINDOW = 64 }; // nodes around an exit in which the pressure's spline is cut

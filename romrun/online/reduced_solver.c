@@ -254,8 +254,8 @@ static iterate take_step(reduced_state *state, reduced_solver *self, const itera
 static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
 // of the place of an exit within a node, steps: a node's move changes the film by 1e-5
 static const double EXIT_OVER_FILM = 1e5;
-// change of P by a node's move of the exit, in time; an iteration that changes it by more is far from
-// the solution. The line under a load of period 1/2 takes 488 steps with 5e-3, 1e-2 and 2e-2, the
+// change of P by a node's move of the exit, in time; an iteration that changes it by more is far
+// from the solution. The line under a load of period 1/2 takes 488 steps with 5e-3, 1e-2 and 2e-2, the
 // full model 487; with 5e-2 an exit goes astray, and the minimum film is 2.2 % off.
 static const double CYCLE = 5e-3;
 
@@ -514,18 +514,17 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
     return scalars_of(self, state, contact);
 }
 
-/* Adds the gradient of the central film to one of zeros. */
-static bool add_central_film(double *gradient, const reduced_solver *self) {
+/* Adds the deflection at X = 0. */
+static void add_central_film(double *gradient, const reduced_solver *self) {
     const centre_nodes *centre = &self->model->centre;
 
     for (size_t i = 0; i < 4; i++)
         if (centre->weight[i] != 0)
             nodes_add_film_row(gradient, centre->weight[i], &self->nodes, centre->index[i]);
-    return true;
 }
 
-/* And of the film at the lowest needed node with pressure; false: there is none. */
-static bool add_lowest_film(double *gradient, const reduced_solver *self) {
+/* The lowest needed node with pressure, or NO_NODE. */
+static size_t lowest_node(const reduced_solver *self) {
     const node_state *nodes = &self->nodes;
     size_t lowest = NO_NODE;
 
@@ -533,18 +532,21 @@ static bool add_lowest_film(double *gradient, const reduced_solver *self) {
         if (nodes->pressurised[q] &&
             (lowest == NO_NODE || nodes->now.film[q] < nodes->now.film[lowest]))
             lowest = q;
-    if (lowest != NO_NODE) nodes_add_film_row(gradient, 1, nodes, lowest);
-    return lowest != NO_NODE;
+    return lowest;
 }
 
 double reduced_film_error(double *influence, reduced_solver *self, reduced_film film) {
+    const size_t lowest = lowest_node(self);
     double *gradient = self->system.gradient;
 
+    if (lowest == NO_NODE) return NAN;
     memset(gradient, 0, self->model->num_unknowns * sizeof(double));
     gradient[self->model->num_unknowns - 1] = 1;
-    const bool known = film == REDUCED_CENTRAL_FILM ? add_central_film(gradient, self)
-                                                    : add_lowest_film(gradient, self);
-    return known ? system_film_error(influence, &self->system) : NAN;
+    if (film == REDUCED_CENTRAL_FILM)
+        add_central_film(gradient, self);
+    else
+        nodes_add_film_row(gradient, 1, &self->nodes, lowest);
+    return system_film_error(influence, &self->system);
 }
 
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {

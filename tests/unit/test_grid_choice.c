@@ -86,26 +86,34 @@ static double error_on(const ehd_contact *contact, double central, double smalle
                 fabs(films.minimum_film_thickness / smallest - 1) / 0.03);
 }
 
-/* Films of an inlet without beginning and steps without end (scenes/studies/default-grid). A
- * quarter as fine is not enough at small L; the inlet's effect is largest at M = 1, where three
+/* Films of unbounded inlets and steps without end (scenes/studies/default-grid), and parts of the
+ * chosen length or times its step that are too little. */
+typedef struct enough {
+    double moes_M, moes_L, central, smallest, step, length;
+} enough;
+
+/* Within 1 and 3 % on the grid that a contact chooses, and not with less. */
+static void check_just_enough(const char *kind, const enough *of) {
+    ehd_contact contact = contact_of(kind, "accurate", of->moes_M, of->moes_L);
+    grid_extent less = grid_extent_of(&contact.grid);
+
+    assert_true(error_on(&contact, of->central, of->smallest) < 1);
+    less.step *= of->step;
+    less.x_min *= of->length;
+    less.y_max *= of->length; // NaN of a line
+    contact.grid = grid_choose(&less, &less, &contact.grid);
+    assert_true(error_on(&contact, of->central, of->smallest) > 1);
+}
+
+/* A quarter as fine is not enough at small L; the inlet's effect is largest at M = 1, where three
  * quarters of it are too short. */
 static void grids_are_fine_and_wide_enough(void **state) {
     (void)state;
-    static const struct {
-        double moes_M, moes_L, central, smallest, step, length; // parts that are too little
-    } cases[] = {{1, 0, 1.28597, 1.20199, 1, 3. / 4},
-                 {240, 0, 0.00136814, 0.00108848, 4, 1},
-                 {500, 0, 0.000565774, 0.000450282, 4, 1}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        ehd_contact contact = contact_of("line", "accurate", cases[i].moes_M, cases[i].moes_L);
-        grid_extent less = grid_extent_of(&contact.grid);
-
-        assert_true(error_on(&contact, cases[i].central, cases[i].smallest) < 1);
-        less.step *= cases[i].step;
-        less.x_min *= cases[i].length;
-        contact.grid = grid_choose(&less, &less, false, DISCRETIZATION_ACCURATE);
-        assert_true(error_on(&contact, cases[i].central, cases[i].smallest) > 1);
-    }
+    static const enough cases[] = {{1, 0, 1.28597, 1.20199, 1, 3. / 4},
+                                   {240, 0, 0.00136814, 0.00108848, 4, 1},
+                                   {500, 0, 0.000565774, 0.000450282, 4, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_just_enough("line", &cases[i]);
 }
 
 /* Of a point contact with zero pressure around it, of low M and L, the load beyond the domain
@@ -122,33 +130,20 @@ static void points_count_the_load_beyond(void **state) {
     half.x_min /= 2;
     half.x_max = 2;
     half.y_max /= 2;
-    contact.grid = grid_choose(&half, &half, true, DISCRETIZATION_ACCURATE);
+    contact.grid = grid_choose(&half, &half, &contact.grid);
     assert_true(error_on(&contact, central, smallest) > 1.3);
 }
 
-/* Films of unbounded inlets and steps without end (scenes/studies/default-grid), on the grids that
- * contacts choose: within 1 and 3 %. Half of the length is not enough where films are thick, nor
- * twice the step where the spike lies at the centre. */
+/* Half of the length is not enough where films are thick, nor twice the step where the spike lies
+ * at the centre. */
 static void points_with_the_far_field(void **state) {
     (void)state;
-    static const struct {
-        double moes_M, moes_L, central, smallest, step, length; // parts that are too little
-    } cases[] = {{1, 0, 27.14, 27.14, 1, 0.5},
-                 {3, 0, 1.526, 1.5195, 1, 0.5},
-                 {7, 10, 0.9904, 0.6865, 2, 1},
-                 {10, 0, 0.26890, 0.19779, 4, 1}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        ehd_contact contact = contact_of("point", "accurate", cases[i].moes_M, cases[i].moes_L);
-        grid_extent less = grid_extent_of(&contact.grid);
-
-        assert_true(error_on(&contact, cases[i].central, cases[i].smallest) < 1);
-        less.step *= cases[i].step;
-        less.x_min *= cases[i].length;
-        less.y_max *= cases[i].length;
-        contact.grid = grid_choose(&less, &less, true, DISCRETIZATION_ACCURATE);
-        contact.grid.boundary = BOUNDARY_OPEN;
-        assert_true(error_on(&contact, cases[i].central, cases[i].smallest) > 1);
-    }
+    static const enough cases[] = {{1, 0, 27.14, 27.14, 1, 0.5},
+                                   {3, 0, 1.526, 1.5195, 1, 0.5},
+                                   {7, 10, 0.9904, 0.6865, 2, 1},
+                                   {10, 0, 0.26890, 0.19779, 4, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_just_enough("point", &cases[i]);
 }
 
 /* On the published grid, by the published rows, the film is driven to zero. */
@@ -184,7 +179,8 @@ static void parts_that_are_given_stay(void **state) {
     for (int given = 0; given < 16; given++) {
         const grid_extent of = {given & 1 ? all.x_min : NAN, given & 2 ? all.x_max : NAN,
                                 given & 4 ? all.step : NAN, given & 8 ? all.y_max : NAN};
-        const ehd_grid grid = grid_choose(&of, &needed, true, DISCRETIZATION_ACCURATE);
+        const ehd_grid like = {.half = true, .discretization = DISCRETIZATION_ACCURATE};
+        const ehd_grid grid = grid_choose(&of, &needed, &like);
         const grid_extent found = grid_extent_of(&grid);
         check_close(found.x_max, given & 2 ? all.x_max : needed.x_max, 0, 1e-12);
         if (given & 1) check_close(found.x_min, all.x_min, 0, 1e-12);

@@ -202,42 +202,56 @@ static ehd_status solve_otherwise(double *step, void *context, const double *mat
     return EHD_OK;
 }
 
-static void another_linear_solver_may_be_put_in(void **state) {
-    (void)state;
-    other_solver other = {0};
-    reduced_settings settings = strict_settings;
+/* The same problem with the model's own and with another linear solver. */
+typedef struct two_ways {
+    other_solver other;
     reduced_basis small;
     reduced_problem own, with_other;
+} two_ways;
 
-    settings.solve_linear = solve_otherwise;
-    settings.linear_context = &other;
-    trained_basis(&small, &training, DEFORMATION_COUPLED, 9, 0);
-    reduced_problem_init(&own, &small, NULL, 0, &strict_settings);
-    reduced_problem_init(&with_other, &small, NULL, 0, &settings);
-    for (size_t s = 0; s < TRAINED_STATES; s += 3) {
-        other = (other_solver){0};
-        solve_from_neighbour(&own, s);
-        solve_from_neighbour(&with_other, s);
-        assert_int_equal(with_other.info.iterations, own.info.iterations);
-        assert_int_equal(other.calls, own.info.iterations);
-        check_close(with_other.info.scalars.central_film_thickness,
-                    own.info.scalars.central_film_thickness, 1e-11, 0);
-    }
-    // that it cannot be solved is an outcome
-    other = (other_solver){.fails_at = 2};
-    reduced_neighbour(&with_other.state, &with_other.model, training.set.moes_M[0],
-                      training.set.alpha_p_H[0]);
-    assert_int_equal(reduced_solve(&with_other.info, &with_other.state, with_other.solver,
-                                   &training.contacts[0], NULL, NULL),
-                     EHD_OK);
-    assert_int_equal(with_other.info.status, EHD_NOT_CONVERGED);
-    assert_int_equal(with_other.info.iterations, 1);
-    reduced_problem_free(&own);
-    reduced_problem_free(&with_other);
-    reduced_basis_free(&small);
+static void two_ways_init(two_ways *self, reduced_linear_solver *solve) {
+    reduced_settings settings = strict_settings;
+
+    settings.solve_linear = solve;
+    settings.linear_context = &self->other;
+    trained_basis(&self->small, &training, DEFORMATION_COUPLED, 9, 0);
+    reduced_problem_init(&self->own, &self->small, NULL, 0, &strict_settings);
+    reduced_problem_init(&self->with_other, &self->small, NULL, 0, &settings);
 }
 
-/* What a truncated basis costs: its own training states, to its accuracy. */
+static void two_ways_free(two_ways *self) {
+    reduced_problem_free(&self->own);
+    reduced_problem_free(&self->with_other);
+    reduced_basis_free(&self->small);
+}
+
+static void another_linear_solver_may_be_put_in(void **state) {
+    (void)state;
+    two_ways ways;
+    reduced_problem *own = &ways.own, *with_other = &ways.with_other;
+
+    two_ways_init(&ways, solve_otherwise);
+    for (size_t s = 0; s < TRAINED_STATES; s += 3) {
+        ways.other = (other_solver){0};
+        solve_from_neighbour(own, s);
+        solve_from_neighbour(with_other, s);
+        assert_int_equal(with_other->info.iterations, own->info.iterations);
+        assert_int_equal(ways.other.calls, own->info.iterations);
+        check_close(with_other->info.scalars.central_film_thickness,
+                    own->info.scalars.central_film_thickness, 1e-11, 0);
+    }
+    // that it cannot be solved is an outcome
+    ways.other = (other_solver){.fails_at = 2};
+    reduced_neighbour(&with_other->state, &with_other->model, training.set.moes_M[0],
+                      training.set.alpha_p_H[0]);
+    assert_int_equal(reduced_solve(&with_other->info, &with_other->state, with_other->solver,
+                                   &training.contacts[0], NULL, NULL),
+                     EHD_OK);
+    assert_int_equal(with_other->info.status, EHD_NOT_CONVERGED);
+    assert_int_equal(with_other->info.iterations, 1);
+    two_ways_free(&ways);
+}
+
 /* Steps far too long, which is damped, and then far too short; least squares from then on. */
 static ehd_status overshoot(double *step, void *context, const double *matrix, const double *right,
                             size_t num_rows, size_t num_unknowns) {
@@ -252,30 +266,21 @@ static ehd_status overshoot(double *step, void *context, const double *matrix, c
 /* Convergence is not told by what a damped step would have been. */
 static void a_damped_step_shows_no_rate(void **state) {
     (void)state;
-    other_solver other = {0};
-    reduced_settings settings = strict_settings;
-    reduced_basis small;
-    reduced_problem own, with_other;
+    two_ways ways;
+    const contact_scalars *own = &ways.own.info.scalars, *other = &ways.with_other.info.scalars;
 
-    settings.solve_linear = overshoot;
-    settings.linear_context = &other;
-    trained_basis(&small, &training, DEFORMATION_COUPLED, 9, 0);
-    reduced_problem_init(&own, &small, NULL, 0, &strict_settings);
-    reduced_problem_init(&with_other, &small, NULL, 0, &settings);
+    two_ways_init(&ways, overshoot);
     for (size_t s = 0; s < TRAINED_STATES; s += 3) {
-        other = (other_solver){0};
-        solve_from_neighbour(&own, s);
-        solve_from_neighbour(&with_other, s);
-        check_close(with_other.info.scalars.central_film_thickness,
-                    own.info.scalars.central_film_thickness, 1e-11, 0);
-        check_close(with_other.info.scalars.minimum_film_thickness,
-                    own.info.scalars.minimum_film_thickness, 1e-8, 0);
+        ways.other = (other_solver){0};
+        solve_from_neighbour(&ways.own, s);
+        solve_from_neighbour(&ways.with_other, s);
+        check_close(other->central_film_thickness, own->central_film_thickness, 1e-11, 0);
+        check_close(other->minimum_film_thickness, own->minimum_film_thickness, 1e-8, 0);
     }
-    reduced_problem_free(&own);
-    reduced_problem_free(&with_other);
-    reduced_basis_free(&small);
+    two_ways_free(&ways);
 }
 
+/* What a truncated basis costs: its own training states, to its accuracy. */
 static void truncated_bases_stay_near(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
@@ -304,11 +309,12 @@ static void truncated_bases_stay_near(void **state) {
     }
 }
 
-/* From each trained solution to each of the others, with the published rows: damping and the exit's
- * longest stride bring all there. (With the accurate ones 8 of 144, all to the lightest load with the
- * most viscous lubricant, end in another minimum of the residual.) Measured: 850 iterations, none lost; with a pressure change of 1 a step 893 and 2 lost, of
- * 0.1 863 and 4 lost; with exits that move by 0.02 half widths an iteration 842 and 1 lost, by 0.2
- * 843 and none. */
+/* From each trained solution to each of the others, with the published rows: damping and the
+ * exit's longest stride bring all there. (With the accurate ones 8 of 144, all to the lightest
+ * load with the most viscous lubricant, end in another minimum of the residual.) Measured: 850
+ * iterations, none lost; with a pressure change of 1 a step 893 and 2 lost, of 0.1 863 and 4
+ * lost; with exits that move by 0.02 half widths an iteration 842 and 1 lost, by 0.2 843 and
+ * none. */
 static void any_trained_solution_leads_to_any_other(void **state) {
     (void)state;
     const reduced_settings settings = reduced_default_settings();
