@@ -86,6 +86,22 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
+/* Modes are as many as solutions where these tell less than is asked for: between them the contact
+ * takes shapes that none of the modes has. */
+static void warn_of_thin_training(const program *self, const pod_basis *pressure,
+                                  const snapshot_set *set, const pod_settings *settings) {
+    if (settings->num_modes > 0 || pressure->num_modes < pressure->num_singular_values ||
+        set->num_states < 2)
+        return;
+    program_warn(self,
+                 "%s: found %zu pressure modes of %zu states, expected fewer: the training is too "
+                 "thin for --energy %g, the last mode still has %.1e of the first; add points "
+                 "between those of the plan, or let snapgen choose them in a region",
+                 self->arguments[0], pressure->num_modes, set->num_states,
+                 settings->discarded_energy,
+                 pressure->singular_values[pressure->num_modes - 1] / pressure->singular_values[0]);
+}
+
 /* Another weight than that of the first mode. */
 static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
                         ehd_error *error) {
@@ -145,6 +161,7 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
                  options->weight->name);
         status = basis_write(&basis, &origin, self, text, inputs, error);
         if (!status) report(&basis, &origin, &set);
+        if (!status) warn_of_thin_training(self, &pressure, &set, &settings->pressure);
     }
     free(inputs);
     pod_free(&pressure);

@@ -293,16 +293,21 @@ static const artefact_field snapshots_fields[] = {
          "state"),
     REAL("training_film", "1", NEED_OPTIONAL,
          "film thickness H at X = 0 by that model; NaN where there is none", "state"),
+    REAL("training_bound_minimum", "1", NEED_OPTIONAL, "training_bound of the minimum film",
+         "state"),
+    REAL("training_film_minimum", "1", NEED_OPTIONAL, "minimum film thickness by that model",
+         "state"),
     INTEGER("round_points", NEED_OPTIONAL,
             "converged training solutions up to and with the round, of which its model is made",
             "round"),
     REAL("round_indicated", "1", NEED_OPTIONAL,
-         "largest deviation of the central film that is indicated for the remaining points of the "
+         "largest deviation of a film, central or minimum, that is indicated for the remaining "
+         "points of the "
          "plan; infinite where the model of the round does not converge, NaN where none remain or "
          "the indicator has no factor yet",
          "round"),
     REAL("round_deviation", "1", NEED_OPTIONAL,
-         "largest relative deviation of the central film by the model of the round at those points "
+         "largest relative deviation of a film by the model of the round at those points "
          "of the next one that it solves; NaN where there are none",
          "round"),
     REAL("round_seconds", "s", NEED_OPTIONAL,
@@ -321,7 +326,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          2,
+                                          3,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,

@@ -111,7 +111,7 @@ static ehd_status fail_at_point(const plan_reader *self, const variation *varied
                                 ehd_status status) {
     char values[256];
     ehd_error cause;
-    if (varied->num_columns == 0 || !self->error) return status;
+    if (varied->num_columns + varied->num_ranges == 0 || !self->error) return status;
     cause = *self->error;
     variation_show(varied, point, values, sizeof values);
     return ehd_fail(self->error, status, "%s: point %s: %s", self->path, values, cause.text);
@@ -124,6 +124,11 @@ static ehd_status check_not_overridden(const plan_reader *self, const scene_sour
             return place_fail(self->error, (place){"--set", 0},
                               "%s: found a key that %s varies, expected another one",
                               varied->columns[i].row->key, self->path);
+    for (size_t r = 0; r < varied->num_ranges; r++)
+        if (source_is_overridden(base, varied->ranges[r].row))
+            return place_fail(self->error, (place){"--set", 0},
+                              "%s: found a key that %s varies, expected another one",
+                              varied->ranges[r].row->key, self->path);
     return EHD_OK;
 }
 
@@ -149,8 +154,9 @@ static ehd_status add_points(const plan_reader *self, const scene_source *base,
 }
 
 static ehd_status read_group(const plan_reader *self, const tree_node *node, size_t group) {
-    static const char *const keys[] = {"scene", "vary", "combine", "points", "where", NULL};
-    static const char expected[] = "scene, and vary, combine, points or where";
+    static const char *const keys[] = {"scene",  "vary",       "combine", "points",
+                                       "region", "candidates", "where",   NULL};
+    static const char expected[] = "scene, and vary, combine, points, region, candidates or where";
     variation varied = {0};
     scene_source base;
     char *scene_path = NULL;
@@ -162,6 +168,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
     if (!status) status = read_base(self, &base, &scene_path, scene_node);
     if (!status) status = variation_read(&varied, node, self->path, self->error);
     if (!status) status = check_not_overridden(self, &base, &varied);
+    if (varied.num_ranges > 0) self->plan->has_region = true;
     if (!status)
         status = read_where(self, tree_find(node, "where"), self->plan->where_bounds[group]);
     if (!status) status = add_points(self, &base, &varied, group);

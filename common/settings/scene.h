@@ -187,6 +187,7 @@ typedef struct plan {
     plan_point *points; // [num_points], in the order of the file, grids with the last key fastest;
                         // without points that equal an earlier one, bounds included
     size_t num_points;
+    bool has_region; // points are candidates, of which training solves those that it needs
     char *text; // identifies the plan for --resume: the groups with their bounds, the first point's
                 // scene_text, and of each further point what differs from the one before
     double (*where_bounds)[2]; // [num_groups] bounds on alpha_p_H, -inf..inf where not given

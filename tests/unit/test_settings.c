@@ -1028,6 +1028,71 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
+/* Two settings between bounds, times two densities: corners first, each bound met exactly, edges, and
+ * inside no gap larger than a few times what as many points of a grid would leave. */
+static void plan_fills_a_region(void **state) {
+    enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
+    double gap = 0;
+    plan of;
+    (void)state;
+    write_file("scene.yml", good);
+    accepts_plan(&of, "groups:\n- scene: scene.yml\n"
+                      "  region: {moes.M: [5, 80], L: [-0, 4]}\n"
+                      "  vary: {lubricant.density.law: [incompressible, dowson-higginson]}\n"
+                      "  candidates: 400\n");
+    assert_true(of.has_region);
+    assert_int_equal(of.num_points, 2 * CANDIDATES);
+    const double M[] = {5, 80, 5, 80}, L[] = {0, 0, 4, 4};
+    for (size_t i = 0; i < 2 * CANDIDATES; i++) {
+        const scene *here = &of.points[i].scene;
+        const size_t k = i % CANDIDATES;
+        assert_string_equal(here->lubricant.density.law,
+                            i < CANDIDATES ? "incompressible" : "dowson-higginson");
+        assert_true(here->moes.M >= 5 && here->moes.M <= 80 && here->moes.L >= 0 &&
+                    here->moes.L <= 4);
+        if (k < 4) {
+            check_close(here->moes.M, M[k], 0, 0);
+            check_close(here->moes.L, L[k], 0, 0);
+        } else if (k < 4 + EDGES) {
+            assert_true(here->moes.M == 5 || here->moes.M == 80 || here->moes.L == 0 ||
+                        here->moes.L == 4);
+        }
+    }
+    // M by its logarithm, L, which may be 0, as it is
+    for (double u = 0.05; u < 1; u += 0.05)
+        for (double v = 0.05; v < 1; v += 0.05) {
+            double nearest = INFINITY;
+            for (size_t i = 0; i < CANDIDATES; i++)
+                nearest = fmin(nearest, hypot(log(of.points[i].scene.moes.M / 5) / log(16) - u,
+                                              of.points[i].scene.moes.L / 4 - v));
+            gap = fmax(gap, nearest);
+        }
+    assert_true(gap < 0.1);
+    plan_free(&of);
+}
+
+static void plan_checks_a_region(void **state) {
+    (void)state;
+    write_file("scene.yml", good);
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 80], X: [1, 2]}\n",
+                 "X: found an unknown key");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 80, 90]}\n",
+                 "moes.M: found something else, expected [lowest, highest]");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [80, 5]}\n",
+                 "moes.M: found 80 to 5, expected [lowest, highest]");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, nan]}\n", "moes.M: found");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {contact: [line, point]}\n",
+                 "expected a setting that is a number");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: [1]\n", "region: found a list");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 6]}\n  vary: {moes.M: [5]}\n",
+                 "moes.M: found again");
+    refuses_plan("groups:\n- scene: scene.yml\n  candidates: 100\n",
+                 "candidates: found it without region");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 6]}\n  candidates: 2.5\n",
+                 "candidates: found 2.5, expected a number from 4 to 1000000");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [0.01, 6]}\n", "point moes.M=0.01");
+}
+
 static void plan_takes_lists_together(void **state) {
     plan of;
     (void)state;
@@ -1314,6 +1379,8 @@ int main(void) {
         cmocka_unit_test(schema_page_shows_the_table),
         cmocka_unit_test(help_shows_every_key),
         cmocka_unit_test(plan_combines_a_grid),
+        cmocka_unit_test(plan_fills_a_region),
+        cmocka_unit_test(plan_checks_a_region),
         cmocka_unit_test(plan_takes_lists_together),
         cmocka_unit_test(plan_reads_csv_points),
         cmocka_unit_test(plan_names_files_that_are_missing),
