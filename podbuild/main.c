@@ -86,20 +86,34 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
-/* Modes are as many as solutions where these tell less than is asked for: between them the contact
- * takes shapes that none of the modes has. */
-static void warn_of_thin_training(const program *self, const pod_basis *pressure,
-                                  const snapshot_set *set, const pod_settings *settings) {
-    if (settings->num_modes > 0 || pressure->num_modes < pressure->num_singular_values ||
-        set->num_states < 2)
-        return;
-    program_warn(self,
-                 "%s: found %zu pressure modes of %zu states, expected fewer: the training is too "
-                 "thin for --energy %g, the last mode still has %.1e of the first; add points "
-                 "between those of the plan, or let snapgen choose them in a region",
-                 self->arguments[0], pressure->num_modes, set->num_states,
-                 settings->discarded_energy,
-                 pressure->singular_values[pressure->num_modes - 1] / pressure->singular_values[0]);
+static int compare_doubles(const void *a, const void *b) {
+    double p = *(const double *)a, q = *(const double *)b;
+
+    return (p > q) - (p < q);
+}
+
+/* With as many modes as states more states would tell more: how much, is told by how well each is
+ * told by the others. A warning where that is worse than what results are promised to be. */
+static void report_thinness(const program *self, const pod_basis *pressure,
+                            const snapshot_set *set) {
+    const double promised = 0.01;
+    const size_t num = set->num_states;
+    double *distance = malloc((num + 1) * sizeof *distance);
+
+    if (distance && num > 1 && num == set->num_snapshots && pressure->num_modes == num) {
+        pod_left_out(distance, pressure, set->pressure, num);
+        qsort(distance, num, sizeof *distance, compare_doubles);
+        printf("as many modes as states; each state is told by the others to %.1e (median), %.1e "
+               "(worst)\n",
+               distance[num / 2], distance[num - 1]);
+        if (distance[num / 2] > promised)
+            program_warn(self,
+                         "%s: found a training too thin: half of its pressures are further than "
+                         "%.2g from what the others tell, expected at most %g; add points between "
+                         "them, or have them chosen in a region (schemas/plan.md)",
+                         self->arguments[0], distance[num / 2], promised);
+    }
+    free(distance);
 }
 
 /* Another weight than that of the first mode. */
@@ -161,7 +175,7 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
                  options->weight->name);
         status = basis_write(&basis, &origin, self, text, inputs, error);
         if (!status) report(&basis, &origin, &set);
-        if (!status) warn_of_thin_training(self, &pressure, &set, &settings->pressure);
+        if (!status) report_thinness(self, &pressure, &set);
     }
     free(inputs);
     pod_free(&pressure);
