@@ -123,12 +123,16 @@ typedef struct film_factors {
     bool known;
 } film_factors;
 
+/* From the points of a round or, where the model before it solved none of them, of an earlier one. */
 static film_factors factors_of(const adaptive *self, size_t round, double *work) {
-    film_factors factors = {.known = true};
+    film_factors factors = {.known = false};
 
-    for (int f = 0; f < NUM_FILMS; f++) {
-        factors.of[f] = factor_of(self, round, f, work);
-        factors.known = factors.known && factors.of[f] > 0;
+    for (size_t r = round + 1; r-- > 0 && !factors.known;) {
+        factors.known = true;
+        for (int f = 0; f < NUM_FILMS; f++) {
+            factors.of[f] = factor_of(self, r, f, work);
+            factors.known = factors.known && factors.of[f] > 0;
+        }
     }
     return factors;
 }
@@ -396,8 +400,12 @@ static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_er
         if (!trained->pressure) continue;
         contacts[count] = *contact;
         solved[count++] =
-            (solved_state){trained->pressure, trained->rigid_approach, contact->moes_M,
-                           contact->alpha_p_H, self->films[point][FILM_CENTRAL]};
+            (solved_state){trained->pressure,
+                           trained->rigid_approach,
+                           contact->moes_M,
+                           contact->alpha_p_H,
+                           self->films[point][FILM_CENTRAL],
+                           lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }
     const training_set trained = {.grid = self->set->grid,
                                   .kind = self->set->kind,

@@ -114,8 +114,8 @@ static ehd_status judge_contact(void *shared, void *worker, size_t point, size_t
     (void)parent;
 
     *verdict = (trial_verdict){{INFINITY, INFINITY}, {NAN, NAN}};
-    reduced_guess(&self->state, work->model, contact->moes_M, contact->alpha_p_H);
-    ehd_status status = reduced_solve(&info, &self->state, self->solver, contact, NULL, error);
+    ehd_status status =
+        reduced_solve_from_training(&info, &self->state, self->solver, work->model, contact, error);
     if (status || info.status) return status;
     const contact_scalars *scalars = &info.scalars;
     double central = indicator_bound(self->indicator, self->solver, &self->state, contact, scalars);

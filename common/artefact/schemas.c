@@ -81,6 +81,14 @@
         REAL(prefix "inlet_effect_minimum", "1", NEED_OPTIONAL, "the second of the minimum film",  \
              "state")
 
+// the lubricant of a state
+#define RISE_FIELDS(prefix)                                                                        \
+    REAL(prefix "viscosity_rise", "1", NEED_OPTIONAL,                                              \
+         "logarithm of the viscosity at the Hertz pressure over that at zero; NaN where not "      \
+         "known, as of states on a trajectory",                                                    \
+         "state"),                                                                                 \
+        REAL(prefix "density_rise", "1", NEED_OPTIONAL, "the same of the density", "state")
+
 // training solutions in the coordinates of a basis
 #define STATE_FIELDS                                                                               \
     REAL("state_pressure", "1", NEED_ALWAYS,                                                       \
@@ -107,7 +115,7 @@
             "state"),                                                                              \
         REAL("state_rate", "1", NEED_OPTIONAL,                                                     \
              "rate of change of the contact at the training solutions; 0 where missing", "state"), \
-        EFFECT_FIELDS("state_")
+        RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
 
 // ---- result
 
@@ -263,6 +271,7 @@ static const artefact_field snapshots_fields[] = {
          "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
          "at any node of a stationary point",
          "state"),
+    RISE_FIELDS(""),
     EFFECT_FIELDS(""),
     INTEGER("trajectory", NEED_OPTIONAL,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
@@ -374,7 +383,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      2,
+                                      3,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -628,7 +637,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      2,
+                                      3,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

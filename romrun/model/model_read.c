@@ -386,6 +386,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         kept->stationary[s] = whole.stationary[s];
         kept->rate[s] = whole.rate[s];
         kept->effects[s] = whole.effects[s];
+        kept->rises[s] = whole.rises[s];
     }
     reduced_states_free(&whole);
     return status;

@@ -209,8 +209,8 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
     ehd_status status = check_contact(solver->model, contact, error);
     if (status) return status;
 
-    reduced_guess(&solver->state, model, contact->moes_M, contact->alpha_p_H);
-    status = reduced_solve(&info, &solver->state, solver->reduced, contact, NULL, error);
+    status =
+        reduced_solve_from_training(&info, &solver->state, solver->reduced, model, contact, error);
     if (status) return status;
     *result = (ehdrom_result){.status = info.status,
                               .reason = info.reason,
@@ -227,7 +227,8 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
 }
 
 film_effects ehdrom_effects(const ehdrom_model *model, const ehd_contact *contact) {
-    return reduced_effects(&model->reduced, contact->moes_M, contact->alpha_p_H);
+    return reduced_effects(&model->reduced, contact->moes_M, contact->alpha_p_H,
+                           &contact->lubricant);
 }
 
 ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error) {

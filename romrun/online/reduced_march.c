@@ -363,7 +363,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
     frame_contact(&contact, frame, &self->reference);
     contact.closure = contact_load_closure(contact.kind);
-    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H);
+    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H,
+                  &contact.lubricant);
     first->frame = *frame;
     if (frame->speed > 0)
         status = solve(&info, self, &contact, NULL, error);

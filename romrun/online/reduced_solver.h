@@ -166,17 +166,29 @@ void reduced_drop_factors(reduced_solver *solver);
 
 /* Start from the trained solutions: a quadratic fit through those nearest in (ln M, ln(1 + alpha
  * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would;
- * pressures are added spike upon spike (start_shift.h). */
+ * pressures are added spike upon spike (start_shift.h). Of several trained lubricants, those are
+ * nearer that at the same Hertz pressure are as viscous and dense as the contact's, and the fit is
+ * linear in these differences; `lubricant` NULL: any. */
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
-                   double alpha_p_H);
+                   double alpha_p_H, const ehd_lubricant *lubricant);
+
+/* Solves from reduced_guess and, where that does not converge, from each of the nearest trained
+ * solutions, one after the other. Errors of reduced_solve; iterations and times are the sum. */
+ehd_status reduced_solve_from_training(
+    // output:
+    reduced_info *info, reduced_state *state,
+    // input:
+    reduced_solver *solver, const reduced_model *model, const ehd_contact *contact,
+    ehd_error *error);
 
 /* Start from the nearest trained solution that is not this contact's own. */
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
-                       double alpha_p_H);
+                       double alpha_p_H, const ehd_lubricant *lubricant);
 
 /* What the full model's grid does to the films, interpolated in the same way between the trained
  * solutions of which it is known; NaN: of none, infinite: the grid is too coarse to tell. */
-film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H);
+film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H,
+                             const ehd_lubricant *lubricant);
 
 /* The trained range: convex hull of training points in (M, alpha p_H), and fastest change. */
 typedef struct trained_range trained_range;

@@ -196,7 +196,7 @@ static void bound_follows_the_deviation(void **state) {
         for (size_t s = 0; s < TRAINED_STATES; s++) {
             const ehd_contact *contact = &training.contacts[s];
             reduced_state at = {.coordinates = z};
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             double found = indicator_bound(self, solver, &at, contact, &info.scalars);
             assert_true(info.status == EHD_OK && found > 0);
@@ -310,7 +310,7 @@ static void film_error_is_what_each_row_does(void **state) {
         for (size_t s = 0; s < TRAINED_STATES; s += 3) {
             const ehd_contact *contact = &training.contacts[s];
             double gradient[40], cause[400], influence[400], sum = 0;
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
             check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
             film_gradient(gradient, other, &at, contact, last.num_columns);
             shortest_cause(cause, &last, gradient);
@@ -320,7 +320,7 @@ static void film_error_is_what_each_row_does(void **state) {
                                                last.matrix + r * last.num_columns, 1, last.step, 1);
                 sum += left * left * cause[r] * cause[r];
             }
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             check_close(reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM), sqrt(sum),
                         1e-4, 0);
