@@ -51,7 +51,7 @@ static const program_option own_options[] = {
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
      "would change of the central film (stationary)", OPTION_FLAG(verify)},
     {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
-     "indicated to deviate by more than --accuracy, or 0.01", OPTION_FLAG(allow_untrusted)},
+     "indicated to deviate by more than --accuracy, or 0.01, or the model was never checked at these sizes", OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
@@ -270,6 +270,14 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         self->result.effects = &self->effects;
     }
     accuracy_judge(&self->result, self->options->accuracy);
+    const ehdrom_properties model = ehdrom_describe(done->model);
+    const char *unchecked = accuracy_unchecked(&model, false);
+    if (unchecked && !self->result.status) {
+        self->result.status = EHD_UNTRUSTED;
+        snprintf(self->result.reason, sizeof self->result.reason, "%s", unchecked);
+    }
+    if (unchecked && self->options->allow_untrusted)
+        program_note(self->caller, "%s: found %s", self->options->model, unchecked);
     return status;
 }
 
@@ -344,6 +352,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                    options->against, contact, error);
     }
     if (!status) {
+        const ehdrom_properties properties = ehdrom_describe(model);
+        const char *unchecked = accuracy_unchecked(&properties, true);
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
@@ -354,6 +364,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
+                                    .untrusted = unchecked,
                                     .effort = ehdrom_march_effort};
         status = time_run(options->against ? &trace : NULL, &task, error);
     }

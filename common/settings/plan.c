@@ -249,44 +249,6 @@ static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error
     return status;
 }
 
-// ---- identity
-
-/* Prints the settings in which a point differs from the one before; NULL: all that are given. */
-static void print_changes(FILE *stream, const scene *now, const scene *before) {
-    for (const setting *row = scene_settings(); row->key; row++) {
-        const bool given = setting_is_given(row, now);
-        if (before ? setting_compare(row, now, before) == 0 : !given) continue;
-        if (given)
-            setting_print(stream, row, now);
-        else
-            fprintf(stream, "%s:\n", row->key);
-    }
-}
-
-static void print_plan(FILE *stream, const plan *of) {
-    char low[NUMBER_TEXT], high[NUMBER_TEXT];
-    for (size_t i = 0; i < of->num_points; i++) {
-        const plan_point *point = &of->points[i];
-        if (i == 0 || point->group != point[-1].group) {
-            number_show(low, of->where_bounds[point->group][0]);
-            number_show(high, of->where_bounds[point->group][1]);
-            fprintf(stream, "# group %zu, alpha_p_H from %s to %s\n", point->group, low, high);
-        }
-        fprintf(stream, "# point %zu\n", i);
-        print_changes(stream, &point->scene, i > 0 ? &point[-1].scene : NULL);
-    }
-}
-
-static ehd_status write_text(plan *of, const char *path, ehd_error *error) {
-    size_t length = 0;
-    FILE *stream = open_memstream(&of->text, &length);
-    if (!stream) return place_no_memory(error, path);
-    print_plan(stream, of);
-    const bool failed = ferror(stream) != 0;
-    const bool lost = fclose(stream) != 0 || failed;
-    return lost ? place_no_memory(error, path) : EHD_OK;
-}
-
 // ---- all
 
 ehd_status plan_read(plan *of, const char *path, const char *const *overrides, size_t num_overrides,
@@ -300,7 +262,7 @@ ehd_status plan_read(plan *of, const char *path, const char *const *overrides, s
     if (!status) status = tree_parse(&root, text, length, path, error);
     if (!status) status = read_groups(&self, root);
     if (!status) status = drop_equal_points(of, path, error);
-    if (!status) status = write_text(of, path, error);
+    if (!status) status = plan_write_text(of, path, error);
     if (status) plan_free(of);
     tree_free(root);
     free(text);

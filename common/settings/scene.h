@@ -203,6 +203,18 @@ ehd_status plan_read(
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
 
+/* The plan of a text, which files keep as their settings: the same points, groups and bounds. Lines
+ * that others added to it, which begin with #, are passed over. `name` stands for the file in errors.
+ * EHD_DATA, EHD_MEMORY. */
+ehd_status plan_parse(
+    // output:
+    plan *plan, // free with plan_free
+    // input:
+    const char *text, const char *name, ehd_error *error);
+
+/* Writes the text of the points anew, after they have changed. EHD_MEMORY. */
+ehd_status plan_write_text(plan *plan, const char *name, ehd_error *error);
+
 void plan_free(plan *plan);
 
 #endif

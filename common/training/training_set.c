@@ -118,8 +118,9 @@ static ehd_status make_points(training_set *set, const plan *of, const char *pla
             break;
         }
         if (strcmp(given->regime, "transient") == 0) {
-            set->trajectories[set->num_trajectories++] = (trajectory_scene){*given, contact};
+            set->trajectories[set->num_trajectories++] = (trajectory_scene){i, *given, contact};
         } else {
+            set->numbers[set->num_points] = i;
             set->groups[set->num_points] = of->points[i].group;
             set->estimated[set->num_points] = given->output.resolution != 0;
             set->contacts[set->num_points++] = contact;
@@ -236,6 +237,7 @@ ehd_status training_set_keep(training_set *set, const bool *keep, const char *pl
         if (!keep[i]) continue;
         set->contacts[count] = set->contacts[i];
         set->estimated[count] = set->estimated[i];
+        set->numbers[count] = set->numbers[i];
         set->groups[count++] = set->groups[i];
     }
     set->num_points = count;
@@ -287,6 +289,7 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
                              ehd_error *error) {
     *set = (training_set){0};
     set->contacts = calloc(of->num_points, sizeof *set->contacts);
+    set->numbers = calloc(of->num_points, sizeof *set->numbers);
     set->groups = calloc(of->num_points, sizeof *set->groups);
     set->estimated = calloc(of->num_points, sizeof *set->estimated);
     set->parent = calloc(of->num_points, sizeof *set->parent);
@@ -295,8 +298,8 @@ ehd_status training_set_init(training_set *set, const plan *of, const char *plan
     if (asprintf(&set->text, "%s# shard %zu/%zu\n", of->text, piece.number, piece.total) < 0)
         set->text = NULL;
     ehd_status status = EHD_OK;
-    if (!set->contacts || !set->groups || !set->estimated || !set->parent || !set->order ||
-        !set->trajectories || !set->text)
+    if (!set->contacts || !set->numbers || !set->groups || !set->estimated || !set->parent ||
+        !set->order || !set->trajectories || !set->text)
         status = no_memory(plan_path, error);
 
     if (!status) status = make_points(set, of, plan_path, error);
@@ -366,6 +369,7 @@ const char **training_inputs(const training_set *set, const char *plan_path,
 void training_set_free(training_set *set) {
     free(set->text);
     free(set->contacts);
+    free(set->numbers);
     free(set->groups);
     free(set->estimated);
     free(set->parent);

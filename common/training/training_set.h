@@ -17,6 +17,7 @@ typedef struct shard {
 
 /* A transient scene of the plan. */
 typedef struct trajectory_scene {
+    size_t number; // of the plan's point
     scene scene;
     ehd_contact contact; // the reference
 } trajectory_scene;
@@ -27,6 +28,7 @@ typedef struct training_set {
     const contact_kind *kind;
     size_t num_points;     // stationary ones
     ehd_contact *contacts; // [num_points], in the order of the plan
+    size_t *numbers;       // [num_points], of the plan's points
     size_t *groups;        // [num_points], the plan's group of each
     bool *estimated;       // [num_points], whether what the grid does to it is wanted too
     size_t *parent;        // [num_points], where each starts from; NO_PARENT: cold

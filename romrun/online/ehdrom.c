@@ -18,6 +18,7 @@ struct ehdrom_model {
     double indicator_factor; // 0: not calibrated at these sizes
     double indicator_factor_minimum;
     double largest_residual; // of the scenes of the calibration; infinite: not known
+    bool checked_in_time;
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;
@@ -48,6 +49,7 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
         self->indicator_factor = position->indicator_factor;
         self->indicator_factor_minimum = position->indicator_factor_minimum;
         if (position->indicator_factor > 0) self->largest_residual = position->largest_residual;
+        self->checked_in_time = table.num_trajectories > position->num_lost;
     }
     trade_free(&table);
     return EHD_OK;
@@ -105,7 +107,9 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
                                     .unknowns = model->num_unknowns,
                                     .rows = model->rows.num_rows,
                                     .needed_nodes = model->rows.num_needed,
-                                    .states = model->states.num_states};
+                                    .states = model->states.num_states,
+                                    .checked = self->indicator_factor > 0,
+                                    .checked_in_time = self->checked_in_time};
     return properties;
 }
 

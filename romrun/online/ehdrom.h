@@ -46,6 +46,9 @@ typedef struct ehdrom_properties {
     size_t rows;                              // selected Reynolds rows in use
     size_t needed_nodes;                      // nodes of their stencils
     size_t states;                            // training solutions
+    // whether the sizes in use were measured (deimselect, romrun --calibrate) on stationary scenes, and
+    // on trajectories; where not, no deviation is indicated, and a result that is OK may be off by any
+    bool checked, checked_in_time;
 } ehdrom_properties;
 
 /* One solution; dimensionless unless stated. */
@@ -58,7 +61,7 @@ typedef struct ehdrom_result {
     double residual;          // norm of the weighted least-squares residual
     double bound;             // of the relative deviation of the central film, up to a factor
     double bound_minimum;     // the same of the minimum film
-    double indicated;         // deviation of the central film; NaN: not calibrated at these sizes
+    double indicated;         // deviation of the central film; NaN: not checked at these sizes
     double indicated_minimum; // and of the minimum film
     double seconds;           // of the solution, of which:
     double seconds_rows;      // rows and reduced Jacobian

@@ -97,7 +97,7 @@ makes_nothing() {
     echo "far,no1,40,18,,,,,,,," >>cases.csv
     run_make demo
     [ "$status" -eq 0 ]
-    [[ $output =~ "outside of training"|"not converged" ]]
+    [[ $output =~ "not trusted"|"not converged" ]]
     head -n 1 cases.csv >none.csv && mv none.csv cases.csv
     run_make demo
     [ "$status" -eq 2 ]
@@ -507,7 +507,7 @@ PYTHON
     run make ACCURACY=
     echo "$output"
     [ "$status" -eq 0 ]
-    [[ $output == *"fast "*"worst deviation: "* && $output =~ far\ .*(outside of training|not converged) ]]
+    [[ $output == *"fast "*"worst deviation: "* && $output =~ far\ .*(not trusted|not converged) ]]
     awk -F, 'NR > 1 && NR < 4 { off = $8 / $7 - 1; if (off * off > 1e-2 || !($11 * $7 > 1e-8 && $11 * $7 < 1e-5)) exit 1 } END { exit NR != 4 }' out/results.csv
     [ "$(fullrun --print out/full/fast.h5 settings | grep -c '^physical.load: 300000\|^lubricant.viscosity.alpha: 1.9e-08')" -eq 2 ]
     [ "$(head -c 4 out/profiles.png | tail -c 3)" = PNG ]

@@ -1304,6 +1304,71 @@ static void plan_text_identifies_the_plan(void **state) {
     free(same);
 }
 
+// ---- the text of a plan
+
+static void same_plan(const plan *found, const plan *expected) {
+    assert_string_equal(found->text, expected->text);
+    assert_int_equal(found->num_points, expected->num_points);
+    for (size_t i = 0; i < found->num_points; i++) {
+        const double *const bounds = expected->where_bounds[expected->points[i].group];
+        assert_int_equal(found->points[i].group, expected->points[i].group);
+        check_close_array(found->where_bounds[found->points[i].group], bounds, 2, 0, 0);
+        for (const setting *row = scene_settings(); row->key; row++)
+            if (setting_compare(row, &found->points[i].scene, &expected->points[i].scene) != 0)
+                fail_msg("point %zu: %s", i, row->key);
+    }
+}
+
+/* Of all kinds of settings, quoted texts among them, some of which a later point does not have. */
+static void plan_is_read_back_from_its_text(void **state) {
+    plan written, found;
+    char text[1024], *more;
+    ehd_error error;
+    (void)state;
+    write_file("scene.yml", good);
+    snprintf(text, sizeof text, "%stransient: {end_time: 1, load: {law: table, column: F}}\n",
+             moving);
+    write_file("moving.yml", text);
+    accepts_plan(&written, "groups:\n"
+                           "- {scene: scene.yml, vary: {M: [5, 0.125, 7.25], L: [0.1, 1]}}\n"
+                           "- scene: moving.yml\n"
+                           "  vary: {transient.load.file: [a.csv, 'it''s: #1.csv'], "
+                           "transient.load.interpolation: [linear, spline]}\n"
+                           "- {scene: scene.yml, vary: {M: [9]}, where: {alpha_p_H: [0, 1]}}\n");
+    assert_int_equal(written.num_points, 11);
+    assert_int_equal(plan_parse(&found, written.text, "s.h5", &error), EHD_OK);
+    same_plan(&found, &written);
+    plan_free(&found);
+    // as training sets add to it
+    assert_true(asprintf(&more, "%s# shard 1/1\n# cold\n", written.text) > 0);
+    assert_int_equal(plan_parse(&found, more, "s.h5", &error), EHD_OK);
+    same_plan(&found, &written);
+    plan_free(&found);
+    plan_free(&written);
+    free(more);
+}
+
+static void plan_text_of_something_else_is_refused(void **state) {
+    static const struct {
+        const char *text, *part;
+    } cases[] = {{"", "s.h5: found no points"},
+                 {"method: joint\nrows: 12\n", "s.h5:1: found something else"},
+                 {"# group 0\n# point 0\n", "s.h5:1: found a group without number and bounds"},
+                 {"# point 0\ncontact: line\n", "s.h5:1: found a point, expected its group"},
+                 {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmagic: 1\n", "s.h5:3: magic"},
+                 {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmoes.M: much\n",
+                  "s.h5:3: moes.M: found much"},
+                 {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmoes.M: 3\n", "s.h5: "}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        plan of;
+        ehd_error error = {""};
+        assert_int_equal(plan_parse(&of, cases[i].text, "s.h5", &error), EHD_DATA);
+        if (!strstr(error.text, cases[i].part)) fail_msg("%s", error.text);
+        assert_null(of.points);
+    }
+}
+
 // ---- memory
 
 static void survives_failing_allocations(void **state) {
@@ -1332,6 +1397,18 @@ static void survives_failing_allocations(void **state) {
         plan_free(&of);
     }
     assert_true(call > 20);
+    plan given;
+    accepts_plan(&given, "groups:\n- {scene: scene.yml, vary: {M: [1, 2]}}\n");
+    call = 0;
+    for (bool failed = true; failed; call++) {
+        allocation_fail_at(call);
+        status = plan_parse(&of, given.text, "s.h5", NULL);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+        plan_free(&of);
+    }
+    assert_true(call > 2);
+    plan_free(&given);
     call = 0;
     for (bool failed = true; failed; call++) {
         allocation_fail_at(call);
@@ -1391,6 +1468,8 @@ int main(void) {
         cmocka_unit_test(plan_overrides_act_on_every_scene),
         cmocka_unit_test(plan_keeps_the_first_of_equal_points),
         cmocka_unit_test(plan_text_identifies_the_plan),
+        cmocka_unit_test(plan_is_read_back_from_its_text),
+        cmocka_unit_test(plan_text_of_something_else_is_refused),
         cmocka_unit_test(survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
