@@ -230,9 +230,14 @@ static reynolds_link exponential_link(const mobility *before, const mobility *af
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
         double y = logarithm / 2, s = y * y, geometric = a * sqrt(b / a);
         double ratio =
-            1 + s / 6 * (1 + s / 20 * (1 + s / 42 * (1 + s / 72 * (1 + s / 110 * (1 + s / 156)))));
+            1 + s * (1. / 6 +
+                     s * (1. / 120 +
+                          s * (1. / 5040 +
+                               s * (1. / 362880 + s * (1. / 39916800 + s * (1. / 6227020800))))));
         double slope =
-            y / 3 * (1 + s / 10 * (1 + s / 28 * (1 + s / 54 * (1 + s / 88 * (1 + s / 130)))));
+            y * (1. / 3 +
+                 s * (1. / 30 + s * (1. / 840 + s * (1. / 45360 +
+                                                     s * (1. / 3991680 + s * (1. / 518918400))))));
         mean = geometric * ratio;
         by_log_a = geometric * (ratio + slope) / 2;
         by_log_b = geometric * (ratio - slope) / 2;
@@ -328,10 +333,13 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
     const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
     const double *film_weight = film_weights(of, at), *mass_weight = mass_weights(of, at);
     const reynolds_link change = link_between(at, a, b);
-    const double film_a = at->film[at->stencil->node[a]], film_b = at->film[at->stencil->node[b]];
-    const double film = film_at_half(of, film_weight, at);
-    const double cube_a = 1 / (film_a * film_a * film_a), cube_b = 1 / (film_b * film_b * film_b);
-    const double cube = 1 / (film * film * film);
+    // 1/H and 1/H^3
+    const double inverse_a = 1 / at->film[at->stencil->node[a]];
+    const double inverse_b = 1 / at->film[at->stencil->node[b]];
+    const double inverse = 1 / film_at_half(of, film_weight, at);
+    const double cube_a = inverse_a * inverse_a * inverse_a;
+    const double cube_b = inverse_b * inverse_b * inverse_b;
+    const double cube = inverse * inverse * inverse;
     const bool entrained = entrainment != 0; // along the path of the fluid nothing is
     mass masses[NUM_HALF] = {{0}}, here = {0};
     half_flux flux = {0};
@@ -344,16 +352,16 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
     const double over_a = masses[HALF_BEFORE].value - here.value;
     const double over_b = masses[HALF_AFTER].value - here.value;
     // change = flow sum + rise, with the flow times the step
-    const double sum = (cube_a + 4 * cube + cube_b) / 6;
+    const double over_sum = 6 / (cube_a + 4 * cube + cube_b);
     const double rise = step * entrainment / 6;
-    const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) / sum;
+    const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) * over_sum;
     // derivatives of the flow by rho H at the half node, and at the two nodes
-    const double by_here = rise * (cube_a + cube_b) / sum;
-    const double by_mass_a = -rise * cube_a / sum, by_mass_b = -rise * cube_b / sum;
+    const double by_here = rise * (cube_a + cube_b) * over_sum;
+    const double by_mass_a = -rise * cube_a * over_sum, by_mass_b = -rise * cube_b * over_sum;
 
     flux.value = step * entrainment * here.value - flow;
     for (int k = 0; k < NUM_HALF; k++) {
-        flux.by_film[k] = -2 * flow * cube / film / sum * film_weight[k];
+        flux.by_film[k] = -2 * flow * cube * inverse * over_sum * film_weight[k];
         if (!entrained || mass_weight[k] == 0) continue;
         double by_mass = mass_weight[k] * (step * entrainment - by_here);
         if (k == HALF_BEFORE) by_mass -= by_mass_a;
@@ -361,10 +369,10 @@ static half_flux flux_along(const int of[NUM_HALF], double step, double entrainm
         flux.by_pressure[k] = by_mass * masses[k].by_pressure;
         flux.by_film[k] += by_mass * masses[k].by_film;
     }
-    flux.by_film[HALF_BEFORE] -= (flow / 2 + 3 * rise * over_a) * cube_a / film_a / sum;
-    flux.by_film[HALF_AFTER] -= (flow / 2 + 3 * rise * over_b) * cube_b / film_b / sum;
-    flux.by_pressure[HALF_BEFORE] -= change.by_before / sum;
-    flux.by_pressure[HALF_AFTER] -= change.by_after / sum;
+    flux.by_film[HALF_BEFORE] -= (flow / 2 + 3 * rise * over_a) * cube_a * inverse_a * over_sum;
+    flux.by_film[HALF_AFTER] -= (flow / 2 + 3 * rise * over_b) * cube_b * inverse_b * over_sum;
+    flux.by_pressure[HALF_BEFORE] -= change.by_before * over_sum;
+    flux.by_pressure[HALF_AFTER] -= change.by_after * over_sum;
     return flux;
 }
 
