@@ -34,7 +34,8 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
 
 /* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. The rows of
  * a part are weighted anew where the file holds what that needs, else they keep the weights of the
- * whole. EHD_DATA also for sizes larger than what is stored and for fewer rows than modes. */
+ * whole. Rows are then in the order of their nodes. EHD_DATA also for sizes larger than what is
+ * stored and for fewer rows than modes. */
 ehd_status model_read(
     // output:
     reduced_model *model, // free with reduced_model_free

@@ -75,22 +75,32 @@ void system_list_active(row_system *self, const node_state *nodes, size_t cell_n
             self->active[self->num_active++] = r;
 }
 
+/* The first active row from `r` on, or the first passive one. */
+static size_t next_row(const row_system *self, const node_state *nodes, size_t r, bool active) {
+    while (r < self->model->rows.num_rows && is_active(self, nodes, r) != active)
+        r++;
+    return r;
+}
+
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
                      const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const row_set *set = &self->model->rows;
     size_t num_needed = set->num_needed;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
-    const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
-                                           squeeze ? squeeze->previous : NULL};
-
     self->closure = far_field_closure(&self->outer, contact, rigid_approach);
     memcpy(self->pressure, nodes->now.pressure, num_needed * sizeof(double));
     far_field_add(self->pressure, &self->outer, contact, rigid_approach);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
     far_field_set_density(&fluid, &self->outer);
-    reynolds_rows(self->rows, &self->model->grid, contact->entrainment,
-                  squeeze ? &rows_squeeze : NULL, set->stencils, set->num_rows, &fluid,
-                  self->pressure, nodes->now.film);
+    for (size_t first = next_row(self, nodes, 0, true); first < set->num_rows;) {
+        const size_t end = next_row(self, nodes, first, false);
+        const reynolds_squeeze of_rows = {squeeze ? squeeze->rate : 0,
+                                          squeeze ? squeeze->previous + first : NULL};
+        reynolds_rows(self->rows + first, &self->model->grid, contact->entrainment,
+                      squeeze ? &of_rows : NULL, set->stencils + first, end - first, &fluid,
+                      self->pressure, nodes->now.film);
+        first = next_row(self, nodes, end, true);
+    }
 }
 
 // ---- right side

@@ -45,7 +45,8 @@ void system_free(row_system *self);
 /* Largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
-/* Rows and their derivatives at the state that `nodes` holds, into self->rows, and the closure. */
+/* Rows before the exit and their derivatives at the state that `nodes` holds, into self->rows, and
+ * the closure. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
                      const ehd_contact *contact, const reduced_squeeze *squeeze);
 
