@@ -57,6 +57,7 @@ typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
     size_t iterations;
     bool own_jacobian; // solved with own Jacobians, not with kept factors
+    bool near_factors; // and, near the solution, with those of the last of them
     double residual;   // |D f| over the rows and the linear equations, at the last iteration
     contact_scalars scalars;
     double seconds, seconds_rows, seconds_linear, seconds_exit;
@@ -88,6 +89,7 @@ typedef struct reduced_squeeze {
     double (*previous_at)(void *context, size_t node); // the same at a node of the band
     void *context;
     const reduced_values *start; // values of the start; NULL: not known
+    const double *last;          // [num_needed] P of the last state, uncut; NULL: not known
 } reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;
@@ -163,6 +165,10 @@ void reduced_band_pressure(double *pressure, const reduced_model *model, const d
 void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
+
+/* Keeps those that the last solution ended with (info.near_factors). Returns the state at which they
+ * were made, from which reduced_keep_factors makes the same ones; valid until the next solution. */
+const reduced_state *reduced_take_factors(reduced_solver *solver);
 
 /* Start from the trained solutions: a quadratic fit through those nearest in (ln M, ln(1 + alpha
  * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would;

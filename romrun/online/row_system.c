@@ -33,6 +33,7 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->fluid_memory =
         arena_array(memory, NUM_FLUID_ARRAYS * model->rows.num_needed, sizeof(double));
     self->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));
+    self->about = arena_array(memory, model->rows.num_needed, sizeof(double));
     far_field_init(&self->outer, &model->grid, model->rows.needed_node, model->rows.num_needed,
                    memory);
     self->active = arena_array(memory, num_rows, sizeof *self->active);
@@ -82,15 +83,36 @@ static size_t next_row(const row_system *self, const node_state *nodes, size_t r
     return r;
 }
 
+/* self->pressure of the state. */
+static void expand_pressure(row_system *self, const node_state *nodes, double rigid_approach,
+                            const ehd_contact *contact) {
+    memcpy(self->pressure, nodes->now.pressure,
+           self->model->rows.num_needed * sizeof *self->pressure);
+    far_field_add(self->pressure, &self->outer, contact, rigid_approach);
+}
+
+/* Takes rows first … end - 1 from the pressures `about` to the state's along their derivatives. */
+static void shift_rows(row_system *self, const double *about, size_t first, size_t end) {
+    const row_set *set = &self->model->rows;
+
+    for (size_t r = first; r < end; r++)
+        for (int a = 0; a < NUM_STENCIL; a++) {
+            const size_t q = set->stencils[r].node[a];
+            if (q == NO_NODE) continue;
+            self->rows[r].residual += self->rows[r].by_pressure[a] * (self->pressure[q] - about[q]);
+        }
+}
+
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
-                     const ehd_contact *contact, const reduced_squeeze *squeeze) {
+                     const ehd_contact *contact, const reduced_squeeze *squeeze,
+                     const double *about) {
     const row_set *set = &self->model->rows;
     size_t num_needed = set->num_needed;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
     self->closure = far_field_closure(&self->outer, contact, rigid_approach);
-    memcpy(self->pressure, nodes->now.pressure, num_needed * sizeof(double));
-    far_field_add(self->pressure, &self->outer, contact, rigid_approach);
-    reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
+    expand_pressure(self, nodes, rigid_approach, contact);
+    const double *pressure = about ? about : self->pressure;
+    reynolds_fluid_evaluate(&fluid, contact, pressure, num_needed);
     far_field_set_density(&fluid, &self->outer);
     for (size_t first = next_row(self, nodes, 0, true); first < set->num_rows;) {
         const size_t end = next_row(self, nodes, first, false);
@@ -98,9 +120,30 @@ void system_evaluate(row_system *self, const node_state *nodes, double rigid_app
                                           squeeze ? squeeze->previous + first : NULL};
         reynolds_rows(self->rows + first, &self->model->grid, contact->entrainment,
                       squeeze ? &of_rows : NULL, set->stencils + first, end - first, &fluid,
-                      self->pressure, nodes->now.film);
+                      pressure, nodes->now.film);
+        if (about) shift_rows(self, about, first, end);
         first = next_row(self, nodes, end, true);
     }
+}
+
+const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
+                           const ehd_contact *contact, const double *last) {
+    const size_t num_needed = self->model->rows.num_needed;
+    const reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
+
+    expand_pressure(self, nodes, rigid_approach, contact);
+    for (size_t q = 0; q < num_needed; q++) {
+        const double own = self->pressure[q], fall = self->about[q] - own;
+        if (last) {
+            self->about[q] = nodes->pressurised[q] ? fmax(own, last[q]) : own;
+            continue;
+        }
+        const double slope = -fluid.mobility_slope[q] / fluid.mobility[q];
+        self->about[q] = nodes->pressurised[q] && fall > 0 && slope > 0
+                             ? self->about[q] - log1p(slope * fall) / slope
+                             : own;
+    }
+    return self->about;
 }
 
 // ---- right side

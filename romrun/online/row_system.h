@@ -15,6 +15,7 @@ typedef struct row_system {
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // boundary nodes among the needed ones
     double *pressure;        // [num_needed] of the state, with that of the far field
+    double *about;           // [num_needed] those of system_about
     contact_closure closure; // at the state, with the load beyond the grid
     size_t num_active;       // rows before the exit
     size_t num_cells;        // 1 where the exit lies within a node: its cell's row is the last one
@@ -46,9 +47,18 @@ void system_free(row_system *self);
 size_t system_max_rows(const reduced_model *model);
 
 /* Rows before the exit and their derivatives at the state that `nodes` holds, into self->rows, and
- * the closure. */
+ * the closure. `about`: NULL, or the pressures [num_needed] at which they are evaluated, and from
+ * which they are linear in the pressures. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
-                     const ehd_contact *contact, const reduced_squeeze *squeeze);
+                     const ehd_contact *contact, const reduced_squeeze *squeeze,
+                     const double *about);
+
+/* Pressures about which a step in time is linearised while it is far from its solution (README.md, In
+ * time). With those of the last state, uncut: the higher ones of it and of the state that `nodes` holds.
+ * With NULL, after system_evaluate: those of the state where they have risen, and where they have fallen
+ * those at which the mobility is what the linear rows had. */
+const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
+                           const ehd_contact *contact, const double *last);
 
 /* Lists the rows before the exit; but for that at the node whose cell has one of its own, or
  * NO_NODE. */
