@@ -262,6 +262,8 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         status = self->pressure && self->film
                      ? ehdrom_fields(self->pressure, self->film, done->solver, error)
                      : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        if (!status)
+            ehdrom_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
     self->result = make_result(&done->solution, self->pressure, self->film);
     self->result.exits = self->exits;

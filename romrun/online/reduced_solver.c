@@ -271,12 +271,19 @@ static const double EXIT_OVER_FILM = 1e5;
 // full model 487; with 5e-2 an exit goes astray, and the minimum film is 2.2 % off.
 static const double CYCLE = 5e-3;
 
-/* Whether another iteration would change film and pressure by less than the tolerances. Convergence
- * is taken as quadratic, with the square of the observed rate as the next one; the linear part that
- * Gauss-Newton leaves is slower only where the rate is small. Damped steps are far from it and show
- * no rate. */
+/* What another iteration would change, over what this one did. Convergence is taken as quadratic,
+ * with the square of the observed rate as the next one; the linear part that Gauss-Newton leaves is
+ * slower only where the rate is small. */
+static double next_rate(const iterate *now) {
+    const double rate = fmin(now->rate, 1);
+
+    return rate * rate;
+}
+
+/* Whether another iteration would change film and pressure by less than the tolerances. Damped steps
+ * are far from that and show no rate. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
-    double rate = fmin(now->rate, 1), next = rate * rate;
+    const double next = next_rate(now);
 
     return before->factor == 1 && now->factor == 1 &&
            fabs(now->film - before->film) * next < tolerance * now->film &&
@@ -371,6 +378,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
         if (within_node && !with_cell) continue; // at best converged at a node
         if (moved || at != AT_STATE || !converged(&before, &now, self->settings.tolerance))
             continue;
+        self->system.remaining = next_rate(&now);
         bool settled = with_cell ? !held : exits_settled(&self->exits, &self->nodes);
         info->status = settled ? EHD_OK : EHD_UNTRUSTED;
         info->reason = settled ? "" : "an exit boundary that does not settle";
@@ -587,6 +595,30 @@ contact_scalars reduced_scalars(reduced_solver *self, const reduced_state *state
                                 const ehd_contact *contact) {
     expand(self, state, NULL);
     return scalars_of(self, state, contact);
+}
+
+void reduced_pressures_include(reduced_pressures *range, double pressure) {
+    if (pressure < range->least || isnan(pressure)) range->least = pressure;
+    if (pressure > range->largest || isnan(pressure)) range->largest = pressure;
+}
+
+reduced_pressures reduced_pressure_range(reduced_solver *self, const reduced_state *state) {
+    const reduced_model *model = self->model;
+    const exit_band *band = &model->band;
+    node_state *nodes = &self->nodes;
+    reduced_pressures range = {0, 0};
+
+    for (size_t q = 0; q < model->rows.num_needed; q++)
+        if (nodes->pressurised[q]) reduced_pressures_include(&range, nodes->now.pressure[q]);
+    for (size_t l = 0; l < band->num_lines; l++) {
+        const band_line *line = &band->lines[l];
+        const size_t end = nodes->exit[l] < line->end ? nodes->exit[l] : line->end;
+        if (end <= line->begin) continue;
+        nodes_expand_range(nodes, state->coordinates, line->offset, end - line->begin);
+        for (size_t k = line->offset; k < line->offset + end - line->begin; k++)
+            reduced_pressures_include(&range, nodes->band_pressure[k]);
+    }
+    return range;
 }
 
 /* Adds the deflection at X = 0. */

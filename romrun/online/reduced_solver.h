@@ -130,6 +130,15 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact);
 
+/* Least and largest P of the last solution before its exit, at the needed nodes and in the band. */
+typedef struct reduced_pressures {
+    double least, largest;
+} reduced_pressures;
+
+/* Takes a pressure into a range; one that is not a number stays. */
+void reduced_pressures_include(reduced_pressures *range, double pressure);
+reduced_pressures reduced_pressure_range(reduced_solver *solver, const reduced_state *state);
+
 typedef enum reduced_film {
     REDUCED_CENTRAL_FILM,
     REDUCED_MINIMUM_FILM // at the lowest needed node with pressure

@@ -464,8 +464,10 @@ double system_film_error(double *influence, row_system *self) {
     times_matrix(self->left, self, num_rows, self->step);
     memset(self->moves, 0, num_rows * sizeof *self->moves);
     times_matrix(self->moves, self, num_rows, self->dual);
-    for (size_t i = 0; i < num_rows; i++)
-        sum += pow(self->left[i] * self->moves[i], 2);
+    for (size_t i = 0; i < num_rows; i++) {
+        const double unsolved = self->remaining * (self->left[i] - self->right[i]);
+        sum += (pow(self->left[i], 2) + pow(unsolved, 2)) * pow(self->moves[i], 2);
+    }
     memset(influence, 0, self->model->rows.num_rows * sizeof *influence);
     for (size_t i = 0; i < self->num_active; i++)
         influence[self->active[i]] = self->moves[i];

@@ -25,7 +25,8 @@ typedef struct row_system {
     double *step;            // [num_unknowns]
     double *gradient;        // [num_unknowns] of a film
     double *dual;            // [num_unknowns] (J^T J)^-1 gradient
-    double *left;            // [system_max_rows] what the step leaves
+    double remaining;  // what another step would change, over what the last one did, estimated
+    double *left;      // [system_max_rows] what the step leaves
     double *moves;     // [system_max_rows] J dual: change of the film by an error of 1 in a row
     double *offset;    // [num_unknowns] by which a step moves the exit within its node
     double *flux_step; // [num_unknowns] by which it changes the flux
@@ -82,8 +83,9 @@ void system_fill_matrix(row_system *self, const node_state *nodes, double closur
 /* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
-/* How far what the last step leaves in the rows, D f + D J step, moves the film of self->gradient, by
- * the root of the sum of the squares of what each row does. */
+/* How far what the last step leaves in the rows, D f + D J step and as much of D J step as it was
+ * too long or too short, moves the film of self->gradient, by the root of the sum of the squares
+ * of what each row does. */
 double system_film_error(
     // output:
     double *

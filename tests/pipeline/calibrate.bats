@@ -211,6 +211,36 @@ with h5py.File('x.h5', 'r+') as f:
     [[ $stderr == "romrun: scene.yml: found a residual far above those of the calibration, that of a false solution, expected a result to be trusted"* ]]
 }
 
+@test "a pressure that cannot be one is exit code 3, whatever is allowed" {
+    # at a node that no row needs: seen where fields are written
+    cp m.h5 y.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('y.h5', 'r+') as f:
+    needed = f['needed_node_index'][...] - 1
+    node = next(k for k in range(60, 0, -1) if k not in needed)
+    f['pressure_basis'][:, node] *= -1"
+    romrun scene.yml --model y.h5 --quiet
+    run --separate-stderr romrun scene.yml --model y.h5 --quiet --set output.fields=true --allow-untrusted
+    [ "$status" -eq 3 ]
+    [[ $stderr == "romrun: scene.yml: found a pressure below zero by more than a thousandth of the Hertz pressure, expected convergence" ]]
+}
+
+@test "a solution that takes far more iterations than the calibration's scenes is not trusted" {
+    romrun scene.yml --model c.h5 -o good.h5 --quiet
+    cp c.h5 x.h5
+    for factor in 5.1 4.9; do
+        /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f, h5py.File('good.h5') as good:
+    f['position_most_iterations'][...] = good['newton_iterations'][0] / $factor"
+        run --separate-stderr romrun scene.yml --model x.h5 --quiet
+        [ "$factor" = 4.9 ] || [ "$status" -eq 4 ]
+        [ "$factor" = 5.1 ] || [ "$status" -eq 0 ]
+        [ "$factor" = 4.9 ] || [[ $stderr == "romrun: scene.yml: found far more iterations than any scene of the calibration took, expected a result to be trusted"* ]]
+    done
+}
+
 @test "a calibration of before has one factor for both films, and no limit to residuals" {
     cp c.h5 x.h5
     /usr/bin/python3 -c "

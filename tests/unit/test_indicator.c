@@ -348,6 +348,44 @@ static void film_error_is_what_each_row_does(void **state) {
     }
 }
 
+/* With all modes and rows a result is off by what the iteration leaves alone. */
+static void what_the_iteration_leaves_is_indicated(void **state) {
+    size_t num_ended_early = 0;
+    reduced_model model;
+    (void)state;
+
+    check_ok(reduced_model_build(&model, &bases[DEFORMATION_COUPLED], NULL, 0, &error));
+    for (size_t s = 0; s < TRAINED_STATES; s++) {
+        double film[2] = {0}, indicated = 0;
+        for (int loose = 0; loose < 2; loose++) {
+            const reduced_settings settings = {.tolerance = loose ? 1e-3 : 1e-12,
+                                               .max_iterations = 40};
+            double *influence = calloc(model.rows.num_rows, sizeof *influence);
+            reduced_solver *solver;
+            reduced_state at;
+            reduced_info info;
+            check_ok(reduced_solver_create(&solver, &model, &settings, &error));
+            check_ok(reduced_state_init(&at, &model, &error));
+            reduced_neighbour(&at, &model, training.contacts[s].moes_M,
+                              training.contacts[s].alpha_p_H);
+            check_ok(reduced_solve(&info, &at, solver, &training.contacts[s], NULL, &error));
+            film[loose] = info.scalars.central_film_thickness;
+            indicated = reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM);
+            reduced_state_free(&at);
+            reduced_solver_free(solver);
+            free(influence);
+        }
+        const double off = fabs(film[1] - film[0]);
+        if (off < 1e-7 * film[0]) continue;
+        num_ended_early++;
+        if (!(indicated > 0.1 * off && indicated < 1e4 * off))
+            fail_msg("state %zu: found %g indicated, expected one near the deviation %g", s,
+                     indicated, off);
+    }
+    assert_true(num_ended_early > 3);
+    reduced_model_free(&model);
+}
+
 static void indicator_survives_failing_allocations(void **state) {
     reduced_model model;
     size_t call = 0;
@@ -376,6 +414,7 @@ int main(void) {
         cmocka_unit_test(control_residual_is_that_of_all_rows),
         cmocka_unit_test(bound_follows_the_deviation),
         cmocka_unit_test(film_error_is_what_each_row_does),
+        cmocka_unit_test(what_the_iteration_leaves_is_indicated),
         cmocka_unit_test(indicator_survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -522,6 +522,20 @@ static void minimum_film_is_that_of_the_fields(void **state) {
             full_fields(pressure, film, &reduced, basis);
             check_close(reduced.info.scalars.minimum_film_thickness,
                         trained_least_film(film, &basis->grid), 1e-11, 0);
+            // all nodes are needed ones; of other coordinates only the band's pressures are
+            reduced_pressures range = reduced_pressure_range(reduced.solver, &reduced.state);
+            double least = 0, largest = 0;
+            for (size_t k = 0; k < num_nodes; k++) {
+                least = fmin(least, pressure[k]);
+                largest = fmax(largest, pressure[k]);
+            }
+            check_close(range.least, least, 0, 1e-12);
+            check_close(range.largest, largest, 1e-12, 0);
+            for (size_t j = 0; j < basis->num_pressure; j++)
+                reduced.state.coordinates[j] *= -1;
+            range = reduced_pressure_range(reduced.solver, &reduced.state);
+            assert_true(range.least < -0.01);
+            check_close(range.largest, largest, 1e-12, 0);
             const double offset = reduced.state.exit_offset;
             assert_true(offset >= 0 && offset <= 1);
             check_close(reduced.info.scalars.exit_position,
