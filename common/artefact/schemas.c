@@ -152,6 +152,11 @@ static const artefact_field result_fields[] = {
     REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
          "the same of the minimum film thickness; stationary", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
+    INTEGER(
+        "by_full_model", NEED_OPTIONAL,
+        "1 solved by the full model, since the reduced one was not good enough, 0 by the reduced "
+        "one; only with romrun --fallback full",
+        "time"),
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
     REAL("time_effect", "1", NEED_OPTIONAL,
@@ -223,7 +228,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 8, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 9, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
