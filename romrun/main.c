@@ -13,6 +13,7 @@
 #include "romrun/calibrate/against.h"
 #include "romrun/calibrate/calibrate.h"
 #include "romrun/calibrate/fallback.h"
+#include "romrun/calibrate/fallback_march.h"
 #include "romrun/calibrate/verify.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/ehdrom.h"
@@ -396,11 +397,26 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 
 // ---- in time
 
+/* The full model beside the reduced one, with --fallback full. */
+static ehd_status create_fallback(fallback_march **full, const program *self,
+                                  const romrun_options *options, const ehd_contact *contact,
+                                  ehdrom_transient *in_time, const scene *given, ehd_error *error) {
+    if (!falls_back(options)) return EHD_OK;
+    const double accuracy = options->accuracy > 0 ? options->accuracy : accuracy_default;
+    ehd_status status =
+        grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
+
+    return status ? status
+                  : fallback_march_create(full, ehdrom_march(in_time).self,
+                                          given->transient.start_film, accuracy, error);
+}
+
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, ehd_error *error) {
     ehdrom_model *model = NULL;
     ehdrom_transient *in_time = NULL;
+    fallback_march *mixed = NULL;
     time_series full = {0};
     time_trace trace = {0};
     char *text = NULL;
@@ -409,6 +425,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
     if (!status) status = ehdrom_prepare_transient(model, error);
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
+    if (!status) status = create_fallback(&mixed, self, options, contact, in_time, given, error);
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
@@ -422,11 +439,13 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .settings_text = text,
                                     .model = options->model,
                                     .input = options->against,
-                                    .solver = ehdrom_march(in_time),
+                                    .solver = mixed ? fallback_march_solver(mixed)
+                                                    : ehdrom_march(in_time),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
-                                    .effort = ehdrom_march_effort};
+                                    .effort = mixed ? fallback_march_effort : ehdrom_march_effort,
+                                    .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
     if ((!status || status == EHD_UNTRUSTED) && options->against) {
@@ -436,6 +455,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     }
     time_trace_free(&trace);
     time_series_free(&full);
+    fallback_march_free(mixed);
     ehdrom_transient_free(in_time);
     ehdrom_close(model);
     free(text);
@@ -530,9 +550,6 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     if (options->verify && transient)
         return ehd_fail(error, EHD_USAGE,
                         "--verify: found with a transient scene, expected a stationary one");
-    if (falls_back(options) && transient)
-        return ehd_fail(error, EHD_USAGE,
-                        "--fallback: found with a transient scene, expected a stationary one");
     if (options->repeats > 1 && transient)
         return ehd_fail(error, EHD_USAGE,
                         "--repeat: found with a transient scene, expected a stationary one");

@@ -223,6 +223,12 @@ static const artefact_attribute result_attributes[] = {
               "accepted time steps, only when transient"),
     ATTRIBUTE("rejected_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "time steps that were taken again with a shorter one"),
+    ATTRIBUTE(
+        "full_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "accepted time steps of the full model; this and the next only with romrun --fallback "
+        "full"),
+    ATTRIBUTE("full_seconds", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+              "part of the time that the full model took"),
     ATTRIBUTE("total_newton_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "Newton iterations of all time steps, rejected ones too"),
     {0}};

@@ -20,6 +20,24 @@ YAML
     snapgen train.yml --basis b.h5 -o r.h5 --quiet
     deimselect r.h5 --basis b.h5 -o m.h5
     romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
+    # tm.h5: in time, under loads of +-10 %
+    cat >moving.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 12, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 1, fixed_step: 0.01}
+YAML
+    cat >train-time.yml <<'YAML'
+groups:
+  - scene: moving.yml
+    vary: {transient.load.period: [0.5, 1], transient.load.amplitude: [0.1]}
+YAML
+    snapgen train-time.yml -o ts.h5 --quiet
+    podbuild ts.h5 -o tb.h5 --pressure-modes 40
+    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
+    deimselect tr.h5 --basis tb.h5 -o tm.h5
 }
 
 setup() {
@@ -138,6 +156,87 @@ PYTHON
     [[ ${stderr_lines[-1]} == "romrun: scene.yml: found "*", expected convergence" ]]
     [ "$(number x.h5 by_full_model)" = 1.0 ]
     [ "$(number x.h5 status)" = 1.0 ]
+}
+
+@test "in time a good run has no step of the full model" {
+    romrun moving.yml --model tm.h5 -o plain.h5 --quiet
+    run --separate-stderr romrun moving.yml --model tm.h5 --fallback full -o x.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output =~ "solved by               0 steps by the full model, 0 s; "[0-9]+" by the reduced one, " ]]
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("x.h5") as x, h5py.File("plain.h5") as plain:
+    assert set(x) == set(plain) | {"by_full_model"}
+    assert (x["central_film_thickness"][...] == plain["central_film_thickness"][...]).all()
+    assert (x["by_full_model"][...] == 0).all() and x.attrs["full_steps"] == 0
+PYTHON
+}
+
+@test "in time steps outside of the training are the full model's, and then the reduced one's again" {
+    # there and back
+    printf 'time,load\n0,1\n0.2,1\n0.5,1.2\n0.8,1\n2,1\n' >table.csv
+    set=(--set transient.load.law=table --set transient.load.amplitude= --set transient.load.period=
+        --set transient.load.file=table.csv --set transient.load.column=load --set transient.load.interpolation=linear
+        --set transient.end_time=2 --set output.fields=true)
+    fullrun moving.yml --grid-of tm.h5 "${set[@]}" -o full.h5 --quiet
+    run --separate-stderr romrun moving.yml --model tm.h5 "${set[@]}" -o flagged.h5 --quiet
+    [ "$status" -eq 4 ]
+    run --separate-stderr romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o x.h5 --against full.h5
+    [ "$status" -eq 0 ]
+    [[ ${stderr_lines[-1]} =~ ^"romrun: --fallback full: found outside of the trained range of M and alpha p_H, first at T = 0."[0-9]+": "[0-9]+" of "[0-9]+" steps by the full model, "[0-9.e-]+" s"$ ]]
+    [[ $output == *"central film thickness   at most "* ]]
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy, re
+with h5py.File("x.h5") as x, h5py.File("full.h5") as full:
+    by, time = x["by_full_model"][...], x["time"][...]
+    assert set(by) == {0, 1} and by[0] == 0 and by[-1] == 0
+    assert by[abs(time - 0.5).argmin()] == 1
+    assert x.attrs["full_steps"] == by.sum() and x.attrs["full_seconds"] > 0
+    assert x.attrs["solve_seconds"] > x.attrs["full_seconds"]
+    assert (x["status"][...] == 0).all()
+    for name, most in (("central_film_thickness", 2e-3), ("minimum_film_thickness", 5e-3), ("load", 1e-4)):
+        there = numpy.interp(time, full["time"][...], full[name][...])
+        off = abs(x[name][...] / there - 1).max()
+        print(name, off)
+        assert off < most, (name, off)
+    # fields of the model that solved the time
+    k = by.argmax()
+    centre = x["film_thickness"][k, 80] * x["contact_half_width"][k] ** 2
+    assert abs(centre / x["central_film_thickness"][k] - 1) < 1e-6, centre
+PYTHON
+    romrun --check x.h5
+    [[ $(h5dump -a settings x.h5) == *"rows (0: all), fallback full"* ]]
+}
+
+@test "in time a start outside of the training" {
+    run --separate-stderr romrun moving.yml --model tm.h5 --set moes.M=18 -o flagged.h5 --quiet
+    [ "$status" -eq 4 ]
+    run --separate-stderr romrun moving.yml --model tm.h5 --set moes.M=18 --set transient.end_time=0.2 \
+        --fallback full -o x.h5
+    [ "$status" -eq 0 ]
+    [[ $stderr == *"first at T = 0: "* ]]
+    fullrun moving.yml --grid-of tm.h5 --set moes.M=18 --set transient.end_time=0.2 -o full.h5 --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py
+with h5py.File("x.h5") as x, h5py.File("full.h5") as full:
+    assert (x["by_full_model"][...] == 1).all()
+    off = abs(x["central_film_thickness"][...] / full["central_film_thickness"][...] - 1).max()
+    assert off < 1e-8, off
+PYTHON
+}
+
+@test "in time a run can be stopped and resumed: the same numbers" {
+    set=(--set transient.load.amplitude=0.2 --set transient.load.period=2 --set transient.end_time=60)
+    romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o whole.h5 --quiet >log
+    [ "$(number whole.h5 full_steps)" != 0.0 ]
+    stop_when INT "len(time) > 1000" x.h5 romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o x.h5 --quiet
+    [ "$code" -eq 130 ]
+    # another way to solve it does not go on from it
+    refused 65 "x.h5.partial" romrun moving.yml --model tm.h5 "${set[@]}" -o x.h5 --resume
+    romrun moving.yml --model tm.h5 "${set[@]}" --fallback full -o x.h5 --resume --quiet >resumed.txt
+    same_data whole.h5 x.h5
+    [ "$(number x.h5 full_steps)" = "$(number whole.h5 full_steps)" ]
+    diff <(grep -v "solution\|solved" log) <(grep -v "solution\|solved" resumed.txt)
 }
 
 @test "usage" {
