@@ -670,6 +670,52 @@ const full_state *full_march_state(const full_march *self, const contact_frame *
     return &last->state;
 }
 
+// ---- from and to another solver
+
+size_t full_march_num_states(const full_march *self) {
+    return self->ring.num_previous;
+}
+
+const full_state *full_march_state_before(const full_march *self, size_t steps,
+                                          const contact_frame **frame) {
+    const previous_state *found = &self->states[self->ring.place[steps]];
+
+    if (frame) *frame = &found->frame;
+    return &found->state;
+}
+
+void full_march_take(full_march *self, size_t steps, const full_state *state,
+                     const contact_frame *frame) {
+    const size_t place = self->ring.place[steps];
+    previous_state *taken = &self->states[place];
+
+    taken->frame = *frame;
+    full_state_copy(&taken->state, state, &self->reference.grid);
+    previous_prepare(taken, &self->carrier);
+    self->ring.time[place] = frame->time;
+    self->ring.num_previous = steps;
+}
+
+const full_state *full_march_base(const full_march *self, const contact_frame **frame) {
+    if (frame) *frame = &self->base.frame;
+    return &self->base.state;
+}
+
+ehd_status full_march_take_base(full_march *self, const full_state *state,
+                                const contact_frame *frame, ehd_error *error) {
+    self->base.frame = *frame;
+    full_state_copy(&self->base.state, state, &self->reference.grid);
+    return use_base(self, INFINITY, error);
+}
+
+void full_march_errors(double *errors, const full_march *self) {
+    previous_kept_errors(errors, &self->carrier);
+}
+
+void full_march_take_errors(full_march *self, const double *errors) {
+    previous_keep_errors(&self->carrier, errors);
+}
+
 full_march_effort full_march_effort_of(const full_march *self) {
     return self->effort;
 }

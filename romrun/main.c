@@ -8,9 +8,12 @@
 #include "common/output/time_run.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
+#include "fullrun/resolution.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/calibrate/against.h"
 #include "romrun/calibrate/calibrate.h"
+#include "romrun/calibrate/fallback.h"
+#include "romrun/calibrate/fallback_march.h"
 #include "romrun/calibrate/verify.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/ehdrom.h"
@@ -27,6 +30,7 @@ typedef struct romrun_options {
     ehdrom_sizes sizes;
     double accuracy;       // of the films, to choose the sizes by; 0: not given
     ehdrom_sizes fallback; // where the result of `sizes` is not accurate enough
+    const char *fall_back; // what solves a scene where no size is: "full"; NULL, "none": nothing
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
@@ -50,6 +54,8 @@ static const program_option own_options[] = {
     {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
      "would change of the central film (stationary)", OPTION_FLAG(verify)},
+    {"fallback", 0, "MODEL", "\"full\": what the reduced model does not solve well enough the full one solves, starting "
+     "from it, and both is said; the exit code is then 0. \"none\", the default: the exit code tells", OPTION_TEXT(fall_back)},
     {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
      "indicated to deviate by more than --accuracy, or 0.01, or the model was never checked at these sizes", OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
@@ -131,6 +137,11 @@ static ehd_status judge(const run_result *result, const romrun_options *options,
     return EHD_OK;
 }
 
+static bool falls_back(const romrun_options *options) {
+    return options->fall_back && strcmp(options->fall_back, "full") == 0;
+}
+
+/* Of the reduced solution. */
 static ehd_status print_verification(ehdrom_solver *solver, const ehdrom_result *solution,
                                      const ehd_contact *contact, ehd_error *error) {
     verification found;
@@ -155,8 +166,9 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
         number_show(number, options->accuracy);
         snprintf(accuracy, sizeof accuracy, ", accuracy %s", number);
     }
-    if (asprintf(whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s\n",
-                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy) >= 0)
+    if (asprintf(whole, "%s# %zu pressure modes, %zu deformation modes, %zu rows (0: all)%s%s\n",
+                 text, sizes->pressure_modes, sizes->deformation_modes, sizes->rows, accuracy,
+                 falls_back(options) ? ", fallback full" : "") >= 0)
         return EHD_OK;
     *whole = NULL;
     return ehd_fail(error, EHD_MEMORY, "settings: found no memory");
@@ -218,6 +230,8 @@ typedef struct stationary_run {
     const ehd_contact *contact;
     stored_result against; // of --against
     attempt attempt;
+    fallback full;           // zero while the reduced solution is good enough
+    bool by_full_model;      // the result is its
     double *pressure, *film; // [nodes of the grid], NULL unless fields are wanted
     double *exits;           // [inner lines of the whole grid]
     film_effects effects;    // of that grid
@@ -228,6 +242,7 @@ typedef struct stationary_run {
 static void stationary_run_free(stationary_run *self) {
     result_free(&self->against);
     attempt_free(&self->attempt);
+    fallback_free(&self->full);
     free(self->pressure);
     free(self->film);
     free(self->exits);
@@ -283,6 +298,54 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     return status;
 }
 
+/* No accuracy is promised of a model that was not calibrated at these sizes. */
+static void judge_unknown(run_result *result, double accuracy) {
+    if (result->status || !(accuracy > 0) || !isnan(result->indicated_deviation)) return;
+    result->status = EHD_UNTRUSTED;
+    snprintf(result->reason, sizeof result->reason, "no indicated deviation");
+}
+
+/* Adds the time of the reduced solution to that of the full one. */
+static void add_seconds(run_result *full, const run_result *reduced) {
+    full->seconds += reduced->seconds;
+    full->seconds_rows += reduced->seconds_rows;
+    full->seconds_linear += reduced->seconds_linear;
+    full->seconds_exit = reduced->seconds_exit;
+}
+
+/* Has the full model solve the scene where the reduced result is not good enough, and says so. */
+static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_effects,
+                            ehd_error *error) {
+    const romrun_options *options = self->options;
+    const ehd_contact *contact = self->contact;
+    const char *path = self->caller->arguments[0];
+    const run_result reduced = self->result;
+    fallback *full = &self->full;
+    full_resolution resolution;
+    ehd_status status = EHD_OK;
+
+    if (!reduced.status) return EHD_OK;
+    status =
+        grid_check_memory(self->caller, path, contact, full_solver_bytes(&contact->grid), 1, error);
+    if (!status)
+        status = fallback_solve(full, self->attempt.solver, &self->attempt.solution, contact,
+                                options->repeats, error);
+    if (status) return status;
+    program_note(self->caller,
+                 "--fallback full: found %s: solved by the full model, %s, %zu iterations, %.3g ms",
+                 reduced.reason, full->from_reduced ? "from the reduced solution" : "cold",
+                 full->info.newton_iterations, full->info.seconds * 1e3);
+    self->by_full_model = true;
+    self->result = fallback_result(full, contact, with_fields);
+    add_seconds(&self->result, &reduced);
+    if (!with_effects || self->result.status) return EHD_OK;
+    status = full_resolution_estimate(&resolution, &full->state, contact, error);
+    if (status) return status;
+    self->effects = resolution.effects;
+    self->result.effects = &self->effects;
+    return EHD_OK;
+}
+
 /* Prints the result to stdout. */
 static ehd_status show(const stationary_run *self, ehd_error *error) {
     const romrun_options *options = self->options;
@@ -291,6 +354,10 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
 
     if (self->result.status == EHD_NOT_CONVERGED) return EHD_OK;
     result_print(&self->result, self->contact);
+    if (self->by_full_model)
+        printf("%-24sthe full model, %s, in %.3g ms of these\n", "solved by",
+               self->full.from_reduced ? "from the reduced solution" : "cold",
+               self->full.info.seconds * 1e3);
     if (options->verify)
         status = print_verification(done->solver, &done->solution, self->contact, error);
     if (!status && options->against)
@@ -301,6 +368,7 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
 static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, const scene *given,
                                  ehd_error *error) {
     const bool with_fields = given->output.fields == 1;
+    const bool with_effects = given->output.resolution != 0;
     const program *caller = self->caller;
     romrun_options *options = self->options;
     const char *const inputs[] = {caller->arguments[0], options->model, options->against, NULL};
@@ -314,7 +382,12 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         status = result_create(&file, caller, self->contact, self->text, inputs, error);
     if (!status && options->repeats > 1)
         status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
-    if (!status) status = fill_result(self, with_fields, given->output.resolution != 0, error);
+    if (!status) status = fill_result(self, with_fields, with_effects, error);
+    if (!status && falls_back(options)) {
+        judge_unknown(&self->result, options->accuracy);
+        status = fall_back(self, with_fields, with_effects, error);
+        self->result.solved_by = self->by_full_model ? SOLVED_BY_FULL : SOLVED_BY_REDUCED;
+    }
     if (!status && file) status = result_write(&file, &self->result, self->contact, error);
     if (!status) status = show(self, error);
     if (!status) status = judge(&self->result, options, caller->arguments[0], error);
@@ -334,11 +407,26 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 
 // ---- in time
 
+/* The full model beside the reduced one, with --fallback full. */
+static ehd_status create_fallback(fallback_march **full, const program *self,
+                                  const romrun_options *options, const ehd_contact *contact,
+                                  ehdrom_transient *in_time, const scene *given, ehd_error *error) {
+    if (!falls_back(options)) return EHD_OK;
+    const double accuracy = options->accuracy > 0 ? options->accuracy : accuracy_default;
+    ehd_status status =
+        grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
+
+    return status ? status
+                  : fallback_march_create(full, ehdrom_march(in_time).self,
+                                          given->transient.start_film, accuracy, error);
+}
+
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, ehd_error *error) {
     ehdrom_model *model = NULL;
     ehdrom_transient *in_time = NULL;
+    fallback_march *mixed = NULL;
     time_series full = {0};
     time_trace trace = {0};
     char *text = NULL;
@@ -347,6 +435,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
     if (!status) status = ehdrom_prepare_transient(model, error);
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
+    if (!status) status = create_fallback(&mixed, self, options, contact, in_time, given, error);
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
@@ -362,12 +451,14 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .settings_text = text,
                                     .model = options->model,
                                     .input = options->against,
-                                    .solver = ehdrom_march(in_time),
+                                    .solver = mixed ? fallback_march_solver(mixed)
+                                                    : ehdrom_march(in_time),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
                                     .untrusted = unchecked,
-                                    .effort = ehdrom_march_effort};
+                                    .effort = mixed ? fallback_march_effort : ehdrom_march_effort,
+                                    .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
     if ((!status || status == EHD_UNTRUSTED) && options->against) {
@@ -377,6 +468,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     }
     time_trace_free(&trace);
     time_series_free(&full);
+    fallback_march_free(mixed);
     ehdrom_transient_free(in_time);
     ehdrom_close(model);
     free(text);
@@ -397,6 +489,13 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
         options->sizes = choice.fastest;
         options->fallback = choice.most_accurate;
         program_note(self, "--accuracy %g: %s", options->accuracy, choice.note);
+    }
+    // what no size promises single scenes may have all the same, and the full model has
+    if (status == EHD_DATA && falls_back(options) && !in_time) {
+        const size_t best = trade_most_accurate(&table, in_time);
+        if (best < table.num_positions) options->sizes = table.positions[best].sizes;
+        program_note(self, "%s; --fallback full goes on", error->text);
+        status = EHD_OK;
     }
     trade_free(&table);
     return status;
@@ -422,10 +521,17 @@ static ehd_status check_usage(const program *self, const romrun_options *options
         return ehd_fail(error, EHD_USAGE,
                         "--accuracy: found with --pressure-modes, --deformation-modes or --rows, "
                         "expected one or the other");
+    if (options->fall_back && !falls_back(options) && strcmp(options->fall_back, "none") != 0)
+        return ehd_fail(error, EHD_USAGE, "--fallback: found %s, expected full or none",
+                        options->fall_back);
+    if (falls_back(options) && options->allow_untrusted)
+        return ehd_fail(error, EHD_USAGE,
+                        "--fallback: found full with --allow-untrusted, expected one of them");
     if (options->num_jobs > 0 && !options->calibrate)
         return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
-    if (!solves && (sized || options->verify || options->accuracy > 0 || options->against ||
-                    options->allow_untrusted || options->resume || options->repeats > 1))
+    if (!solves &&
+        (sized || options->verify || options->accuracy > 0 || options->against ||
+         options->fall_back || options->allow_untrusted || options->resume || options->repeats > 1))
         return ehd_fail(error, EHD_USAGE,
                         "%s: found with an option for solving a scene, expected none", mode);
     if (options->resume && !self->output)

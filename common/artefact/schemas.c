@@ -160,6 +160,11 @@ static const artefact_field result_fields[] = {
     REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
          "the same of the minimum film thickness; stationary", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
+    INTEGER(
+        "by_full_model", NEED_OPTIONAL,
+        "1 solved by the full model, since the reduced one was not good enough, 0 by the reduced "
+        "one; only with romrun --fallback full",
+        "time"),
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
     REAL("time_effect", "1", NEED_OPTIONAL,
@@ -226,12 +231,18 @@ static const artefact_attribute result_attributes[] = {
               "accepted time steps, only when transient"),
     ATTRIBUTE("rejected_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "time steps that were taken again with a shorter one"),
+    ATTRIBUTE(
+        "full_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "accepted time steps of the full model; this and the next only with romrun --fallback "
+        "full"),
+    ATTRIBUTE("full_seconds", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+              "part of the time that the full model took"),
     ATTRIBUTE("total_newton_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
               "Newton iterations of all time steps, rejected ones too"),
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 8, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 9, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots

@@ -42,6 +42,10 @@ int64_t result_stored_status(ehd_status status) {
     return status == EHD_NOT_CONVERGED ? 1 : (int64_t)status;
 }
 
+int64_t result_stored_model(result_model model) {
+    return model == SOLVED_BY_FULL;
+}
+
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error) {
     const struct {
         const char *name;
@@ -87,6 +91,7 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     const double *exits = result->exits ? result->exits : &result->exit_position;
     const int64_t iterations = (int64_t)result->newton_iterations;
     const int64_t outcome = result_stored_status(result->status);
+    const int64_t by_full_model = result_stored_model(result->solved_by);
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < sizeof reals / sizeof *reals && !status; i++)
@@ -99,6 +104,8 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
                               &result->indicated_deviation_minimum, error);
     if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
     if (!status) status = artefact_put_integers(file, "status", &outcome, error);
+    if (!status && result->solved_by != SOLVED_BY_ANY)
+        status = artefact_put_integers(file, "by_full_model", &by_full_model, error);
     return status;
 }
 

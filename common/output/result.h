@@ -13,6 +13,9 @@
 
 enum { RESULT_REASON = 256 }; // bytes, with the closing zero
 
+/* Which model solved it, where one falls back on the other. */
+typedef enum result_model { SOLVED_BY_ANY, SOLVED_BY_REDUCED, SOLVED_BY_FULL } result_model;
+
 /* What a solver found. Numbers are dimensionless; NaN stands for "not known". */
 typedef struct run_result {
     const double *pressure; // [num_nodes] of the contact's grid, NULL: no fields
@@ -29,6 +32,7 @@ typedef struct run_result {
     double indicated_deviation;         // of the central film, relative; NaN: no indicator
     double indicated_deviation_minimum; // of the minimum film
     const film_effects *effects;        // of the grid, NULL: not known
+    result_model solved_by;             // SOLVED_BY_ANY: not said
     ehd_status status;                  // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
     char reason[RESULT_REASON];         // why the status is not EHD_OK, or ""
     double seconds;                     // of the solution, without reading and writing
@@ -54,8 +58,9 @@ ehd_status result_write(artefact **file, const run_result *result, const ehd_con
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error);
 /* Attributes solve_seconds and its parts; of the result, only the times are used. */
 ehd_status result_put_seconds(artefact *file, const run_result *result, ehd_error *error);
-/* As written to the field `status`. */
+/* As written to the fields `status` and `by_full_model`. */
 int64_t result_stored_status(ehd_status status);
+int64_t result_stored_model(result_model model);
 
 /* The short result a person wants, on stdout; with um, GPa and N/m when the contact is physical. */
 void result_print(const run_result *result, const ehd_contact *contact);

@@ -63,8 +63,8 @@ static ehd_status declare_restart(artefact *file, size_t restart_size, ehd_error
 
 ehd_status time_result_create(artefact **file, const program *caller, const ehd_contact *reference,
                               const char *settings_text, const char *const *inputs,
-                              bool with_fields, bool with_all_exits, size_t restart_size,
-                              ehd_error *error) {
+                              bool with_fields, bool with_all_exits, bool with_models,
+                              size_t restart_size, ehd_error *error) {
     const ehd_grid whole = grid_whole(&reference->grid);
     ehd_status status = artefact_create_growing(file, caller->output, &schema_result, "time",
                                                 caller, settings_text, inputs, error);
@@ -76,6 +76,7 @@ ehd_status time_result_create(artefact **file, const program *caller, const ehd_
     if (!status && with_all_exits)
         status = artefact_put_axis(*file, "exit", GRID_EXITS, NULL, error);
     if (!status) status = declare_scalars(*file, error);
+    if (!status && with_models) status = artefact_declare(*file, "by_full_model", error);
     if (!status && with_fields) status = declare_fields(*file, error);
     if (!status && restart_size > 0) status = declare_restart(*file, restart_size, error);
     if (!status) status = artefact_begin_streaming(*file, error);
@@ -126,6 +127,10 @@ static ehd_status put_scalars(artefact *file, const time_entry *entries, size_t 
     for (size_t i = 0; i < count; i++)
         integers[i] = result_stored_status(entries[i].status);
     if (!status) status = artefact_put_integers_part(file, "status", index, count, integers, error);
+    for (size_t i = 0; i < count; i++)
+        integers[i] = entries[i].by_full_model;
+    if (!status && artefact_has(file, "by_full_model"))
+        status = artefact_put_integers_part(file, "by_full_model", index, count, integers, error);
     return status;
 }
 
@@ -274,6 +279,11 @@ ehd_status time_result_finish(artefact **file, const time_summary *summary, ehd_
 
     if (!status) status = result_put_seconds(*file, &times, error);
     if (!status) status = put_counts(*file, summary, error);
+    if (!status && artefact_has(*file, "by_full_model")) {
+        status = artefact_put_integer(*file, "full_steps", (int64_t)summary->full_steps, error);
+        if (!status)
+            status = artefact_put_real(*file, "full_seconds", summary->seconds_full, error);
+    }
     if (!status) return artefact_finish(file, error);
     artefact_close(file);
     return status;

@@ -27,6 +27,7 @@ typedef struct time_entry {
     size_t newton_iterations;
     double residual;
     ehd_status status;             // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
+    bool by_full_model;            // in a file `with_models`
     double step;                   // of the integration that led here, 0 at the start
     double effect, effect_minimum; // of the steps in time on the films, as in march_step
     const double *pressure;        // [num_nodes] in the current frame, NULL: no field at this time
@@ -40,10 +41,14 @@ typedef struct time_summary {
     size_t num_steps;                                  // accepted ones
     size_t num_rejected;      // steps that were taken again with a shorter one
     size_t newton_iterations; // of all steps, rejected ones too
+    // in a file `with_models`:
+    size_t full_steps;   // accepted ones of the full model
+    double seconds_full; // all that it took
 } time_summary;
 
 /* Starts caller->output, streaming. `with_fields`: pressure and film at some times at least;
- * `with_all_exits`: of every interval of pressure, as where the entrainment reverses, else one a line.
+ * `with_all_exits`: of every interval of pressure, as where the entrainment reverses, else one a line;
+ * `with_models`: which model solved each time.
  * `restart_size`: numbers that a run needs to go on, 0: it cannot be resumed. `inputs`: paths, NULL
  * at the end. Errors as artefact_create. */
 ehd_status time_result_create(
@@ -51,8 +56,8 @@ ehd_status time_result_create(
     artefact **file, // give to time_result_finish; artefact_close leaves NAME.partial
     // input:
     const program *caller, const ehd_contact *reference, const char *settings_text,
-    const char *const *inputs, bool with_fields, bool with_all_exits, size_t restart_size,
-    ehd_error *error);
+    const char *const *inputs, bool with_fields, bool with_all_exits, bool with_models,
+    size_t restart_size, ehd_error *error);
 
 /* Writes `count` entries from `index` on, counted from 0, and lets readers see them. `time` grows
  * last, so that all that belongs to a time is there when the time is. EHD_IO; EHD_MEMORY;

@@ -207,6 +207,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .residual = step->residual,
                               .status = step->status || !self->task->untrusted ? step->status
                                                                                : EHD_UNTRUSTED,
+                              .by_full_model = step->by_full_model,
                               .step = step->step,
                               .effect = step->effect,
                               .effect_minimum = step->effect_minimum,
@@ -272,7 +273,8 @@ static ehd_status create(runner *self, ehd_error *error) {
     inputs[num_inputs] = NULL;
     return time_result_create(&self->file, task->caller, task->reference, task->settings_text,
                               inputs, task->with_fields, histories_reverse(self->march.histories),
-                              AT_SOLVER + solver->saved_size(solver->self), error);
+                              task->share != NULL, AT_SOLVER + solver->saved_size(solver->self),
+                              error);
 }
 
 static ehd_status begin(runner *self, ehd_error *error) {
@@ -337,6 +339,23 @@ static void report_effects(const run_totals *totals, const march_state *state) {
     printf("\n");
 }
 
+/* What the full model did, in numbers and as a note. */
+static void report_share(const runner *self) {
+    const time_run_task *task = self->task;
+    const double num_steps = self->march.state.num_steps;
+    if (!task->share) return;
+    const time_run_share share = task->share(self->march.solver.self);
+
+    printf("%-24s%zu steps by the full model, %.4g s; %.0f by the reduced one, %.4g s\n",
+           "solved by", share.full_steps, share.seconds_full, num_steps - (double)share.full_steps,
+           share.seconds_reduced);
+    if (!isnan(share.since))
+        program_note(task->caller,
+                     "--fallback full: found %s, first at T = %g: %zu of %.0f steps by the full "
+                     "model, %.3g s",
+                     share.reason, share.since, share.full_steps, num_steps, share.seconds_full);
+}
+
 static void report(const runner *self, const run_totals *totals, ehd_status outcome) {
     const ehd_contact *contact = self->task->reference;
     const march_state *state = &self->march.state;
@@ -360,11 +379,17 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
     printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
            totals->seconds * 1e3 / fmax(state->num_steps + state->num_rejected, 1));
+    report_share(self);
 }
 
 static ehd_status finish(runner *self, const run_totals *totals, ehd_error *error) {
     const march_state *state = &self->march.state;
-    const time_summary summary = {.seconds = totals->seconds,
+    const time_run_task *task = self->task;
+    const time_run_share share =
+        task->share ? task->share(self->march.solver.self) : (time_run_share){0};
+    const time_summary summary = {.full_steps = share.full_steps,
+                                  .seconds_full = share.seconds_full,
+                                  .seconds = totals->seconds,
                                   .seconds_rows = totals->seconds_rows,
                                   .seconds_linear = totals->seconds_linear,
                                   .seconds_exit = totals->seconds_exit,

@@ -8,6 +8,15 @@
 #include "common/settings/scene.h"
 #include "common/time/march.h"
 
+/* The full model's share of a march that falls back on it, so far, those of an earlier run that this
+ * one resumes included. */
+typedef struct time_run_share {
+    size_t full_steps;                    // accepted steps of the full model
+    double seconds_full, seconds_reduced; // of all attempts
+    double since;                         // T of the first one; NaN: none yet
+    const char *reason;                   // why
+} time_run_share;
+
 /* What a run asks for. */
 typedef struct time_run_task {
     const program *caller; // its output may be NULL: nothing is written
@@ -21,6 +30,8 @@ typedef struct time_run_task {
     const char *untrusted; // why no entry is to be trusted; NULL: that is so of single ones only
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */
     void (*effort)(double *rows, double *linear, double *exit, const void *solver);
+    /* Of a solver that falls back on the full model; NULL: it does not. */
+    time_run_share (*share)(const void *solver);
 } time_run_task;
 
 /* Central film over time, kept for comparisons. In the reference frame. */

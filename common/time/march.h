@@ -25,6 +25,7 @@ typedef struct march_step {
     double effect, effect_minimum;
     size_t iterations; // Newton
     double residual;
+    bool by_full_model; // of a solver that falls back on it; else false
 } march_step;
 
 /* Path of a step along which films are carried, half widths, up to which a film takes up the errors

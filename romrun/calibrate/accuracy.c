@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-static const double DEFAULT_ACCURACY = 0.01;
+const double accuracy_default = 0.01;
 
 /* Describes the chosen sizes and their measured accuracy. */
 static void explain(accuracy_choice *choice, const trade_table *table,
@@ -66,7 +66,7 @@ void accuracy_judge(run_result *result, double accuracy) {
     const double minimum = result->indicated_deviation_minimum;
     const bool of_minimum = minimum > central, given = accuracy > 0;
     const double larger = of_minimum ? minimum : central;
-    const double limit = given ? accuracy : DEFAULT_ACCURACY;
+    const double limit = given ? accuracy : accuracy_default;
 
     if (result->status || isnan(central) || larger <= limit) return;
     result->status = EHD_UNTRUSTED;

@@ -6,6 +6,9 @@
 #include "common/output/result.h"
 #include "romrun/calibrate/trade.h"
 
+/* What holds without --accuracy. */
+extern const double accuracy_default;
+
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
     ehdrom_sizes fastest;       // of those measured to be accurate enough

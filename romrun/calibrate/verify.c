@@ -3,6 +3,7 @@
 
 #include "common/program/program.h"
 #include "fullrun/full_solver.h"
+#include "romrun/calibrate/fallback.h"
 
 #include <math.h>
 
@@ -20,25 +21,13 @@ static ehd_status newton_steps(full_info *info, full_state *state, const ehd_con
     return status;
 }
 
-static ehd_status load_state(full_state *state, ehdrom_solver *solver, const ehdrom_result *result,
-                             const ehd_contact *contact, ehd_error *error) {
-    const ehd_grid *grid = &contact->grid;
-    ehd_status status = ehdrom_fields(state->pressure, state->film, solver, error);
-
-    // the node at or behind the exit, which may lie within a node
-    const double column = (result->scalars.exit_position - grid->x_min) / grid->step;
-    state->rigid_approach = result->scalars.rigid_approach;
-    full_state_set_zone(state, grid, (size_t)ceil(column - 1e-6) + 1);
-    return status;
-}
-
 ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_result *result,
                   const ehd_contact *contact, ehd_error *error) {
     full_state state = {0};
     full_info info = {0};
     ehd_status status = full_state_init(&state, &contact->grid, error);
 
-    if (!status) status = load_state(&state, solver, result, contact, error);
+    if (!status) status = fallback_load(&state, solver, result, contact, error);
     double before = program_seconds();
     if (!status) status = newton_steps(&info, &state, contact, 0, error);
     double between = program_seconds();

@@ -19,7 +19,7 @@ struct ehdrom_model {
     double indicator_factor_minimum;
     double largest_residual; // of the scenes of the calibration; infinite: not known
     bool checked_in_time;
-    double most_iterations;  // of these; infinite: not known
+    double most_iterations; // of these; infinite: not known
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;

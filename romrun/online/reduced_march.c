@@ -800,6 +800,106 @@ reduced_march_effort reduced_march_effort_of(const reduced_march *self) {
     return self->effort;
 }
 
+// ---- from and to another solver
+
+const ehd_contact *reduced_march_reference(const reduced_march *self) {
+    return &self->reference;
+}
+
+size_t reduced_march_num_states(const reduced_march *self) {
+    return self->ring.num_previous;
+}
+
+reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
+                                         contact_frame *frame) {
+    const previous_film *found = &self->states[self->ring.place[steps]];
+
+    if (frame) *frame = found->frame;
+    return found->state;
+}
+
+reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame) {
+    if (frame) *frame = self->base.frame;
+    return self->base.state;
+}
+
+ehd_status reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
+                                   const reduced_march *self, const reduced_state *state,
+                                   ehd_error *error) {
+    *rigid_approach = state->coordinates[self->model->num_unknowns - 1];
+    return reduced_fields(pressure, film, state, self->model, self->splines->pressure_basis, error);
+}
+
+const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
+                                      const contact_frame *before) {
+    ehd_contact contact;
+
+    frame_contact(&contact, now, &self->reference);
+    return trained_range_check(self->range, contact.moes_M, contact.alpha_p_H,
+                               frame_rate(now, before));
+}
+
+/* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes, and
+ * the nearest exits that the model has. */
+static void project(reduced_state *target, const reduced_march *self, const handed_state *state) {
+    const reduced_model *model = self->model;
+    const film_splines *splines = self->splines;
+    const ehd_grid *grid = &model->grid;
+    const size_t width = grid_width(grid), num = model->num_pressure;
+    double *z = target->coordinates;
+
+    reduced_state_set_exits(target, model, state->exits);
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        size_t exit = state->exits[l];
+        if (exit < line->min_exit) exit = line->min_exit;
+        if (exit > line->max_exit) exit = line->max_exit;
+        if (target->exits) target->exits[l] = exit;
+        if (!target->exits || l == grid_central_line(grid) / width) target->exit = exit;
+    }
+    cblas_dgemv(CblasRowMajor, CblasTrans, (int)grid->num_nodes, (int)num, 1,
+                splines->pressure_basis, (int)num, state->pressure, 1, 0, z, 1);
+    memset(z + num, 0, model->num_deformation * sizeof *z);
+    for (size_t k = 0; k < grid->num_nodes && model->num_deformation > 0; k++) {
+        const double *modes = splines->film + (k / width + splines->side) * splines->layout.line +
+                              (k % width + splines->margin) * splines->layout.column;
+        add_times(z + num, state->film[k] - grid_gap(grid, k) - state->rigid_approach, modes,
+                  model->num_deformation);
+    }
+    z[model->num_unknowns - 1] = state->rigid_approach;
+}
+
+void reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
+                        const contact_frame *load_frame) {
+    const size_t place = self->ring.place[steps];
+    previous_film *taken = &self->states[place];
+
+    taken->frame = state->frame;
+    project(&taken->state, self, state);
+    reduced_values_of(&taken->values, self->model, taken->state.coordinates,
+                      reduced_state_exits(&taken->state));
+    prepare_film(taken, self);
+    self->ring.time[place] = state->frame.time;
+    self->ring.num_previous = steps;
+    if (steps == 1) self->last_load_frame = *load_frame;
+    drop_factors(self);
+}
+
+ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
+                                   ehd_error *error) {
+    self->base.frame = state->frame;
+    project(&self->base.state, self, state);
+    return use_base(self, error);
+}
+
+const double *reduced_march_errors(const reduced_march *self) {
+    return self->taken_up.kept;
+}
+
+void reduced_march_take_errors(reduced_march *self, const double *errors) {
+    film_errors_set(&self->taken_up, errors);
+}
+
 // ---- saving
 
 /* Length of a saved reduced state. */

@@ -29,6 +29,54 @@ march_solver reduced_march_solver(reduced_march *self);
 /* The last accepted state, and its frame. */
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);
 
+// ---- from and to another solver of the same reference and grid, which goes on where this one stopped
+
+/* The contact at all factors 1, with what it has from the model. */
+const ehd_contact *reduced_march_reference(const reduced_march *self);
+
+/* How many accepted states a step looks at. */
+size_t reduced_march_num_states(const reduced_march *self);
+
+/* The accepted state so many steps before the next one, 1 being the last; 0: the last attempt. */
+reduced_state reduced_march_state_before(const reduced_march *self, size_t steps,
+                                         contact_frame *frame);
+
+/* Along the path: the state that others are told from (common/time/README.md). */
+reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame);
+
+/* P and H of a state at all nodes, [num_nodes], and its H0. EHD_MEMORY. */
+ehd_status reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
+                                   const reduced_march *self, const reduced_state *state,
+                                   ehd_error *error);
+
+/* Why a contact that has come from one frame to another, both scaled by the load of their solutions,
+ * lies outside of the trained range, or NULL. */
+const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
+                                      const contact_frame *before);
+
+/* A state on the grid that this solver takes over, the nearest one that its modes have. */
+typedef struct handed_state {
+    const double *pressure, *film; // [num_nodes]
+    double rigid_approach;
+    const size_t *exits; // [num_lines] columns
+    contact_frame frame;
+} handed_state;
+
+/* Takes an accepted state, at `steps` from 1 to BDF_PREVIOUS in ascending order; those taken so far
+ * count. Along the path the base has to be taken before. `load_frame`: the last one's, scaled by the
+ * load of its solution. */
+void reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
+                        const contact_frame *load_frame);
+
+/* Along the path: the state that others are told from. EHD_MEMORY. */
+ehd_status reduced_march_take_base(reduced_march *self, const handed_state *state,
+                                   ehd_error *error);
+
+/* Errors of rho H that the film of the last accepted state has taken up along the path,
+ * [NUM_ERROR_PLACES] (film_errors.h). */
+const double *reduced_march_errors(const reduced_march *self);
+void reduced_march_take_errors(reduced_march *self, const double *errors);
+
 /* Effort so far. */
 typedef struct reduced_march_effort {
     double seconds, seconds_rows, seconds_linear, seconds_exit;

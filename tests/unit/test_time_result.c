@@ -148,7 +148,7 @@ static artefact *start(bool with_fields) {
     artefact *file = NULL;
 
     check_ok(time_result_create(&file, &self, &contact, "scene", NULL, with_fields,
-                                contact.transport == TRANSPORT_PATH, restart_size, &error));
+                                contact.transport == TRANSPORT_PATH, false, restart_size, &error));
     return file;
 }
 
@@ -391,7 +391,7 @@ static void misuse_is_internal(void **state) {
     const double restart[1] = {0};
     artefact *file = NULL;
 
-    check_ok(time_result_create(&file, &self, &contact, "", NULL, false, false, 0, &error));
+    check_ok(time_result_create(&file, &self, &contact, "", NULL, false, false, false, 0, &error));
     check_refused(append(file, 0, true), EHD_INTERNAL, "pressure");
     check_refused(time_result_checkpoint(file, restart, 1, &error), EHD_INTERNAL, "restart");
     check_refused(artefact_finish(&file, &error), EHD_INTERNAL, "found no entry");
@@ -407,7 +407,7 @@ static void memory_failures(void **state) {
     size_t call = 0;
 
     for (allocation_fail_at(call);; allocation_fail_at(++call)) {
-        status = time_result_create(&file, &self, &contact, "scene", NULL, true, false,
+        status = time_result_create(&file, &self, &contact, "scene", NULL, true, false, false,
                                     RESTART_SIZE, &error);
         if (!allocation_failed()) break;
         assert_int_not_equal(status, EHD_OK);
@@ -688,8 +688,8 @@ static void resume_refuses_other_inputs(void **state) {
     spill(second, "two");
     spill(table, "three");
     const char *const inputs[] = {"/dev/null", first, table, NULL};
-    check_ok(time_result_create(&file, &self, &contact, "scene", inputs, true, false, restart_size,
-                                &error));
+    check_ok(time_result_create(&file, &self, &contact, "scene", inputs, true, false, false,
+                                restart_size, &error));
     run(file, 0, 3);
     artefact_close(&file);
 

@@ -1,0 +1,414 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/fallback_march.h"
+
+#include "common/program/program.h"
+#include "romrun/online/film_errors.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a march is saved with beside the states; all members are numbers of one type, so that the
+ * struct can be saved as such. */
+typedef struct standing {
+    double full;        // 1 while steps are taken by the full model, else 0
+    double full_states; // 1 where the full model holds the last accepted states too
+    double failed;      // attempts of the reduced model since these that did not converge
+    double full_steps, since, seconds_full, seconds_reduced; // as in time_run_share
+} standing;
+
+enum { NUM_STANDING = sizeof(standing) / sizeof(double), AT_SOLVERS = NUM_STANDING + MARCH_REASON };
+_Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are doubles alone");
+
+struct fallback_march {
+    ehd_contact reference;
+    double limit; // of a reduced film's deviation from the full one, over the central film
+    reduced_march *reduced;
+    full_march *full;
+    march_solver of_reduced, of_full;
+    standing now;
+    char reason[MARCH_REASON]; // of the first full step
+    // of the attempt:
+    bool by_full, returns; // solved by the full model; and by the reduced one as well
+    const char *doubt;     // why not by the reduced one
+    bool base_taken;       // the reduced model has the full one's base
+    full_state work;       // a reduced state on the grid
+    double *errors;        // [num_nodes]
+    size_t *exits;         // [lines of the grid]
+};
+
+fallback_march *fallback_march_free(fallback_march *self) {
+    if (!self) return NULL;
+    full_march_free(self->full);
+    full_state_free(&self->work);
+    free(self->errors);
+    free(self->exits);
+    free(self);
+    return NULL;
+}
+
+ehd_status fallback_march_create(fallback_march **created, reduced_march *reduced,
+                                 double start_film, double accuracy, ehd_error *error) {
+    // a load of +-30 % where 20 % were trained, an accuracy of 1 %: within 1, 1/2, 1/4, 1/10 and 1/20
+    // of it the central film is 0.24, 0.07, 0.06, 0.06 and 0.02 % off at worst, the minimum film 25,
+    // 10, 1.7, 0.57 and 0.06 %, with 330, 330, 343, 348 and 369 of 640 steps by the full model; after
+    // a load step by 20 % the central film 0.19, 0.19, 0.15, 0.07 and 0.07 % off, with 32 … 52 of 619
+    const double part = 0.1;
+    const full_settings settings = full_default_settings();
+    const ehd_contact *reference = reduced_march_reference(reduced);
+    const ehd_grid *grid = &reference->grid;
+    fallback_march *self = calloc(1, sizeof *self);
+
+    *created = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    self->reference = *reference;
+    self->limit = part * accuracy;
+    self->now.since = NAN;
+    self->reduced = reduced;
+    self->of_reduced = reduced_march_solver(reduced);
+    self->errors = malloc(grid->num_nodes * sizeof *self->errors);
+    self->exits = malloc(grid_lines(grid) * sizeof *self->exits);
+    ehd_status status = self->errors && self->exits
+                            ? full_state_init(&self->work, grid, error)
+                            : ehd_fail(error, EHD_MEMORY, "full model: found no memory");
+    if (!status)
+        status = full_march_create(&self->full, &self->reference, &settings, start_film, error);
+    if (status) {
+        fallback_march_free(self);
+        return status;
+    }
+    self->of_full = full_march_solver(self->full);
+    *created = self;
+    return EHD_OK;
+}
+
+static bool is_along_path(const fallback_march *self) {
+    return self->reference.transport == TRANSPORT_PATH;
+}
+
+// ---- from the reduced model to the full one
+
+/* A reduced state on the grid, in self->work. */
+static ehd_status load(fallback_march *self, const reduced_state *state, ehd_error *error) {
+    full_state *work = &self->work;
+    ehd_status status = reduced_march_fields_of(work->pressure, work->film, &work->rigid_approach,
+                                                self->reduced, state, error);
+
+    full_state_set_zone(work, &self->reference.grid, state->exit);
+    return status;
+}
+
+/* Those kept at places of the central line, at the nodes of the dry contact. */
+static void spread_errors(fallback_march *self) {
+    const ehd_grid *grid = &self->reference.grid;
+    film_errors errors = {.spline = NULL};
+
+    memcpy(errors.next, reduced_march_errors(self->reduced), sizeof errors.next);
+    for (size_t k = 0; k < grid->num_nodes; k++)
+        self->errors[k] = contact_gap(grid_x(grid, k), grid_y(grid, k)) <= 0.5
+                              ? film_errors_at(&errors, grid_x(grid, k))
+                              : 0;
+}
+
+static ehd_status to_full(fallback_march *self, ehd_error *error) {
+    ehd_status status = EHD_OK;
+    contact_frame frame;
+
+    if (is_along_path(self)) {
+        const reduced_state base = reduced_march_base(self->reduced, &frame);
+        status = load(self, &base, error);
+        if (!status) status = full_march_take_base(self->full, &self->work, &frame, error);
+    }
+    spread_errors(self); // none where films are carried by the rows
+    full_march_take_errors(self->full, self->errors);
+    for (size_t i = 1; i <= reduced_march_num_states(self->reduced) && !status; i++) {
+        const reduced_state state = reduced_march_state_before(self->reduced, i, &frame);
+        status = load(self, &state, error);
+        if (!status) full_march_take(self->full, i, &self->work, &frame);
+    }
+    self->now.full_states = 1;
+    self->base_taken = false;
+    return status;
+}
+
+// ---- and back
+
+/* A full state for the reduced model; self->exits are its exits. */
+static handed_state hand(fallback_march *self, const full_state *state,
+                         const contact_frame *frame) {
+    if (self->reference.grid.inner_lines > 1)
+        grid_exit_columns(self->exits, state->pressure, &self->reference.grid);
+    else
+        self->exits[0] = state->exit;
+    return (handed_state){.pressure = state->pressure,
+                          .film = state->film,
+                          .rigid_approach = state->rigid_approach,
+                          .exits = self->exits,
+                          .frame = *frame};
+}
+
+/* The frame of a full state, scaled by the load of the solution. */
+static contact_frame load_frame(const fallback_march *self, size_t steps) {
+    const contact_frame *frame;
+    const full_state *state = full_march_state_before(self->full, steps, &frame);
+    ehd_contact contact;
+
+    if (isnan(frame->approach)) return *frame;
+    frame_contact(&contact, frame, &self->reference);
+    return frame_of_load(self->reference.kind, frame, full_evaluate_scalars(state, &contact).load);
+}
+
+/* Those at the nodes, at places of the central line. */
+static void collect_errors(fallback_march *self, double errors[NUM_ERROR_PLACES]) {
+    const ehd_grid *grid = &self->reference.grid;
+    const double *line = self->errors + grid_central_line(grid);
+
+    full_march_errors(self->errors, self->full);
+    for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
+        const double x = (double)i * 2 / (NUM_ERROR_PLACES - 1) - 1;
+        const double column =
+            fmin(fmax((x - grid_x(grid, 0)) / grid->step, 0), (double)grid_width(grid) - 1.5);
+        const size_t c = (size_t)column;
+        errors[i] = line[c] + (column - (double)c) * (line[c + 1] - line[c]);
+    }
+}
+
+static ehd_status to_reduced(fallback_march *self, const contact_frame *before, ehd_error *error) {
+    const contact_frame *frame;
+    double errors[NUM_ERROR_PLACES];
+
+    if (is_along_path(self)) {
+        if (!self->base_taken) {
+            const full_state *base = full_march_base(self->full, &frame);
+            const handed_state handed = hand(self, base, frame);
+            ehd_status status = reduced_march_take_base(self->reduced, &handed, error);
+            if (status) return status;
+            self->base_taken = true;
+        }
+        collect_errors(self, errors);
+        reduced_march_take_errors(self->reduced, errors);
+    }
+    for (size_t i = 1; i <= full_march_num_states(self->full); i++) {
+        const full_state *state = full_march_state_before(self->full, i, &frame);
+        const handed_state handed = hand(self, state, frame);
+        reduced_march_take(self->reduced, i, &handed, before);
+    }
+    return EHD_OK;
+}
+
+/* Largest deviation of the reduced attempt's film from the full one's before the exit, over the
+ * central film. */
+static ehd_status deviation(double *largest, fallback_march *self, double central_film,
+                            ehd_error *error) {
+    const full_state *full = full_march_state_before(self->full, 0, NULL);
+    const reduced_state reduced = reduced_march_state_before(self->reduced, 0, NULL);
+    ehd_status status = load(self, &reduced, error);
+
+    *largest = 0;
+    for (size_t k = 0; k < self->reference.grid.num_nodes && !status; k++)
+        if (full_has_pressure(full, k))
+            *largest = fmax(*largest, fabs(self->work.film[k] - full->film[k]) / central_film);
+    return status;
+}
+
+/* Whether the reduced model, from the full one's states as its modes have them, solves the step that
+ * the full one has just solved, as one to be trusted and with the same film wherever there is
+ * pressure: what was in the film that it does not have has then left. */
+static ehd_status try_to_return(fallback_march *self, const march_step *solved,
+                                const contact_frame *frame, double step, ehd_error *error) {
+    const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
+    march_step outcome = {.status = EHD_OK};
+    double largest;
+
+    if (reduced_march_check_range(self->reduced, &now, &before)) return EHD_OK;
+    ehd_status status = to_reduced(self, &before, error);
+    if (!status)
+        status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
+    if (status || outcome.status) return status;
+    status = deviation(&largest, self, solved->scalars.central_film_thickness, error);
+    self->returns = largest <= self->limit;
+    return status;
+}
+
+// ---- as a solver
+
+static ehd_status start(march_step *outcome, void *solver, const contact_frame *frame,
+                        ehd_error *error) {
+    fallback_march *self = solver;
+    double begun = program_seconds();
+    ehd_status status = self->of_reduced.start(outcome, self->of_reduced.self, frame, error);
+
+    self->now.seconds_reduced += program_seconds() - begun;
+    self->now.full = self->now.full_states = 0;
+    if (status || !outcome->status) return status;
+    begun = program_seconds();
+    self->doubt = outcome->reason;
+    snprintf(self->reason, sizeof self->reason, "%s", outcome->reason);
+    self->now.since = frame->time;
+    self->now.full = self->now.full_states = 1;
+    self->base_taken = false;
+    status = self->of_full.start(outcome, self->of_full.self, frame, error);
+    outcome->by_full_model = true;
+    self->now.seconds_full += program_seconds() - begun;
+    return status;
+}
+
+/* By the reduced model; *done: it is as good as it gets, or to be repeated with a shorter step. One
+ * that does not converge is, once. */
+static ehd_status attempt_reduced(bool *done, march_step *outcome, fallback_march *self,
+                                  const contact_frame *frame, double step, ehd_error *error) {
+    const double begun = program_seconds();
+    ehd_status status =
+        self->of_reduced.attempt(outcome, self->of_reduced.self, frame, step, error);
+
+    self->now.seconds_reduced += program_seconds() - begun;
+    *done = status || !outcome->status ||
+            (outcome->status == EHD_NOT_CONVERGED && self->now.failed++ == 0);
+    self->doubt = outcome->reason;
+    return status;
+}
+
+static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
+                          double step, ehd_error *error) {
+    fallback_march *self = solver;
+    const bool was_full = self->now.full == 1;
+    bool done = false;
+    ehd_status status = EHD_OK;
+
+    self->by_full = self->returns = false;
+    if (!was_full) status = attempt_reduced(&done, outcome, self, frame, step, error);
+    if (status || done) return status;
+    const double begun = program_seconds();
+    if (self->now.full_states != 1) status = to_full(self, error);
+    if (!status) status = self->of_full.attempt(outcome, self->of_full.self, frame, step, error);
+    outcome->by_full_model = self->by_full = true;
+    const double solved = program_seconds();
+    self->now.seconds_full += solved - begun;
+    if (!status && !outcome->status && was_full)
+        status = try_to_return(self, outcome, frame, step, error);
+    self->now.seconds_reduced += program_seconds() - solved;
+    return status;
+}
+
+static void accept(void *solver) {
+    fallback_march *self = solver;
+    standing *now = &self->now;
+
+    now->failed = 0;
+    now->full_states = self->by_full;
+    if (!self->by_full) {
+        self->of_reduced.accept(self->of_reduced.self);
+        return;
+    }
+    const contact_frame *frame;
+    self->of_full.accept(self->of_full.self);
+    full_march_state(self->full, &frame);
+    if (isnan(now->since)) {
+        now->since = frame->time;
+        snprintf(self->reason, sizeof self->reason, "%s", self->doubt);
+    }
+    now->full_steps++;
+    now->full = !self->returns;
+    if (self->returns) self->of_reduced.accept(self->of_reduced.self);
+}
+
+static void restart(void *solver) {
+    fallback_march *self = solver;
+
+    if (self->now.full_states == 1) self->of_full.restart(self->of_full.self);
+    if (self->now.full != 1) self->of_reduced.restart(self->of_reduced.self);
+}
+
+/* The reduced model's states, then the full one's; zeros of what does not hold the last ones. */
+static size_t saved_size(const void *solver) {
+    const fallback_march *self = solver;
+
+    return AT_SOLVERS + self->of_reduced.saved_size(self->of_reduced.self) +
+           self->of_full.saved_size(self->of_full.self);
+}
+
+static void save(double *saved, const void *solver) {
+    const fallback_march *self = solver;
+    double *of_reduced = saved + AT_SOLVERS;
+    double *of_full = of_reduced + self->of_reduced.saved_size(self->of_reduced.self);
+
+    memset(saved, 0, saved_size(self) * sizeof *saved);
+    memcpy(saved, &self->now, sizeof self->now);
+    for (size_t i = 0; self->reason[i]; i++)
+        saved[NUM_STANDING + i] = (unsigned char)self->reason[i];
+    if (self->now.full != 1) self->of_reduced.save(of_reduced, self->of_reduced.self);
+    if (self->now.full_states == 1) self->of_full.save(of_full, self->of_full.self);
+}
+
+static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
+    fallback_march *self = solver;
+    const double *of_reduced = saved + AT_SOLVERS;
+    const double *of_full = of_reduced + self->of_reduced.saved_size(self->of_reduced.self);
+    ehd_status status = EHD_OK;
+
+    memcpy(&self->now, saved, sizeof self->now);
+    for (size_t i = 0; i + 1 < MARCH_REASON; i++) {
+        const double code = saved[NUM_STANDING + i];
+        self->reason[i] = code >= 1 && code <= UCHAR_MAX ? (char)(unsigned char)code : '\0';
+    }
+    self->base_taken = false;
+    if (self->now.full == 1 && self->now.full_states != 1)
+        return ehd_fail(error, EHD_DATA, "saved state: found no states of the full model");
+    if (self->now.full != 1)
+        status = self->of_reduced.restore(self->of_reduced.self, of_reduced, error);
+    if (!status && self->now.full_states == 1)
+        status = self->of_full.restore(self->of_full.self, of_full, error);
+    return status;
+}
+
+/* What solved the last accepted state. */
+static const march_solver *last_solver(const fallback_march *self) {
+    return self->now.full_states == 1 ? &self->of_full : &self->of_reduced;
+}
+
+static ehd_status fields(double *pressure, double *film, void *solver, ehd_error *error) {
+    const march_solver *last = last_solver(solver);
+
+    return last->fields(pressure, film, last->self, error);
+}
+
+static void exits(double *positions, const void *solver) {
+    const march_solver *last = last_solver(solver);
+
+    last->exits(positions, last->self);
+}
+
+march_solver fallback_march_solver(fallback_march *self) {
+    return (march_solver){.self = self,
+                          .attempt = attempt,
+                          .accept = accept,
+                          .restart = restart,
+                          .start = start,
+                          .saved_size = saved_size,
+                          .save = save,
+                          .restore = restore,
+                          .fields = fields,
+                          .exits = exits};
+}
+
+time_run_share fallback_march_share(const void *solver) {
+    const fallback_march *self = solver;
+
+    return (time_run_share){.full_steps = (size_t)self->now.full_steps,
+                            .seconds_full = self->now.seconds_full,
+                            .seconds_reduced = self->now.seconds_reduced,
+                            .since = self->now.since,
+                            .reason = self->reason};
+}
+
+void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver) {
+    const fallback_march *self = solver;
+    const reduced_march_effort reduced = reduced_march_effort_of(self->reduced);
+    const full_march_effort full = full_march_effort_of(self->full);
+
+    *rows = reduced.seconds_rows + reduced.seconds_previous + full.seconds_rows;
+    *linear = reduced.seconds_linear + full.seconds_linear;
+    *exit = reduced.seconds_exit;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* romrun --fallback full in time: reduced steps while they are to be trusted, else steps of the full
+ * model from the same states, until the reduced one can be trusted again (romrun/README.md). */
+#ifndef EHD_FALLBACK_MARCH_H
+#define EHD_FALLBACK_MARCH_H
+
+#include "common/output/time_run.h"
+#include "fullrun/full_march.h"
+#include "romrun/online/reduced_march.h"
+
+typedef struct fallback_march fallback_march;
+
+/* `reduced` must outlive it; nothing else may use it.
+ * `accuracy`: of the central film, within a tenth of which a reduced step has to agree with the full one
+ * before steps are reduced again. EHD_MEMORY. */
+ehd_status fallback_march_create(
+    // output:
+    fallback_march **self, // free with fallback_march_free
+    // input:
+    reduced_march *reduced, double start_film, double accuracy, ehd_error *error);
+fallback_march *fallback_march_free(fallback_march *self); // accepts and returns NULL
+
+/* As a solver for march_run. */
+march_solver fallback_march_solver(fallback_march *self);
+
+/* For time_run: the full model's share of the steps, and the effort of both. */
+time_run_share fallback_march_share(const void *solver);
+void fallback_march_effort(double *rows, double *linear, double *exit, const void *solver);
+
+#endif

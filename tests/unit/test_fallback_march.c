@@ -1,0 +1,330 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Steps by the reduced model and by the full one in turn. With every node as a mode both are the same,
+ * so that what changes from one to the other has to be nothing. */
+#include "romrun/calibrate/fallback_march.h"
+#include "tests/unit/marching.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUM_STEPS = 40 };
+
+static const double STEP = 0.02;
+
+static trained training, point_training;
+static reduced_basis bases[2], point_basis;
+static size_t rows[FEW_ROWS];
+static ehd_error error;
+
+#define check_ok(call)                                                                             \
+    if (call) fail_msg("%s", error.text)
+
+static int set_up(void **state) {
+    (void)state;
+    trained_few_init(&training, bases, rows);
+    trained_init_point(&point_training, true, "open");
+    trained_basis(&point_basis, &point_training, DEFORMATION_COUPLED, 0, 0);
+    return 0;
+}
+
+static int tear_down(void **state) {
+    (void)state;
+    trained_few_free(&training, bases);
+    reduced_basis_free(&point_basis);
+    trained_free(&point_training);
+    return 0;
+}
+
+/* Every node a mode of its own; contacts that change are of the training, as far as M goes. */
+static reduced_basis nodes_basis(const trained *of, deformation_kind kind, const double *weight) {
+    reduced_basis nodes = identity_basis(&of->set, kind, weight);
+    const size_t last = grid_width(&nodes.grid) - 2, inner = grid_lines(&nodes.grid) - 1;
+
+    for (size_t s = 0; s < nodes.states.num_states; s++)
+        nodes.states.rate[s] = 1000;
+    for (size_t l = 0; l < inner && of == &point_training; l++)
+        nodes.states.exit[l] = last;
+    return nodes;
+}
+
+/* A march and what it left behind at each step; `both`: with the full model beside the reduced one,
+ * else by the full model alone. */
+typedef struct run {
+    marching reduced;
+    fallback_march *both;
+    full_march *full;
+    march_solver solver;
+    double phase;
+    double film[NUM_STEPS + 1], least_film[NUM_STEPS + 1], exit[NUM_STEPS + 1];
+    double effect[NUM_STEPS + 1];
+    bool by_full_model[NUM_STEPS + 1];
+} run;
+
+/* Leaves the training and comes back; with a phase of half a unit of pi it starts outside. */
+static double load_at(size_t i, double phase) {
+    return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
+}
+
+static contact_frame frame_at_step(const run *self, size_t i) {
+    contact_frame frame = frame_at(self->reduced.reference.kind, (double)i * STEP,
+                                   (double[]){load_at(i, self->phase), 1, 1, 1}, NAN);
+
+    frame.path = frame.time;
+    return frame;
+}
+
+static void keep(run *self, const march_step *step, size_t i) {
+    const contact_scalars scalars =
+        frame_to_reference(&step->scalars, &step->frame, &self->reduced.reference);
+
+    assert_string_equal(step->reason, "");
+    assert_int_equal(step->status, EHD_OK);
+    self->film[i] = scalars.central_film_thickness;
+    self->least_film[i] = scalars.minimum_film_thickness;
+    self->exit[i] = scalars.exit_position;
+    self->effect[i] = step->effect;
+    self->by_full_model[i] = step->by_full_model;
+}
+
+static void run_init(run *self, const ehd_contact *contact, const reduced_basis *basis,
+                     bool with_reduced, double accuracy, double phase) {
+    full_settings settings = full_default_settings();
+    march_step first;
+    memset(self, 0, sizeof *self);
+    self->reduced.reference = *contact;
+    self->phase = phase;
+    const contact_frame frame = frame_at_step(self, 0);
+
+    marching_start(&self->reduced, contact, basis, &frame);
+    if (with_reduced) {
+        check_ok(fallback_march_create(&self->both, self->reduced.march, NAN, accuracy, &error));
+        self->solver = fallback_march_solver(self->both);
+    } else {
+        check_ok(full_march_create(&self->full, reduced_march_reference(self->reduced.march),
+                                   &settings, NAN, &error));
+        self->solver = full_march_solver(self->full);
+    }
+    check_ok(self->solver.start(&first, self->solver.self, &frame, &error));
+    keep(self, &first, 0);
+}
+
+static void run_free(run *self) {
+    fallback_march_free(self->both);
+    full_march_free(self->full);
+    marching_free(&self->reduced);
+}
+
+/* Steps `from` … `to`. */
+static void go_on(run *self, size_t from, size_t to) {
+    for (size_t i = from; i <= to; i++) {
+        const contact_frame frame = frame_at_step(self, i);
+        march_step step = {.status = EHD_OK};
+        if (i == 31) self->solver.restart(self->solver.self);
+        check_ok(self->solver.attempt(&step, self->solver.self, &frame, STEP, &error));
+        step.frame = frame;
+        keep(self, &step, i);
+        self->solver.accept(self->solver.self);
+    }
+}
+
+static size_t count_full(const run *self) {
+    size_t count = 0;
+
+    for (size_t i = 0; i <= NUM_STEPS; i++)
+        count += self->by_full_model[i];
+    return count;
+}
+
+static ehd_contact contact_of(const trained *of, double moes_M, bool along_path) {
+    ehd_contact contact = of->contacts[4];
+
+    contact_set_moes(&contact, moes_M, 4);
+    contact.transport = along_path ? TRANSPORT_PATH : TRANSPORT_UPWIND;
+    contact.smoothing = 0.014;
+    return contact;
+}
+
+/* The same films as by the full model alone. */
+static void check_turns(const ehd_contact *contact, const reduced_basis *basis, double tolerance) {
+    run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
+
+    run_init(full, contact, basis, false, 0, 0);
+    go_on(full, 1, NUM_STEPS);
+    run_init(both, contact, basis, true, 1e-2, 0);
+    go_on(both, 1, NUM_STEPS);
+    const size_t num_full = count_full(both);
+    assert_in_range(num_full, 8, NUM_STEPS - 15);
+    assert_false(both->by_full_model[0]);
+    assert_false(both->by_full_model[2]);
+    assert_true(both->by_full_model[12]); // the largest load
+    assert_false(both->by_full_model[NUM_STEPS]);
+    check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
+    check_close_array(both->least_film, full->least_film, NUM_STEPS + 1, 10 * tolerance, 0);
+    const time_run_share share = fallback_march_share(both->both);
+    assert_int_equal(share.full_steps, num_full);
+    assert_non_null(strstr(share.reason, "trained range"));
+    assert_true(share.since > 0 && share.since < 0.25);
+    assert_true(share.seconds_full > 0 && share.seconds_reduced > 0);
+    run_free(both);
+    run_free(full);
+    free(both);
+    free(full);
+}
+
+static void in_turn_they_are_the_full_model(void **state) {
+    (void)state;
+    for (int path = 0; path < 2; path++) {
+        reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
+        const ehd_contact contact = contact_of(&training, 18.5, path);
+        check_turns(&contact, &nodes, 1e-5);
+        reduced_basis_free(&nodes);
+    }
+}
+
+static void with_modes_of_the_deflection_too(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis(&training, DEFORMATION_INDEPENDENT, bases[0].weight);
+    const ehd_contact contact = contact_of(&training, 18.5, true);
+
+    check_turns(&contact, &nodes, 1e-5);
+    reduced_basis_free(&nodes);
+}
+
+static void of_a_point_contact(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis(&point_training, DEFORMATION_COUPLED, point_basis.weight);
+    const ehd_contact contact = contact_of(&point_training, 18.5, true);
+
+    check_turns(&contact, &nodes, 1e-4);
+    reduced_basis_free(&nodes);
+}
+
+/* From any step on, by either model, another object makes the same bits. */
+static void saved_and_restored(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
+    const ehd_contact contact = contact_of(&training, 18.5, true);
+    run *whole = malloc(sizeof *whole), *other = malloc(sizeof *other);
+
+    run_init(whole, &contact, &nodes, true, 1e-2, 0);
+    const size_t size = whole->solver.saved_size(whole->solver.self);
+    double *saved = malloc((NUM_STEPS + 1) * size * sizeof *saved);
+    for (size_t i = 0; i <= NUM_STEPS; i++) {
+        if (i > 0) go_on(whole, i, i);
+        whole->solver.save(saved + i * size, whole->solver.self);
+    }
+    for (size_t i = 0; i < NUM_STEPS; i += 3) {
+        run_init(other, &contact, &nodes, true, 1e-2, 0);
+        check_ok(other->solver.restore(other->solver.self, saved + i * size, &error));
+        go_on(other, i + 1, NUM_STEPS);
+        const size_t bytes = (NUM_STEPS - i) * sizeof(double);
+        assert_memory_equal(other->film + i + 1, whole->film + i + 1, bytes);
+        assert_memory_equal(other->least_film + i + 1, whole->least_film + i + 1, bytes);
+        assert_memory_equal(other->exit + i + 1, whole->exit + i + 1, bytes);
+        assert_memory_equal(other->effect + i + 1, whole->effect + i + 1, bytes);
+        assert_memory_equal(other->by_full_model + i + 1, whole->by_full_model + i + 1,
+                            (NUM_STEPS - i) * sizeof(bool));
+        const time_run_share share = fallback_march_share(other->both);
+        assert_int_equal(share.full_steps, count_full(whole));
+        assert_non_null(strstr(share.reason, "trained range"));
+        run_free(other);
+    }
+    saved[0] = 1; // by the full model, which has no states
+    saved[1] = 0;
+    run_init(other, &contact, &nodes, true, 1e-2, 0);
+    assert_int_equal(other->solver.restore(other->solver.self, saved, &error), EHD_DATA);
+    run_free(other);
+    run_free(whole);
+    free(saved);
+    free(whole);
+    free(other);
+    reduced_basis_free(&nodes);
+}
+
+/* A start outside of the training is the full model's, and the reduced one comes in later. */
+static void a_start_by_the_full_model(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
+    const ehd_contact contact = contact_of(&training, 18.5, true);
+    run *both = malloc(sizeof *both), *full = malloc(sizeof *full);
+
+    run_init(full, &contact, &nodes, false, 0, M_PI / 2);
+    go_on(full, 1, NUM_STEPS);
+    run_init(both, &contact, &nodes, true, 1e-2, M_PI / 2);
+    go_on(both, 1, NUM_STEPS);
+    assert_true(both->by_full_model[0]);
+    assert_false(both->by_full_model[NUM_STEPS]);
+    check_close_array(both->film, full->film, NUM_STEPS + 1, 1e-5, 0);
+    check_close(fallback_march_share(both->both).since, 0, 0, 0);
+    run_free(both);
+    run_free(full);
+    free(both);
+    free(full);
+    reduced_basis_free(&nodes);
+}
+
+/* A film that the modes do not have has to leave before: these twelve have none of a film in time to
+ * better than 4 to 15 % of the central one, which is good enough for one accuracy and not for the
+ * other. */
+static void the_film_has_to_leave_before(void **state) {
+    (void)state;
+    reduced_basis few;
+    trained_basis(&few, &training, DEFORMATION_COUPLED, 12, 0);
+    for (size_t s = 0; s < few.states.num_states; s++)
+        few.states.rate[s] = 1000;
+    const ehd_contact contact = contact_of(&training, 18.5, true);
+    run *both = malloc(sizeof *both);
+
+    run_init(both, &contact, &few, true, 1, 0);
+    go_on(both, 1, NUM_STEPS);
+    assert_true(both->by_full_model[12]);
+    assert_false(both->by_full_model[NUM_STEPS]);
+    run_free(both);
+    run_init(both, &contact, &few, true, 0.3, 0);
+    go_on(both, 1, NUM_STEPS);
+    assert_true(both->by_full_model[12]);
+    assert_true(both->by_full_model[NUM_STEPS]);
+    run_free(both);
+    free(both);
+    reduced_basis_free(&few);
+}
+
+/* What does not converge is tried once more by the reduced model, then by the full one. */
+static void where_the_reduced_model_does_not_converge(void **state) {
+    (void)state;
+    reduced_basis nodes = nodes_basis(&training, DEFORMATION_COUPLED, bases[1].weight);
+    const ehd_contact contact = contact_of(&training, 14, true);
+    march_step step = {.status = EHD_OK};
+    run *both = malloc(sizeof *both);
+
+    run_init(both, &contact, &nodes, true, 1e-2, 0);
+    go_on(both, 1, 3);
+    for (size_t k = 0; k < both->reduced.model.rows.num_rows; k++)
+        both->reduced.model.rows.weight[k] = NAN;
+    const contact_frame frame = frame_at_step(both, 4);
+    check_ok(both->solver.attempt(&step, both->solver.self, &frame, STEP, &error));
+    assert_int_equal(step.status, EHD_NOT_CONVERGED);
+    assert_false(step.by_full_model);
+    go_on(both, 4, 10);
+    for (size_t i = 4; i <= 10; i++)
+        assert_true(both->by_full_model[i]);
+    assert_false(both->by_full_model[3]);
+    assert_int_equal(fallback_march_share(both->both).full_steps, 7);
+    run_free(both);
+    free(both);
+    reduced_basis_free(&nodes);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(in_turn_they_are_the_full_model),
+        cmocka_unit_test(with_modes_of_the_deflection_too),
+        cmocka_unit_test(of_a_point_contact),
+        cmocka_unit_test(saved_and_restored),
+        cmocka_unit_test(a_start_by_the_full_model),
+        cmocka_unit_test(the_film_has_to_leave_before),
+        cmocka_unit_test(where_the_reduced_model_does_not_converge),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
