@@ -62,6 +62,20 @@ static void adaptive_free(adaptive *self) {
     free(self->rounds);
 }
 
+/* Candidates of one group and of the same laws are neighbours, also where the laws' constants vary. */
+static void find_places(tree_point *places, const training_set *set) {
+    training_set_places(places, set);
+    for (size_t i = 0; i < set->num_points; i++) {
+        const ehd_lubricant *here = &set->contacts[i].lubricant;
+        size_t first = 0;
+        while (set->groups[first] != set->groups[i] ||
+               set->contacts[first].lubricant.viscosity != here->viscosity ||
+               set->contacts[first].lubricant.density != here->density)
+            first++;
+        places[i].family = first;
+    }
+}
+
 static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
     size_t count = self->set->num_points;
 
@@ -77,7 +91,7 @@ static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
         !self->verdicts || !self->indicated || !self->states || !self->rounds)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points", self->plan_path,
                         count);
-    training_set_places(self->places, self->set);
+    find_places(self->places, self->set);
     for (size_t i = 0; i < count; i++)
         self->indicated[i] = INFINITY;
     return training_init(&self->points, self->caller, self->set, error);

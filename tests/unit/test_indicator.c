@@ -367,7 +367,7 @@ static void what_the_iteration_leaves_is_indicated(void **state) {
             check_ok(reduced_solver_create(&solver, &model, &settings, &error));
             check_ok(reduced_state_init(&at, &model, &error));
             reduced_neighbour(&at, &model, training.contacts[s].moes_M,
-                              training.contacts[s].alpha_p_H);
+                              training.contacts[s].alpha_p_H, NULL);
             check_ok(reduced_solve(&info, &at, solver, &training.contacts[s], NULL, &error));
             film[loose] = info.scalars.central_film_thickness;
             indicated = reduced_film_error(influence, solver, REDUCED_CENTRAL_FILM);

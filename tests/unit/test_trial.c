@@ -57,9 +57,12 @@ static void training_points_are_reproduced(void **state) {
     assert_true(model.control.num_rows > 0);
     check_ok(trial_judge(verdicts, &model, training.contacts, wanted, TRAINED_STATES, 1, &error));
     for (size_t s = 0; s < TRAINED_STATES; s++) {
-        check_close(verdicts[s].central_film_thickness, training.set.central_film_thickness[s],
-                    1e-6, 0);
-        check_close(verdicts[s].bound, 0, 0, 1e-4);
+        check_close(verdicts[s].film[FILM_CENTRAL], training.set.central_film_thickness[s], 1e-6,
+                    0);
+        assert_true(verdicts[s].film[FILM_MINIMUM] > 0 &&
+                    verdicts[s].film[FILM_MINIMUM] < verdicts[s].film[FILM_CENTRAL]);
+        for (int f = 0; f < NUM_FILMS; f++)
+            check_close(verdicts[s].bound[f], 0, 0, 1e-4);
     }
 }
 
@@ -85,7 +88,8 @@ static void verdicts_have_the_same_bits_on_more_threads(void **state) {
     memset(two, 0x55, sizeof two);
     assert_memory_equal(&one[2], &two[2], sizeof *two);
     for (size_t i = 0; i < COUNT; i++)
-        if (wanted[i]) assert_true(one[i].bound > 0);
+        if (wanted[i])
+            assert_true(one[i].bound[FILM_CENTRAL] > 0 && one[i].bound[FILM_MINIMUM] > 0);
 }
 
 /* Where there is no solution the verdict is the worst. */
@@ -96,8 +100,10 @@ static void what_is_not_solved_is_the_worst(void **state) {
     (void)state;
 
     check_ok(trial_judge(&verdict, &model, &far, &wanted, 1, 1, &error));
-    assert_true(isinf(verdict.bound) && verdict.bound > 0);
-    assert_true(isnan(verdict.central_film_thickness));
+    for (int f = 0; f < NUM_FILMS; f++) {
+        assert_true(isinf(verdict.bound[f]) && verdict.bound[f] > 0);
+        assert_true(isnan(verdict.film[f]));
+    }
 }
 
 static void no_solutions_are_refused(void **state) {
