@@ -4,6 +4,8 @@
 #include "common/output/check.h"
 #include "common/output/print.h"
 #include "common/program/program.h"
+#include "common/training/pool.h"
+#include "deimselect/checked_model.h"
 #include "deimselect/row_choice.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
@@ -19,6 +21,8 @@ typedef struct select_options {
     const char *basis;
     const char *rows_from; // NULL: a method selects the rows
     row_settings rows;     // method and weights NULL where not given
+    bool no_check;
+    size_t num_jobs;
 } select_options;
 
 static ehd_status read_method(void *member, const char *argument, ehd_error *error) {
@@ -54,6 +58,10 @@ static const program_option own_options[] = {
     {"weights", 0, "NAME", "quadrature (default), plain; see below", OPTION_READ(rows.weights, read_weights)},
     {"control", 0, "N", "Number of control rows, which take no part in the solution and indicate its "
      "deviation; default a tenth of the rows, at least 8; 0: none", OPTION_COUNT(rows.num_control, 0, 10000000)},
+    {"no-check", 0, NULL, "Leave out the check of the model, by full solutions between the points of its training; "
+     "romrun then trusts none of its results", OPTION_FLAG(no_check)},
+    {"jobs", 'j', "N", "Full solutions at a time; as many as there are processors by default",
+     OPTION_COUNT(num_jobs, 1, 4096)},
     {0}};
 // clang-format on
 
@@ -89,7 +97,8 @@ static ehd_status check_fit(artefact *file, const reduced_basis *basis, const ch
     return status;
 }
 
-static ehd_status read_residuals(residual_snapshots *snapshots, const char *path,
+/* *plan_text: the settings of the file, free with free(); NULL: it has none. */
+static ehd_status read_residuals(residual_snapshots *snapshots, char **plan_text, const char *path,
                                  const reduced_basis *basis, const char *basis_path,
                                  const char *identity, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_residuals, NULL};
@@ -106,6 +115,8 @@ static ehd_status read_residuals(residual_snapshots *snapshots, const char *path
         snapshots->state[i] = -1;
     if (!status && artefact_has(file, "iteration_state"))
         status = artefact_get_integers(file, "iteration_state", snapshots->state, error);
+    if (!status && artefact_has(file, "settings"))
+        status = artefact_get_text(file, "settings", plan_text, error);
     artefact_close(&file);
     return status;
 }
@@ -114,7 +125,7 @@ static ehd_status read_residuals(residual_snapshots *snapshots, const char *path
 
 static ehd_status write_model(const program *self, const select_options *options,
                               const reduced_basis *basis, const row_choice *choice,
-                              const char *identity, ehd_error *error) {
+                              const char *identity, const char *plan_text, ehd_error *error) {
     const row_settings *rows = &options->rows;
     const bool given_factors = rows->given && rows->given->factors;
     const char *const inputs[] = {self->arguments[0], options->basis, options->rows_from, NULL};
@@ -132,20 +143,26 @@ static ehd_status write_model(const program *self, const select_options *options
                                  .num_jacobian_modes = choice->num_jacobian_modes,
                                  .jacobian_modes = choice->jacobian_modes};
     reduced_model model = {0};
-    char text[128];
+    char text[128], worth[CHECK_REPORT] = "";
     ehd_status status = row_choice_model(&model, choice, basis, error);
 
     snprintf(text, sizeof text, "method: %s\nrows: %zu\nweights: %s\ncontrol: %zu\n", method,
              choice->num_rows, weights ? weights : "given", choice->num_control);
-    if (!status) status = model_write(&model, basis, &origin, self, text, inputs, error);
-    if (!status)
+    if (!status && options->no_check)
+        status = model_write(&model, basis, &origin, self, text, inputs, error);
+    if (!status && !options->no_check) {
+        const check_task task = {plan_text, self->arguments[0], text, inputs, options->num_jobs};
+        status = checked_model_write(worth, &model, basis, &origin, self, &task, error);
+    }
+    if (!status || status == EHD_UNTRUSTED)
         printf("%zu rows of %zu %s %s, %zu unknowns, state needed at %zu nodes, %zu control rows\n"
                "1/sigma_min: residuals %.3g, Jacobian products %.3g, worst exit of training %.3g\n"
-               "stability: %.3g at the worst exit of training, where all rows have 1\n",
+               "stability: %.3g at the worst exit of training, where all rows have 1\n%s",
                model.rows.num_rows, model.grid.num_inner, rows->given ? "from" : "by method",
                rows->given ? options->rows_from : method, model.num_unknowns, model.rows.num_needed,
                model.control.num_rows, 1 / choice->sigma_min_residual,
-               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits, choice->stability);
+               1 / choice->sigma_min_jacobian, 1 / choice->sigma_min_over_exits, choice->stability,
+               worth);
     reduced_model_free(&model);
     return status;
 }
@@ -168,7 +185,7 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
     given_rows given = {0};
     row_choice choice = {0};
     ehd_error cause = {""};
-    char identity[65];
+    char identity[65], *plan_text = NULL;
 
     if (!options->basis)
         return ehd_fail(error, EHD_USAGE, "--basis: found none, expected the basis of %s",
@@ -179,13 +196,14 @@ static ehd_status run(const program *self, select_options *options, ehd_error *e
     if (!options->rows.method) options->rows.method = selection_methods;
     if (!options->rows.weights) options->rows.weights = weightings;
     if (!status)
-        status =
-            read_residuals(&snapshots, self->arguments[0], &basis, options->basis, identity, error);
+        status = read_residuals(&snapshots, &plan_text, self->arguments[0], &basis, options->basis,
+                                identity, error);
     if (!status) {
         status = row_choice_make(&choice, &snapshots, &basis, &options->rows, &cause);
         if (status) ehd_fail(error, status, "%s: %s", self->arguments[0], cause.text);
     }
-    if (!status) status = write_model(self, options, &basis, &choice, identity, error);
+    if (!status) status = write_model(self, options, &basis, &choice, identity, plan_text, error);
+    free(plan_text);
     row_choice_free(&choice);
     options->rows.given = NULL;
     given_rows_free(&given);
@@ -215,7 +233,8 @@ static ehd_status check_usage(const select_options *options, ehd_error *error) {
 }
 
 int main(int argc, char **argv) {
-    select_options own = {.rows = {.num_control = CONTROL_BY_ITSELF}};
+    select_options own = {.rows = {.num_control = CONTROL_BY_ITSELF},
+                          .num_jobs = pool_default_workers()};
     const program_options options = {
         .options = own_options,
         .own = &own,

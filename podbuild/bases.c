@@ -77,6 +77,7 @@ static ehd_status fill_states(reduced_basis *basis, const snapshot_set *set,
     memcpy(states->stationary, set->stationary, num_states * sizeof *states->stationary);
     memcpy(states->rate, set->rate, num_states * sizeof(double));
     memcpy(states->effects, set->effects, num_states * sizeof *states->effects);
+    memcpy(states->rises, set->rises, num_states * sizeof *states->rises);
     return EHD_OK;
 }
 

@@ -86,6 +86,36 @@ static void report(const reduced_basis *basis, const basis_origin *origin,
         printf("deformation: coupled\n");
 }
 
+static int compare_doubles(const void *a, const void *b) {
+    double p = *(const double *)a, q = *(const double *)b;
+
+    return (p > q) - (p < q);
+}
+
+/* With as many modes as states more states would tell more: how much, is told by how well each is
+ * told by the others. A warning where that is worse than what results are promised to be. */
+static void report_thinness(const program *self, const pod_basis *pressure,
+                            const snapshot_set *set) {
+    const double promised = 0.01;
+    const size_t num = set->num_states;
+    double *distance = malloc((num + 1) * sizeof *distance);
+
+    if (distance && num > 1 && num == set->num_snapshots && pressure->num_modes == num) {
+        pod_left_out(distance, pressure, set->pressure, num);
+        qsort(distance, num, sizeof *distance, compare_doubles);
+        printf("as many modes as states; each state is told by the others to %.1e (median), %.1e "
+               "(worst)\n",
+               distance[num / 2], distance[num - 1]);
+        if (distance[num / 2] > promised)
+            program_warn(self,
+                         "%s: found a training too thin: half of its pressures are further than "
+                         "%.2g from what the others tell, expected at most %g; add points between "
+                         "them, or have them chosen in a region (schemas/plan.md)",
+                         self->arguments[0], distance[num / 2], promised);
+    }
+    free(distance);
+}
+
 /* Another weight than that of the first mode. */
 static ehd_status weigh(reduced_basis *basis, const program *self, const build_options *options,
                         ehd_error *error) {
@@ -145,6 +175,7 @@ static ehd_status build(const program *self, const build_options *options, ehd_e
                  options->weight->name);
         status = basis_write(&basis, &origin, self, text, inputs, error);
         if (!status) report(&basis, &origin, &set);
+        if (!status) report_thinness(self, &pressure, &set);
     }
     free(inputs);
     pod_free(&pressure);

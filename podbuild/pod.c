@@ -205,3 +205,21 @@ void pod_free(pod_basis *basis) {
     free(basis->singular_values);
     *basis = (pod_basis){0};
 }
+
+void pod_left_out(double *distance, const pod_basis *basis, const double *snapshots,
+                  size_t num_states) {
+    for (size_t s = 0; s < num_states; s++) {
+        double length = 0, inverse = 0;
+        for (size_t m = 0; m < basis->num_modes; m++) {
+            const double *mode = basis->modes + m * basis->num_nodes;
+            const double *snapshot = snapshots + s * basis->num_nodes;
+            const double singular = basis->singular_values[m];
+            double along = 0;
+            for (size_t k = 0; k < basis->num_nodes; k++)
+                along += mode[k] * snapshot[k];
+            length = hypot(length, along);
+            inverse = hypot(inverse, along / (singular * singular));
+        }
+        distance[s] = 1 / (inverse * length);
+    }
+}

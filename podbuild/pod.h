@@ -38,6 +38,17 @@ ehd_status pod_build(
     const double *snapshots, // [num_states, num_nodes] row-major
     size_t num_states, size_t num_nodes, const pod_settings *settings, ehd_error *error);
 
+/* How well each snapshot is told by all others: its distance from what these span, relative to its
+ * own length. With U S Vᵀ the decomposition of the snapshots as rows, it is 1/|S^-1 Uᵀ e_i|, over
+ * |S Uᵀ e_i|: the inverse of their Gram matrix has on its diagonal the inverse squares of these
+ * distances. Only of a basis with as many modes as snapshots; with fewer the others tell each one
+ * to what was left out. */
+void pod_left_out(
+    // output:
+    double *distance, // [num_states]
+    // input:
+    const pod_basis *basis, const double *snapshots, size_t num_states);
+
 void pod_free(pod_basis *basis);
 
 #endif

@@ -19,6 +19,7 @@ void snapshot_set_free(snapshot_set *set) {
     free(set->stationary);
     free(set->rate);
     free(set->effects);
+    free(set->rises);
     free(set->snapshots);
     memset(set, 0, sizeof *set);
 }
@@ -44,6 +45,7 @@ static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error
         status =
             grow((void **)&set->exit, count * grid_lines(&set->grid) * sizeof *set->exit, error);
     if (!status) status = grow((void **)&set->effects, count * sizeof *set->effects, error);
+    if (!status) status = grow((void **)&set->rises, count * sizeof *set->rises, error);
     if (!status) status = grow((void **)&set->stationary, count * sizeof *set->stationary, error);
     return status;
 }
@@ -69,19 +71,30 @@ typedef struct file_states {
     int64_t *trajectory;          // [count]
     double *time, *rate;          // [count]
     double *effects[NUM_EFFECTS]; // [count]
+    double *rises[NUM_RISES];     // [count]
     double *memory;
 } file_states;
 
+/* A column that a file need not have: NaN then. */
+static ehd_status read_optional(double *column, const file_states *states, artefact *file,
+                                const char *name, ehd_error *error) {
+    for (size_t i = 0; i < states->count; i++)
+        column[i] = NAN;
+    return artefact_has(file, name) ? read_column(column, file, name, states->count, error)
+                                    : EHD_OK;
+}
+
 static ehd_status read_effects(file_states *states, artefact *file, ehd_error *error) {
+    double *column = states->memory + 6 * states->count;
     ehd_status status = EHD_OK;
 
-    for (int e = 0; e < NUM_EFFECTS && !status; e++) {
-        states->effects[e] = states->memory + (6 + (size_t)e) * states->count;
-        for (size_t i = 0; i < states->count; i++)
-            states->effects[e][i] = NAN;
-        if (artefact_has(file, film_effect_names[e]))
-            status =
-                read_column(states->effects[e], file, film_effect_names[e], states->count, error);
+    for (int e = 0; e < NUM_EFFECTS && !status; e++, column += states->count) {
+        states->effects[e] = column;
+        status = read_optional(column, states, file, film_effect_names[e], error);
+    }
+    for (int r = 0; r < NUM_RISES && !status; r++, column += states->count) {
+        states->rises[r] = column;
+        status = read_optional(column, states, file, lubricant_rise_names[r], error);
     }
     return status;
 }
@@ -90,7 +103,7 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = calloc((6 + NUM_EFFECTS) * count + 1, sizeof(double));
+    states->memory = calloc((6 + NUM_EFFECTS + NUM_RISES) * count + 1, sizeof(double));
     states->outcome = calloc(2 * count + 1, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
@@ -132,6 +145,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
     set->stationary[s] = true;
     set->rate[s] = 0;
     set->effects[s] = film_effects_unknown();
+    set->rises[s] = state->rises;
 }
 
 /* One entry of a field of pressures, boundary nodes included. */
@@ -162,8 +176,13 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
     if (!isfinite(sum + states->rigid_approach[i] + states->moes_M[i] + states->alpha_p_H[i]))
         return ehd_fail(error, EHD_DATA, "%s: state %zu: found values that are not finite",
                         artefact_path(file), i);
-    const solved_state state = {pressure, states->rigid_approach[i], states->moes_M[i],
-                                states->alpha_p_H[i], states->central_film_thickness[i]};
+    const solved_state state = {pressure,
+                                states->rigid_approach[i],
+                                states->moes_M[i],
+                                states->alpha_p_H[i],
+                                states->central_film_thickness[i],
+                                {{[RISE_VISCOSITY] = states->rises[RISE_VISCOSITY][i],
+                                  [RISE_DENSITY] = states->rises[RISE_DENSITY][i]}}};
     add_solved(set, &state, pressure);
     set->stationary[s] = !in_time || states->time[i] == 0;
     set->rate[s] = rate;

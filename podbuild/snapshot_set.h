@@ -24,6 +24,7 @@ typedef struct snapshot_set {
     bool *stationary;               // [num_states] false on a trajectory, unless at its start
     double *rate;                   // [num_states] of change of the contact, 0 when stationary
     film_effects *effects;          // [num_states] of the grid
+    lubricant_rises *rises;         // [num_states] at the Hertz pressure
     // what the basis is made of: the stationary states, and the compressed steps of trajectories
     size_t num_snapshots;
     double *snapshots; // [num_snapshots, num_nodes]
@@ -41,6 +42,7 @@ ehd_status snapshot_set_read(
 typedef struct solved_state {
     const double *pressure; // [num_nodes]
     double rigid_approach, moes_M, alpha_p_H, central_film_thickness;
+    lubricant_rises rises; // at the Hertz pressure
 } solved_state;
 
 /* The same of solutions in memory; a basis is made of all of them. EHD_MEMORY. */

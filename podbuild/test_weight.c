@@ -85,13 +85,8 @@ static ehd_status add_squares(double *step, void *context, const double *matrix,
 
 static const ehd_contact *contact_of(const reduced_states *states, size_t s,
                                      const ehd_contact *contacts, size_t num_contacts) {
-    const double tolerance = 1e-9; // relative
-
     for (size_t i = 0; i < num_contacts; i++)
-        if (fabs(contacts[i].moes_M - states->moes_M[s]) <= tolerance * states->moes_M[s] &&
-            fabs(contacts[i].alpha_p_H - states->alpha_p_H[s]) <=
-                tolerance * fabs(states->alpha_p_H[s]))
-            return &contacts[i];
+        if (reduced_state_is_of(states, s, &contacts[i])) return &contacts[i];
     return NULL;
 }
 

@@ -57,7 +57,7 @@ static const program_option own_options[] = {
     {"fallback", 0, "MODEL", "\"full\": what the reduced model does not solve well enough the full one solves, starting "
      "from it, and both is said; the exit code is then 0. \"none\", the default: the exit code tells", OPTION_TEXT(fall_back)},
     {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
-     "indicated to deviate by more than --accuracy, or 0.01", OPTION_FLAG(allow_untrusted)},
+     "indicated to deviate by more than --accuracy, or 0.01, or the model was never checked at these sizes", OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",
@@ -277,6 +277,8 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         status = self->pressure && self->film
                      ? ehdrom_fields(self->pressure, self->film, done->solver, error)
                      : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        if (!status)
+            ehdrom_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
     self->result = make_result(&done->solution, self->pressure, self->film);
     self->result.exits = self->exits;
@@ -285,6 +287,14 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         self->result.effects = &self->effects;
     }
     accuracy_judge(&self->result, self->options->accuracy);
+    const ehdrom_properties model = ehdrom_describe(done->model);
+    const char *unchecked = accuracy_unchecked(&model, false);
+    if (unchecked && !self->result.status) {
+        self->result.status = EHD_UNTRUSTED;
+        snprintf(self->result.reason, sizeof self->result.reason, "%s", unchecked);
+    }
+    if (unchecked && self->options->allow_untrusted)
+        program_note(self->caller, "%s: found %s", self->options->model, unchecked);
     return status;
 }
 
@@ -433,6 +443,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                    options->against, contact, error);
     }
     if (!status) {
+        const ehdrom_properties properties = ehdrom_describe(model);
+        const char *unchecked = accuracy_unchecked(&properties, true);
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
@@ -444,6 +456,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
+                                    .untrusted = unchecked,
                                     .effort = mixed ? fallback_march_effort : ehdrom_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);

@@ -11,6 +11,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* How far candidates may lie outside of the hull of the corners, in parts of their extent: all of
  * the corners of a curved edge would be more points than training there needs. From 1e-9 to 0.02
@@ -30,12 +31,12 @@ typedef struct adaptive {
 
     artefact *file;
     training points;
-    tree_point *places;             // [num_points]
-    double *central_film_thickness; // [num_points] by the full model, of those solved
-    bool *trained;                  // [num_points]
-    size_t *state_of_point;         // [num_points] of the trained points
-    trial_verdict *verdicts;        // [num_points] of the others, by the present model
-    double *indicated;              // [num_points] of the others; infinite before the first model
+    tree_point *places;         // [num_points]
+    double (*films)[NUM_FILMS]; // [num_points] by the full model, of those solved
+    bool *trained;              // [num_points]
+    size_t *state_of_point;     // [num_points] of the trained points
+    trial_verdict *verdicts;    // [num_points] of the others, by the present model
+    double *indicated;          // [num_points] of the others; infinite before the first model
 
     size_t num_states;
     adaptive_state *states; // [num_states]
@@ -52,7 +53,7 @@ static void adaptive_free(adaptive *self) {
     artefact_close(&self->file);
     training_free(&self->points);
     free(self->places);
-    free(self->central_film_thickness);
+    free(self->films);
     free(self->trained);
     free(self->state_of_point);
     free(self->verdicts);
@@ -65,14 +66,14 @@ static ehd_status adaptive_init(adaptive *self, ehd_error *error) {
     size_t count = self->set->num_points;
 
     self->places = malloc(count * sizeof *self->places);
-    self->central_film_thickness = malloc(count * sizeof(double));
+    self->films = malloc(count * sizeof *self->films);
     self->trained = calloc(count, sizeof *self->trained);
     self->state_of_point = malloc(count * sizeof *self->state_of_point);
     self->verdicts = malloc(count * sizeof *self->verdicts);
     self->indicated = malloc(count * sizeof(double));
     self->states = malloc(count * sizeof *self->states);
     self->rounds = malloc(count * sizeof *self->rounds);
-    if (!self->places || !self->central_film_thickness || !self->trained || !self->state_of_point ||
+    if (!self->places || !self->films || !self->trained || !self->state_of_point ||
         !self->verdicts || !self->indicated || !self->states || !self->rounds)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points", self->plan_path,
                         count);
@@ -94,38 +95,80 @@ static bool is_solved(const adaptive *self, size_t point) {
 
 /* Whether the model that judged a state and the full one both have a solution. */
 static bool is_compared(const adaptive *self, const adaptive_state *state) {
-    return isfinite(state->verdict.bound) && is_solved(self, state->point);
+    return isfinite(state->verdict.bound[FILM_CENTRAL]) && is_solved(self, state->point);
 }
 
-/* Relative deviation of the central film by the model that judged a state. */
-static double true_deviation(const adaptive *self, const adaptive_state *state) {
-    return fabs(state->verdict.central_film_thickness / self->central_film_thickness[state->point] -
-                1);
+/* Relative deviation of a film by the model that judged a state. */
+static double true_deviation(const adaptive *self, const adaptive_state *state, int film) {
+    return fabs(state->verdict.film[film] / self->films[state->point][film] - 1);
 }
 
-/* Factor of the indicator from the points that came in a round; 0: none. `work` is [2, num_states].
- */
-static double factor_of(const adaptive *self, size_t round, double *work) {
+/* Factor of a film's indicator from the points that came in a round; 0: none. `work` is [2,
+ * num_states]. */
+static double factor_of(const adaptive *self, size_t round, int film, double *work) {
     double *deviations = work, *bounds = work + self->num_states;
     size_t count = 0;
 
     for (size_t s = 0; s < self->num_states; s++) {
         const adaptive_state *state = &self->states[s];
         if (state->round != round || !is_compared(self, state)) continue;
-        deviations[count] = true_deviation(self, state);
-        bounds[count++] = state->verdict.bound;
+        deviations[count] = true_deviation(self, state, film);
+        bounds[count++] = state->verdict.bound[film];
     }
     return trade_indicator_factor(deviations, bounds, count);
 }
 
-/* Worst of what a round's points were found to deviate; NaN: none of them was solved before. */
-static double worst_deviation(const adaptive *self, size_t round) {
+typedef struct film_factors {
+    double of[NUM_FILMS];
+    bool known;
+} film_factors;
+
+/* From the points of a round or, where the model before it solved none of them, of an earlier one. */
+static film_factors factors_of(const adaptive *self, size_t round, double *work) {
+    film_factors factors = {.known = false};
+
+    for (size_t r = round + 1; r-- > 0 && !factors.known;) {
+        factors.known = true;
+        for (int f = 0; f < NUM_FILMS; f++) {
+            factors.of[f] = factor_of(self, r, f, work);
+            factors.known = factors.known && factors.of[f] > 0;
+        }
+    }
+    return factors;
+}
+
+/* The larger of both films' deviations; without factors in units of the bounds. */
+static double indicated_by(const trial_verdict *verdict, const film_factors *factors) {
+    double indicated = 0;
+
+    for (int f = 0; f < NUM_FILMS; f++)
+        indicated = fmax(indicated, (factors->known ? factors->of[f] : 1) * verdict->bound[f]);
+    return indicated;
+}
+
+/* Worst of what a film of a round's points was found to deviate; NaN: none was solved before. */
+static double worst_of_film(const adaptive *self, size_t round, int film) {
     double worst = NAN;
 
     for (size_t s = 0; s < self->num_states; s++)
         if (self->states[s].round == round && is_compared(self, &self->states[s]))
-            worst = fmax(worst, true_deviation(self, &self->states[s]));
+            worst = fmax(worst, true_deviation(self, &self->states[s], film));
     return worst;
+}
+
+/* The same of both films. */
+static double worst_deviation(const adaptive *self, size_t round) {
+    return fmax(worst_of_film(self, round, FILM_CENTRAL), worst_of_film(self, round, FILM_MINIMUM));
+}
+
+/* Whether the model before a round had a solution at each of its points that the full model has. */
+static bool is_round_compared(const adaptive *self, size_t round) {
+    bool all = true;
+
+    for (size_t s = 0; s < self->num_states; s++)
+        if (self->states[s].round == round && is_solved(self, self->states[s].point))
+            all = all && is_compared(self, &self->states[s]);
+    return all;
 }
 
 /* Converged points up to a round. */
@@ -146,12 +189,12 @@ static ehd_status recall_rounds(adaptive *self, ehd_error *error) {
     for (size_t s = 0; s < self->num_states; s++) {
         const adaptive_state *state = &self->states[s];
         if (state->round != self->num_rounds + 1) continue;
-        double factor = factor_of(self, self->num_rounds, work);
-        self->rounds[self->num_rounds] =
-            (adaptive_round){.num_points = count_solved(self, self->num_rounds),
-                             .indicated = factor > 0 ? factor * state->verdict.bound : NAN,
-                             .deviation = NAN,
-                             .seconds = NAN};
+        const film_factors factors = factors_of(self, self->num_rounds, work);
+        self->rounds[self->num_rounds] = (adaptive_round){
+            .num_points = count_solved(self, self->num_rounds),
+            .indicated = factors.known ? indicated_by(&state->verdict, &factors) : NAN,
+            .deviation = NAN,
+            .seconds = NAN};
         self->num_rounds++;
     }
     free(work);
@@ -166,12 +209,13 @@ static void add_point(adaptive *self, size_t point, const trial_verdict *verdict
     self->trained[point] = true;
 }
 
-/* Adds the candidates with the largest indicated deviation, of those above the accuracy. */
-static ehd_status add_worst(adaptive *self, size_t max_count, double accuracy, bool judged,
-                            ehd_error *error) {
-    const candidates from = {self->places, self->set->num_points, self->trained, self->indicated,
+/* Adds the candidates with the largest indicated deviation, `indicated`, of those above the
+ * accuracy. */
+static ehd_status add_worst(adaptive *self, const double *indicated, size_t max_count,
+                            double accuracy, bool judged, ehd_error *error) {
+    const candidates from = {self->places, self->set->num_points, self->trained, indicated,
                              accuracy};
-    const trial_verdict unknown = {NAN, NAN};
+    const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
     size_t *chosen = malloc((max_count + 1) * sizeof *chosen), count = 0;
     ehd_status status =
         chosen ? point_choice_worst(chosen, &count, &from, max_count, error)
@@ -200,25 +244,45 @@ static void normalise(double (*places)[2], const training_set *set) {
             if (high[axis] > low[axis]) places[i][axis] /= high[axis] - low[axis];
 }
 
+/* Adds the corners of the candidates of one family (group and lubricant). `here`, `numbers` and
+ * `corners` are memory for num_points. */
+static void add_corners_of(adaptive *self, size_t family, const double (*places)[2],
+                           double (*here)[2], size_t *numbers, size_t *corners) {
+    const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
+    size_t count = 0;
+
+    for (size_t i = 0; i < self->set->num_points; i++) {
+        if (self->places[i].family != family) continue;
+        memcpy(here[count], places[i], sizeof *here);
+        numbers[count++] = i;
+    }
+    count = point_choice_corners(corners, (const double(*)[2])here, count, CORNER_TOLERANCE);
+    for (size_t i = 0; i < count && self->num_states < self->settings->max_points; i++)
+        add_point(self, numbers[corners[i]], &unknown);
+}
+
 static ehd_status add_corners(adaptive *self, ehd_error *error) {
-    size_t num_points = self->set->num_points;
+    const size_t num_points = self->set->num_points;
     double(*places)[2] = malloc(num_points * sizeof *places);
+    double(*here)[2] = malloc(num_points * sizeof *here);
+    size_t *numbers = malloc(num_points * sizeof *numbers);
     size_t *corners = malloc(num_points * sizeof *corners);
-    const trial_verdict unknown = {NAN, NAN};
     ehd_status status =
-        places && corners
+        places && here && numbers && corners
             ? EHD_OK
             : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", num_points);
 
     if (!status) {
         normalise(places, self->set);
-        size_t count =
-            point_choice_corners(corners, (const double(*)[2])places, num_points, CORNER_TOLERANCE);
-        for (size_t i = 0; i < smaller(count, self->settings->max_points); i++)
-            add_point(self, corners[i], &unknown);
+        // the family's number is that of its first point
+        for (size_t i = 0; i < num_points; i++)
+            if (self->places[i].family == i)
+                add_corners_of(self, i, (const double(*)[2])places, here, numbers, corners);
     }
-    free(corners);
     free(places);
+    free(here);
+    free(numbers);
+    free(corners);
     return status;
 }
 
@@ -229,20 +293,40 @@ static ehd_status add_first_round(adaptive *self, ehd_error *error) {
     ehd_status status = add_corners(self, error);
 
     if (!status && wanted > self->num_states)
-        status = add_worst(self, wanted - self->num_states, 0, false, error);
+        status = add_worst(self, self->indicated, wanted - self->num_states, 0, false, error);
     return status
                ? status
                : adaptive_file_add(self->file, self->set, self->states, 0, self->num_states, error);
 }
 
+/* Whether the model of a round indicates all candidates to be good: the next one is a check. */
+static bool is_good(const adaptive *self, size_t round) {
+    return self->rounds[round].indicated <= self->settings->accuracy;
+}
+
+/* Points that show whether what is indicated holds: half of them the worst that are indicated, the
+ * worst first, the others as far from all that is trained as there are. */
+static ehd_status add_check(adaptive *self, size_t count, ehd_error *error) {
+    double *equal = calloc(self->set->num_points, sizeof *equal);
+    ehd_status status =
+        equal ? add_worst(self, self->indicated, (count + 1) / 2, -1, true, error)
+              : ehd_fail(error, EHD_MEMORY, "choice: found no memory for %zu points", count);
+
+    if (!status) status = add_worst(self, equal, count / 2, -1, true, error);
+    free(equal);
+    return status;
+}
+
 static ehd_status add_next_round(adaptive *self, ehd_error *error) {
+    const size_t last = self->num_rounds - 1;
     size_t first = self->num_states, batch = self->settings->batch;
-    double indicated = self->rounds[self->num_rounds - 1].indicated;
+    const double accuracy = isnan(self->rounds[last].indicated) ? -1 : self->settings->accuracy;
 
     if (batch == 0) batch = first / 5 > MIN_BATCH ? first / 5 : MIN_BATCH;
     batch = smaller(batch, smaller(self->settings->max_points, self->set->num_points) - first);
-    ehd_status status =
-        add_worst(self, batch, isnan(indicated) ? -1 : self->settings->accuracy, true, error);
+    ehd_status status = is_good(self, last)
+                            ? add_check(self, batch, error)
+                            : add_worst(self, self->indicated, batch, accuracy, true, error);
     return status ? status
                   : adaptive_file_add(self->file, self->set, self->states, first,
                                       self->num_states - first, error);
@@ -281,7 +365,8 @@ static ehd_status store(void *sink, const training_set *set, size_t point, const
                         ehd_error *error) {
     adaptive *self = sink;
 
-    self->central_film_thickness[point] = solution->scalars.central_film_thickness;
+    self->films[point][FILM_CENTRAL] = solution->scalars.central_film_thickness;
+    self->films[point][FILM_MINIMUM] = solution->scalars.minimum_film_thickness;
     return snapshots_store(self->file, set, self->state_of_point[point], solution, error);
 }
 
@@ -315,8 +400,12 @@ static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_er
         if (!trained->pressure) continue;
         contacts[count] = *contact;
         solved[count++] =
-            (solved_state){trained->pressure, trained->rigid_approach, contact->moes_M,
-                           contact->alpha_p_H, self->central_film_thickness[point]};
+            (solved_state){trained->pressure,
+                           trained->rigid_approach,
+                           contact->moes_M,
+                           contact->alpha_p_H,
+                           self->films[point][FILM_CENTRAL],
+                           lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }
     const training_set trained = {.grid = self->set->grid,
                                   .kind = self->set->kind,
@@ -379,13 +468,12 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
     if (!status && any_left) status = judge_candidates(self, error);
     if (!status) {
-        double factor = factor_of(self, self->num_rounds, work);
+        const film_factors factors = factors_of(self, self->num_rounds, work);
         for (size_t i = 0; i < self->set->num_points; i++) {
             if (self->trained[i]) continue;
-            double bound = self->verdicts[i].bound;
-            self->indicated[i] = factor > 0 ? factor * bound : bound;
-            if (factor > 0) worst = fmax(worst, self->indicated[i]);
-            if (!isfinite(bound)) num_lost++;
+            self->indicated[i] = indicated_by(&self->verdicts[i], &factors);
+            if (factors.known) worst = fmax(worst, self->indicated[i]);
+            if (!isfinite(self->indicated[i])) num_lost++;
         }
         self->rounds[self->num_rounds] =
             (adaptive_round){.num_points = count_solved(self, self->num_rounds),
@@ -401,8 +489,17 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- rounds
 
+/* Whether the last round was a check, and a good one: its points were within the accuracy before
+ * they were trained on, and all others are indicated to be. */
+static bool is_checked(const adaptive *self) {
+    const size_t last = self->num_rounds - 1;
+
+    return last > 0 && is_good(self, last - 1) && is_good(self, last) &&
+           is_round_compared(self, last) && worst_deviation(self, last) <= self->settings->accuracy;
+}
+
 static bool is_finished(const adaptive *self) {
-    return self->rounds[self->num_rounds - 1].indicated <= self->settings->accuracy ||
+    return is_checked(self) ||
            self->num_states >= smaller(self->set->num_points, self->settings->max_points);
 }
 
@@ -432,9 +529,8 @@ static ehd_status run_rounds(adaptive *self, ehd_error *error) {
 
 static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     if (resume) {
-        ehd_status status =
-            adaptive_file_resume(&self->file, self->states, &self->num_states,
-                                 self->central_film_thickness, &self->points, self->caller, error);
+        ehd_status status = adaptive_file_resume(&self->file, self->states, &self->num_states,
+                                                 self->films, &self->points, self->caller, error);
         if (!status) {
             for (size_t s = 0; s < self->num_states; s++) {
                 self->trained[self->states[s].point] = true;
@@ -449,6 +545,33 @@ static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     return adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
 }
 
+/* States that came in a round. */
+static size_t count_round(const adaptive *self, size_t round) {
+    size_t count = 0;
+
+    for (size_t s = 0; s < self->num_states; s++)
+        count += self->states[s].round == round;
+    return count;
+}
+
+/* Points are used up before a check was good: where it was hard, and what helps. */
+static void warn_of_end(const adaptive *self) {
+    const bool limited = self->num_states < self->set->num_points;
+    char name[POINT_NAME] = "";
+    double worst = -1;
+
+    for (size_t i = 0; i < self->set->num_points; i++)
+        if (!self->trained[i] && self->indicated[i] > worst) {
+            worst = self->indicated[i];
+            training_point_name(name, &self->set->contacts[i]);
+        }
+    program_warn(self->caller,
+                 "%s: found %zu points used up%s%s, expected fewer to show an accuracy of %g; %s",
+                 self->plan_path, self->num_states, *name ? ", the worst indicated at " : "", name,
+                 self->settings->accuracy,
+                 limited ? "more of them (--max-points) may" : "a plan with more candidates may");
+}
+
 /* The short result, and whether too much was lost. */
 static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_error *error) {
     const adaptive_round *last = &self->rounds[self->num_rounds - 1];
@@ -458,13 +581,16 @@ static ehd_status report(const adaptive *self, size_t allowed_failures, ehd_erro
            self->set->num_points, last->num_points, self->num_rounds,
            program_seconds() - self->started);
     if (isfinite(last->indicated))
-        printf("central film of the others indicated to be at most %.2g off, with podbuild "
-               "--energy %g\n",
+        printf("films of the others indicated to be at most %.2g off, with podbuild --energy %g\n",
                last->indicated, self->settings->discarded_energy);
-    if (!(last->indicated <= self->settings->accuracy))
-        program_warn(self->caller,
-                     "%s: found %zu points used up, expected fewer to show an accuracy of %g",
-                     self->plan_path, self->num_states, self->settings->accuracy);
+    if (is_checked(self))
+        printf("checked on the last %zu points before they were trained on: central film at most "
+               "%.2g off, minimum film %.2g\n",
+               count_round(self, self->num_rounds - 1),
+               worst_of_film(self, self->num_rounds - 1, FILM_CENTRAL),
+               worst_of_film(self, self->num_rounds - 1, FILM_MINIMUM));
+    else
+        warn_of_end(self);
     if (num_failed <= allowed_failures) return EHD_OK;
     return ehd_fail(error, EHD_NOT_CONVERGED,
                     "%s: found %zu of %zu points not converged, expected at most %zu "

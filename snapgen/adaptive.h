@@ -7,7 +7,7 @@
 #include "common/training/training_set.h"
 
 typedef struct adaptive_settings {
-    double accuracy;         // wanted relative deviation of the central film
+    double accuracy;         // wanted relative deviation of central and minimum film
     size_t start;            // points of the first round, at least the corners of the region
     size_t batch;            // points of each further round; 0: a fifth of those before
     size_t max_points;       // points in all
@@ -21,7 +21,9 @@ adaptive_settings adaptive_default_settings(void);
  * reduced model is made of all that are solved, and judges the others by its indicator
  * (romrun/online/indicator.h), whose factor is fitted to the points of the last round, which the
  * model before had judged. The worst ones come next, until none is indicated to deviate more than
- * is wanted. Written to caller->output, which grows and can be resumed. The points that are chosen
+ * is wanted. The next ones are a check: some of the worst, and some as far from all others as
+ * there are. When the model that judged them is found to be as accurate as wanted there, training
+ * ends with them; else it goes on. Written to caller->output, which grows and can be resumed. The points that are chosen
  * and their solutions do not depend on num_workers or on interruptions. EHD_NOT_CONVERGED: more
  * points than allowed failed in the full model, or all; EHD_DATA: trajectories in the plan;
  * EHD_INTERRUPTED; else as snapshots_create and snapshots_resume. */

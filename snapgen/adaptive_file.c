@@ -24,6 +24,11 @@ ehd_status adaptive_file_create(artefact **file, const program *caller, const tr
 
 // ---- states
 
+static const char *const bound_fields[NUM_FILMS] = {"training_bound", "training_bound_minimum"};
+static const char *const guess_fields[NUM_FILMS] = {"training_film", "training_film_minimum"};
+static const char *const film_fields[NUM_FILMS] = {"central_film_thickness",
+                                                   "minimum_film_thickness"};
+
 static ehd_status put_choice(artefact *file, size_t place, const adaptive_state *state,
                              ehd_error *error) {
     const int64_t point = (int64_t)state->point, round = (int64_t)state->round;
@@ -32,11 +37,11 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
 
     if (!status)
         status = artefact_put_integers_part(file, "training_round", place, 1, &round, error);
-    if (!status)
-        status = artefact_put_part(file, "training_bound", place, 1, &verdict->bound, error);
-    if (!status)
-        status = artefact_put_part(file, "training_film", place, 1,
-                                   &verdict->central_film_thickness, error);
+    for (int f = 0; f < NUM_FILMS && !status; f++) {
+        status = artefact_put_part(file, bound_fields[f], place, 1, &verdict->bound[f], error);
+        if (!status)
+            status = artefact_put_part(file, guess_fields[f], place, 1, &verdict->film[f], error);
+    }
     return status;
 }
 
@@ -69,11 +74,12 @@ static ehd_status read_choice(adaptive_state *state, artefact *file, size_t plac
 
     if (!status)
         status = artefact_get_integers_part(file, "training_round", place, 1, &round, error);
-    if (!status)
-        status = artefact_get_part(file, "training_bound", place, 1, &state->verdict.bound, error);
-    if (!status)
-        status = artefact_get_part(file, "training_film", place, 1,
-                                   &state->verdict.central_film_thickness, error);
+    for (int f = 0; f < NUM_FILMS && !status; f++) {
+        trial_verdict *verdict = &state->verdict;
+        status = artefact_get_part(file, bound_fields[f], place, 1, &verdict->bound[f], error);
+        if (!status)
+            status = artefact_get_part(file, guess_fields[f], place, 1, &verdict->film[f], error);
+    }
     if (!status && (point < 0 || (size_t)point >= num_points || round < 0))
         status = ehd_fail(error, EHD_DATA,
                           "%s: state %zu: found point %lld of round %lld, expected 0 to %zu of 0 "
@@ -86,21 +92,21 @@ static ehd_status read_choice(adaptive_state *state, artefact *file, size_t plac
     return EHD_OK;
 }
 
-static ehd_status restore_state(training *points, double *central_film_thickness, artefact *file,
+static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], artefact *file,
                                 const adaptive_state *state, size_t place, ehd_error *error) {
     int64_t outcome = -1;
     ehd_status status = artefact_get_integers_part(file, "status", place, 1, &outcome, error);
 
     if (status || outcome < 0) return status;
-    status = artefact_get_part(file, "central_film_thickness", place, 1,
-                               &central_film_thickness[state->point], error);
+    for (int f = 0; f < NUM_FILMS && !status; f++)
+        status = artefact_get_part(file, film_fields[f], place, 1, &films[state->point][f], error);
     if (status) return status;
     return snapshots_restore(points, state->point, file, place, outcome, error);
 }
 
 ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t *num_states,
-                                double *central_film_thickness, training *points,
-                                const program *caller, ehd_error *error) {
+                                double (*films)[NUM_FILMS], training *points, const program *caller,
+                                ehd_error *error) {
     const training_set *set = points->set;
     ehd_status status = snapshots_open_partial(file, set, caller, error);
     if (status) return status;
@@ -113,8 +119,7 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     if (!status) status = artefact_cut_axis(*file, "state", count, error);
     for (size_t i = 0; i < count && !status; i++) {
         status = read_choice(&states[i], *file, i, set->num_points, error);
-        if (!status)
-            status = restore_state(points, central_film_thickness, *file, &states[i], i, error);
+        if (!status) status = restore_state(points, films, *file, &states[i], i, error);
     }
     *num_states = count;
     if (status) artefact_close(file);

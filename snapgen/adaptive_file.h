@@ -38,7 +38,7 @@ ehd_status adaptive_file_resume(
     artefact **file,
     adaptive_state *states, // [*num_states], room for all points of the set
     size_t *num_states,
-    double *central_film_thickness, // [num_points of the set] of those that are done and converged
+    double (*films)[NUM_FILMS], // [num_points of the set] of those that are done and converged
     // in and out:
     training *points,
     // input:

@@ -65,9 +65,10 @@ static const program_option own_options[] = {
      "residuals, for deimselect; points that do not converge count as long as they have iterations",
      OPTION_TEXT(basis)},
     {"adaptive", 0, NULL, "Train on as many points of the plan as are needed, where they are needed, until a "
-     "reduced model is accurate at all others; with --basis: only on the points that the basis was made of",
+     "reduced model is accurate at all others, and at some that are solved as a check; with --basis: only on the "
+     "points that the basis was made of. A plan with a region is trained so anyway",
      OPTION_FLAG(adaptive)},
-    {"accuracy", 0, "X", "Adaptive: wanted relative deviation of the central film; default 1e-3",
+    {"accuracy", 0, "X", "Adaptive: wanted relative deviation of central and minimum film; default 1e-3",
      OPTION_REAL(how.accuracy, 1e-12, 1)},
     {"start", 0, "N", "Adaptive: points of the first round, corners of the region and more between them; "
      "default 20", OPTION_COUNT(how.start, 3, 1000000)},
@@ -88,12 +89,15 @@ static void print_settings(void) {
 
 // ---- the training
 
-static ehd_status load_set(training_set *set, const program *self, shard piece, ehd_error *error) {
+/* `adaptive` is set too where the plan has a region. */
+static ehd_status load_set(training_set *set, bool *adaptive, const program *self, shard piece,
+                           ehd_error *error) {
     const char *path = self->arguments[0];
     plan given;
     ehd_status status = plan_read(&given, path, self->overrides, self->num_overrides, error);
     if (status) return status;
 
+    *adaptive = *adaptive || given.has_region;
     status = training_set_init(set, &given, path, piece, error);
     if (!status && set->num_dropped > 0)
         program_note(self, "%s: %zu of %zu points lie outside of the bounds and are left out", path,
@@ -151,33 +155,29 @@ static ehd_status report(const program *self, const training *points, const traj
     return check_failures(self, num_failed, num_points, allowed, error);
 }
 
-static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
+static ehd_status train_all(const program *self, const training_set *set,
+                            const snapgen_options *options, ehd_error *error) {
     const double before = program_seconds();
-    training_set set = {0};
     training points = {0};
     trajectories trained = {0};
     artefact *file = NULL;
-    ehd_status status = load_set(&set, self, options->piece, error);
+    ehd_status status = training_init(&points, self, set, error);
 
-    if (!status && options->cold) status = training_set_make_cold(&set, self->arguments[0], error);
-    if (!status)
-        status = training_check_memory(&set, self, self->arguments[0], options->num_jobs, error);
-    if (!status) status = training_init(&points, self, &set, error);
     if (!status) status = open_output(&file, &points, self, options->resume, error);
     if (!status) {
         points.store = snapshots_store;
         points.sink = file;
         points.with_effects = true;
         status = training_run(&points, options->num_jobs, error);
-        if (!status && set.num_trajectories > 0)
-            status = trajectories_train(&trained, self, &set, options->num_jobs, error);
+        if (!status && set->num_trajectories > 0)
+            status = trajectories_train(&trained, self, set, options->num_jobs, error);
         if (status == EHD_INTERRUPTED) stopped(self, &points, error);
     }
     if (!status)
-        status = training_check_outcome(&set, points.num_failed + trained.num_failed,
+        status = training_check_outcome(set, points.num_failed + trained.num_failed,
                                         self->arguments[0], error);
-    if (!status && set.num_trajectories > 0)
-        status = snapshots_put_trajectories(file, &set, &trained, error);
+    if (!status && set->num_trajectories > 0)
+        status = snapshots_put_trajectories(file, set, &trained, error);
     if (!status) status = artefact_finish(&file, error);
     if (!status)
         status = report(self, &points, &trained, options->allowed_failures,
@@ -185,29 +185,6 @@ static ehd_status train(const program *self, const snapgen_options *options, ehd
     artefact_close(&file);
     trajectories_free(&trained);
     training_free(&points);
-    training_set_free(&set);
-    return status;
-}
-
-/* Points chosen as they are needed. */
-static ehd_status train_adaptively(const program *self, const snapgen_options *options,
-                                   ehd_error *error) {
-    adaptive_settings how = options->how;
-    training_set set = {0};
-
-    if (options->piece.total > 1)
-        return ehd_fail(error, EHD_USAGE,
-                        "--shard: found with --adaptive, expected one of them: which points are "
-                        "needed depends on all others");
-    ehd_status status = load_set(&set, self, options->piece, error);
-    how.cold = options->cold;
-    if (!status && how.cold) status = training_set_make_cold(&set, self->arguments[0], error);
-    if (!status)
-        status = training_check_memory(&set, self, self->arguments[0], options->num_jobs, error);
-    if (!status)
-        status = adaptive_train(self, &set, self->arguments[0], &how, options->resume,
-                                options->allowed_failures, options->num_jobs, error);
-    training_set_free(&set);
     return status;
 }
 
@@ -220,12 +197,43 @@ static const char *option_of_adaptive(const program *self) {
     return NULL;
 }
 
+/* First mode: the plan with the full model, all of it or points chosen as they are needed. */
+static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
+    const char *plan_path = self->arguments[0], *of_adaptive = option_of_adaptive(self);
+    const shard whole = {1, 1};
+    adaptive_settings how = options->how;
+    training_set set = {0};
+    bool adaptive = options->adaptive;
+    ehd_status status = load_set(&set, &adaptive, self, adaptive ? whole : options->piece, error);
+
+    how.cold = options->cold;
+    if (!status && adaptive && options->piece.total > 1)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--shard: found with %s, expected one of them: which points are needed "
+                          "depends on all others",
+                          options->adaptive ? "--adaptive" : "a region");
+    if (!status && of_adaptive && !adaptive)
+        status = ehd_fail(error, EHD_USAGE,
+                          "--%s: found without --adaptive and for a plan without a region, "
+                          "expected one of the two",
+                          of_adaptive);
+    if (!status && how.cold) status = training_set_make_cold(&set, plan_path, error);
+    if (!status) status = training_check_memory(&set, self, plan_path, options->num_jobs, error);
+    if (!status)
+        status = adaptive ? adaptive_train(self, &set, plan_path, &how, options->resume,
+                                           options->allowed_failures, options->num_jobs, error)
+                          : train_all(self, &set, options, error);
+    training_set_free(&set);
+    return status;
+}
+
 /* Second mode: the plan with the projected system. */
 static ehd_status repeat(const program *self, const snapgen_options *options, ehd_error *error) {
     const char *of_adaptive = option_of_adaptive(self);
     const double before = program_seconds();
     size_t num_failed = 0;
     training_set set = {0};
+    bool adaptive = options->adaptive;
     ehd_status status = EHD_OK;
 
     if (options->piece.total > 1)
@@ -245,10 +253,10 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
         return ehd_fail(error, EHD_USAGE,
                         "--cold: found with --basis, expected one of them: the projected system "
                         "starts from the snapshots");
-    status = load_set(&set, self, options->piece, error);
+    status = load_set(&set, &adaptive, self, options->piece, error);
     if (!status)
         status = residuals_run(&num_failed, self, &set, self->arguments[0], options->basis,
-                               options->adaptive, options->num_jobs, error);
+                               adaptive, options->num_jobs, error);
     const size_t num_points = set.num_points + set.num_trajectories;
     if (!status)
         printf("%zu points with the projected system, %zu converged, %.1f s\n", num_points,
@@ -260,13 +268,7 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
 }
 
 static ehd_status run(const program *self, const snapgen_options *options, ehd_error *error) {
-    const char *of_adaptive = option_of_adaptive(self);
-
-    if (of_adaptive && !options->adaptive)
-        return ehd_fail(error, EHD_USAGE, "--%s: found without --adaptive, expected both",
-                        of_adaptive);
-    if (options->basis) return repeat(self, options, error);
-    return options->adaptive ? train_adaptively(self, options, error) : train(self, options, error);
+    return options->basis ? repeat(self, options, error) : train(self, options, error);
 }
 
 int main(int argc, char **argv) {

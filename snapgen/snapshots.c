@@ -20,6 +20,9 @@ ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact
     if (!status)
         status =
             artefact_put_part(file, "hertz_pressure", state, 1, &contact->hertz_pressure, error);
+    const lubricant_rises rises = lubricant_rises_at(&contact->lubricant, contact->hertz_pressure);
+    for (int r = 0; r < NUM_RISES && !status; r++)
+        status = artefact_put_part(file, lubricant_rise_names[r], state, 1, &rises.of[r], error);
     return status;
 }
 

@@ -113,13 +113,16 @@ static ehd_status judge_contact(void *shared, void *worker, size_t point, size_t
     reduced_info info;
     (void)parent;
 
-    *verdict = (trial_verdict){INFINITY, NAN};
-    reduced_guess(&self->state, work->model, contact->moes_M, contact->alpha_p_H);
-    ehd_status status = reduced_solve(&info, &self->state, self->solver, contact, NULL, error);
+    *verdict = (trial_verdict){{INFINITY, INFINITY}, {NAN, NAN}};
+    ehd_status status =
+        reduced_solve_from_training(&info, &self->state, self->solver, work->model, contact, error);
     if (status || info.status) return status;
-    double bound =
-        indicator_bound(self->indicator, self->solver, &self->state, contact, &info.scalars);
-    if (isfinite(bound)) *verdict = (trial_verdict){bound, info.scalars.central_film_thickness};
+    const contact_scalars *scalars = &info.scalars;
+    double central = indicator_bound(self->indicator, self->solver, &self->state, contact, scalars);
+    double minimum = indicator_bound_minimum(self->indicator, self->solver, scalars);
+    if (isfinite(central) && isfinite(minimum))
+        *verdict = (trial_verdict){
+            {central, minimum}, {scalars->central_film_thickness, scalars->minimum_film_thickness}};
     return EHD_OK;
 }
 

@@ -20,10 +20,13 @@ ehd_status trial_build(
     const solved_state *states, // [num_points of the set]
     double discarded_energy, size_t num_workers, ehd_error *error);
 
+/* The films that a training is about. */
+enum { FILM_CENTRAL, FILM_MINIMUM, NUM_FILMS };
+
 /* What the model finds for a contact. */
 typedef struct trial_verdict {
-    double bound;                  // indicator_bound; infinite where the model does not converge
-    double central_film_thickness; // NaN where it does not converge
+    double bound[NUM_FILMS]; // indicator_bound, …_minimum; infinite where it does not converge
+    double film[NUM_FILMS];  // H; NaN where it does not converge
 } trial_verdict;
 
 /* Solves the contacts for which `wanted` is set, each from its own guess, so that the verdicts

@@ -81,6 +81,14 @@
         REAL(prefix "inlet_effect_minimum", "1", NEED_OPTIONAL, "the second of the minimum film",  \
              "state")
 
+// the lubricant of a state
+#define RISE_FIELDS(prefix)                                                                        \
+    REAL(prefix "viscosity_rise", "1", NEED_OPTIONAL,                                              \
+         "logarithm of the viscosity at the Hertz pressure over that at zero; NaN where not "      \
+         "known, as of states on a trajectory",                                                    \
+         "state"),                                                                                 \
+        REAL(prefix "density_rise", "1", NEED_OPTIONAL, "the same of the density", "state")
+
 // training solutions in the coordinates of a basis
 #define STATE_FIELDS                                                                               \
     REAL("state_pressure", "1", NEED_ALWAYS,                                                       \
@@ -107,7 +115,7 @@
             "state"),                                                                              \
         REAL("state_rate", "1", NEED_OPTIONAL,                                                     \
              "rate of change of the contact at the training solutions; 0 where missing", "state"), \
-        EFFECT_FIELDS("state_")
+        RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
 
 // ---- result
 
@@ -274,6 +282,7 @@ static const artefact_field snapshots_fields[] = {
          "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
          "at any node of a stationary point",
          "state"),
+    RISE_FIELDS(""),
     EFFECT_FIELDS(""),
     INTEGER("trajectory", NEED_OPTIONAL,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
@@ -304,16 +313,21 @@ static const artefact_field snapshots_fields[] = {
          "state"),
     REAL("training_film", "1", NEED_OPTIONAL,
          "film thickness H at X = 0 by that model; NaN where there is none", "state"),
+    REAL("training_bound_minimum", "1", NEED_OPTIONAL, "training_bound of the minimum film",
+         "state"),
+    REAL("training_film_minimum", "1", NEED_OPTIONAL, "minimum film thickness by that model",
+         "state"),
     INTEGER("round_points", NEED_OPTIONAL,
             "converged training solutions up to and with the round, of which its model is made",
             "round"),
     REAL("round_indicated", "1", NEED_OPTIONAL,
-         "largest deviation of the central film that is indicated for the remaining points of the "
+         "largest deviation of a film, central or minimum, that is indicated for the remaining "
+         "points of the "
          "plan; infinite where the model of the round does not converge, NaN where none remain or "
          "the indicator has no factor yet",
          "round"),
     REAL("round_deviation", "1", NEED_OPTIONAL,
-         "largest relative deviation of the central film by the model of the round at those points "
+         "largest relative deviation of a film by the model of the round at those points "
          "of the next one that it solves; NaN where there are none",
          "round"),
     REAL("round_seconds", "s", NEED_OPTIONAL,
@@ -332,7 +346,7 @@ static const artefact_attribute snapshots_attributes[] = {
 
 const artefact_schema schema_snapshots = {"ehdrom-snapshots",
                                           2,
-                                          2,
+                                          3,
                                           "Training solutions of an elastohydrodynamic contact",
                                           snapshots_axes,
                                           snapshots_fields,
@@ -380,7 +394,7 @@ static const artefact_attribute basis_attributes[] = {
 
 const artefact_schema schema_basis = {"ehdrom-basis",
                                       2,
-                                      2,
+                                      3,
                                       "Reduced bases of an elastohydrodynamic contact",
                                       basis_axes,
                                       basis_fields,
@@ -555,7 +569,8 @@ static const artefact_field model_fields[] = {
          "the state",
          "state"),
     INTEGER("position_pressure_modes", NEED_OPTIONAL,
-            "pressure modes in use; this and what follows only in a calibrated model", "position"),
+            "pressure modes in use; this and what follows only in a checked or calibrated model",
+            "position"),
     INTEGER("position_deformation_modes", NEED_OPTIONAL,
             "deformation modes in use, 0 for deformation = coupled", "position"),
     INTEGER("position_rows", NEED_OPTIONAL, "rows in use", "position"),
@@ -634,7 +649,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      2,
+                                      3,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

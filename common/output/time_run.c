@@ -205,7 +205,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .exits = take_exits(self, step, &scalars),
                               .newton_iterations = step->iterations,
                               .residual = step->residual,
-                              .status = step->status,
+                              .status = step->status || !self->task->untrusted ? step->status
+                                                                               : EHD_UNTRUSTED,
                               .by_full_model = step->by_full_model,
                               .step = step->step,
                               .effect = step->effect,
@@ -421,6 +422,10 @@ static ehd_status judge(const runner *self, ehd_status outcome, ehd_error *error
 
 static ehd_status conclude(runner *self, ehd_status outcome, ehd_error *error) {
     const run_totals totals = totals_at(self, program_seconds());
+    if (self->task->untrusted) {
+        self->march.state.untrusted_since = 0;
+        snprintf(self->march.untrusted, MARCH_REASON, "%s", self->task->untrusted);
+    }
     ehd_status status = outcome == EHD_OK ? finish(self, &totals, error) : EHD_OK;
 
     if (status) return status;

@@ -27,6 +27,7 @@ typedef struct time_run_task {
     const char *input; // path of another file that was read, NULL: none
     march_solver solver;
     bool with_fields, resume, allow_untrusted;
+    const char *untrusted; // why no entry is to be trusted; NULL: that is so of single ones only
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */
     void (*effort)(double *rows, double *linear, double *exit, const void *solver);
     /* Of a solver that falls back on the full model; NULL: it does not. */

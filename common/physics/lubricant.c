@@ -125,6 +125,23 @@ double lubricant_density(const ehd_lubricant *lubricant, double pressure) {
     return lubricant->density->evaluate(lubricant, fmax(pressure, 0), &derivative);
 }
 
+const char *const lubricant_rise_names[NUM_RISES] = {"viscosity_rise", "density_rise"};
+const char *const lubricant_rise_state_names[NUM_RISES] = {"state_viscosity_rise",
+                                                           "state_density_rise"};
+
+lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressure) {
+    double slope;
+
+    if (!(pressure <= lubricant->pressure_limit)) return lubricant_rises_unknown();
+    return (lubricant_rises){
+        {[RISE_VISCOSITY] = lubricant->viscosity->evaluate(lubricant, fmax(pressure, 0), &slope),
+         [RISE_DENSITY] = log(lubricant_density(lubricant, pressure))}};
+}
+
+lubricant_rises lubricant_rises_unknown(void) {
+    return (lubricant_rises){{[RISE_VISCOSITY] = NAN, [RISE_DENSITY] = NAN}};
+}
+
 void lubricant_evaluate(double *log_viscosity, double *log_viscosity_derivative, double *density,
                         double *density_derivative, const ehd_lubricant *lubricant,
                         double hertz_pressure, const double *pressure, size_t num_nodes) {

@@ -116,6 +116,20 @@ ehd_status lubricant_init(
 /* rho(p)/rho(0) at a pressure in Pa; 1 when incompressible. A negative pressure counts as zero. */
 double lubricant_density(const ehd_lubricant *lubricant, double pressure);
 
+/* How far viscosity and density rise to a pressure: ln(eta/eta(0)) and ln(rho/rho(0)). NaN where
+ * that is not known. At the Hertz pressure they tell lubricants apart, beside alpha p_H. */
+enum { RISE_VISCOSITY, RISE_DENSITY, NUM_RISES };
+typedef struct lubricant_rises {
+    double of[NUM_RISES];
+} lubricant_rises;
+
+lubricant_rises lubricant_rises_at(const ehd_lubricant *lubricant, double pressure); // Pa
+lubricant_rises lubricant_rises_unknown(void);
+
+/* The names of their datasets, of snapshots and of the states of bases and models. */
+extern const char *const lubricant_rise_names[NUM_RISES];
+extern const char *const lubricant_rise_state_names[NUM_RISES];
+
 /* ln(eta/eta(0)) and relative density at num_nodes dimensionless pressures p / p_H, with their
  * derivatives with respect to the dimensionless pressure. Negative pressures count as zero. */
 void lubricant_evaluate(

@@ -230,9 +230,14 @@ static reynolds_link exponential_link(const mobility *before, const mobility *af
         // sqrt(a b) sinh(y)/y with y = ln(a/b)/2, by the series of sinh
         double y = logarithm / 2, s = y * y, geometric = a * sqrt(b / a);
         double ratio =
-            1 + s / 6 * (1 + s / 20 * (1 + s / 42 * (1 + s / 72 * (1 + s / 110 * (1 + s / 156)))));
+            1 + s * (1. / 6 +
+                     s * (1. / 120 +
+                          s * (1. / 5040 +
+                               s * (1. / 362880 + s * (1. / 39916800 + s * (1. / 6227020800))))));
         double slope =
-            y / 3 * (1 + s / 10 * (1 + s / 28 * (1 + s / 54 * (1 + s / 88 * (1 + s / 130)))));
+            y * (1. / 3 +
+                 s * (1. / 30 + s * (1. / 840 + s * (1. / 45360 +
+                                                     s * (1. / 3991680 + s * (1. / 518918400))))));
         mean = geometric * ratio;
         by_log_a = geometric * (ratio + slope) / 2;
         by_log_b = geometric * (ratio - slope) / 2;
@@ -314,22 +319,30 @@ static const double *mass_weights(const int of[NUM_HALF], const row_nodes *at) {
                                              : inside;
 }
 
-/* Adds scale * step * (U rho H - eps dP/dx) through a half node along the entrainment. The pressure
- * flow g = eps dP/dx is not constant between the nodes, but rises as U rho H does, where all flow
- * is along: the reduced pressure changes by int g/H^3 dx, which Simpson's rule takes from both
- * nodes and the half node between (the complete flux of J. H. M. ten Thije Boonkkamp, M. J. H.
- * Anthonissen, J. Sci. Comput. 46, 2011). */
-static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double scale, double step,
-                           double entrainment, const row_nodes *at) {
+/* step * (U rho H - eps dP/dx) through a half node along the entrainment, and its derivatives. */
+typedef struct half_flux {
+    double value, by_pressure[NUM_HALF], by_film[NUM_HALF];
+} half_flux;
+
+/* The pressure flow g = eps dP/dx is not constant between the nodes, but rises as U rho H does,
+ * where all flow is along: the reduced pressure changes by int g/H^3 dx, which Simpson's rule takes
+ * from both nodes and the half node between (the complete flux of J. H. M. ten Thije Boonkkamp,
+ * M. J. H. Anthonissen, J. Sci. Comput. 46, 2011). */
+static half_flux flux_along(const int of[NUM_HALF], double step, double entrainment,
+                            const row_nodes *at) {
     const int a = of[HALF_BEFORE], b = of[HALF_AFTER];
     const double *film_weight = film_weights(of, at), *mass_weight = mass_weights(of, at);
     const reynolds_link change = link_between(at, a, b);
-    const double film_a = at->film[at->stencil->node[a]], film_b = at->film[at->stencil->node[b]];
-    const double film = film_at_half(of, film_weight, at);
-    const double cube_a = 1 / (film_a * film_a * film_a), cube_b = 1 / (film_b * film_b * film_b);
-    const double cube = 1 / (film * film * film);
+    // 1/H and 1/H^3
+    const double inverse_a = 1 / at->film[at->stencil->node[a]];
+    const double inverse_b = 1 / at->film[at->stencil->node[b]];
+    const double inverse = 1 / film_at_half(of, film_weight, at);
+    const double cube_a = inverse_a * inverse_a * inverse_a;
+    const double cube_b = inverse_b * inverse_b * inverse_b;
+    const double cube = inverse * inverse * inverse;
     const bool entrained = entrainment != 0; // along the path of the fluid nothing is
     mass masses[NUM_HALF] = {{0}}, here = {0};
+    half_flux flux = {0};
 
     for (int k = 0; k < NUM_HALF && entrained; k++) {
         if (mass_weight[k] == 0) continue;
@@ -339,28 +352,37 @@ static void add_flux_along(reynolds_row *row, const int of[NUM_HALF], double sca
     const double over_a = masses[HALF_BEFORE].value - here.value;
     const double over_b = masses[HALF_AFTER].value - here.value;
     // change = flow sum + rise, with the flow times the step
-    const double sum = (cube_a + 4 * cube + cube_b) / 6;
+    const double over_sum = 6 / (cube_a + 4 * cube + cube_b);
     const double rise = step * entrainment / 6;
-    const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) / sum;
+    const double flow = (change.value - rise * (over_a * cube_a + over_b * cube_b)) * over_sum;
     // derivatives of the flow by rho H at the half node, and at the two nodes
-    const double by_here = rise * (cube_a + cube_b) / sum;
-    const double by_mass_a = -rise * cube_a / sum, by_mass_b = -rise * cube_b / sum;
+    const double by_here = rise * (cube_a + cube_b) * over_sum;
+    const double by_mass_a = -rise * cube_a * over_sum, by_mass_b = -rise * cube_b * over_sum;
 
-    row->residual += scale * (step * entrainment * here.value - flow);
+    flux.value = step * entrainment * here.value - flow;
     for (int k = 0; k < NUM_HALF; k++) {
-        const double by_half_film = 2 * flow * cube / film / sum * film_weight[k];
-        row->by_film[of[k]] -= scale * by_half_film;
+        flux.by_film[k] = -2 * flow * cube * inverse * over_sum * film_weight[k];
         if (!entrained || mass_weight[k] == 0) continue;
         double by_mass = mass_weight[k] * (step * entrainment - by_here);
         if (k == HALF_BEFORE) by_mass -= by_mass_a;
         if (k == HALF_AFTER) by_mass -= by_mass_b;
-        row->by_pressure[of[k]] += scale * by_mass * masses[k].by_pressure;
-        row->by_film[of[k]] += scale * by_mass * masses[k].by_film;
+        flux.by_pressure[k] = by_mass * masses[k].by_pressure;
+        flux.by_film[k] += by_mass * masses[k].by_film;
     }
-    row->by_film[a] -= scale * (flow / 2 + 3 * rise * over_a) * cube_a / film_a / sum;
-    row->by_film[b] -= scale * (flow / 2 + 3 * rise * over_b) * cube_b / film_b / sum;
-    row->by_pressure[a] -= scale * change.by_before / sum;
-    row->by_pressure[b] -= scale * change.by_after / sum;
+    flux.by_film[HALF_BEFORE] -= (flow / 2 + 3 * rise * over_a) * cube_a * inverse_a * over_sum;
+    flux.by_film[HALF_AFTER] -= (flow / 2 + 3 * rise * over_b) * cube_b * inverse_b * over_sum;
+    flux.by_pressure[HALF_BEFORE] -= change.by_before * over_sum;
+    flux.by_pressure[HALF_AFTER] -= change.by_after * over_sum;
+    return flux;
+}
+
+static void add_flux(reynolds_row *row, const int of[NUM_HALF], double scale,
+                     const half_flux *flux) {
+    row->residual += scale * flux->value;
+    for (int k = 0; k < NUM_HALF; k++) {
+        row->by_pressure[of[k]] += scale * flux->by_pressure[k];
+        row->by_film[of[k]] += scale * flux->by_film[k];
+    }
 }
 
 /* Adds scale * step * eps dP/dy through a half node across. */
@@ -380,8 +402,10 @@ static void add_flow_across(reynolds_row *row, const int of[NUM_HALF], double sc
 
 static const int half_back[NUM_HALF] = {NODE_BACK3, NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD};
 
-static void add_accurate_row(reynolds_row *row, double step, double entrainment,
-                             const row_nodes *at) {
+/* *ahead: the flux behind the HERE of the row before, where that is the BACK of this one, and then
+ * that behind its own. */
+static void add_accurate_row(reynolds_row *row, half_flux *ahead, bool known, double step,
+                             double entrainment, const row_nodes *at) {
     static const int half_ahead[NUM_HALF] = {NODE_BACK2, NODE_BACK, NODE_HERE, NODE_AHEAD,
                                              NODE_AHEAD2};
     static const int half_left[NUM_HALF] = {NODE_LEFT2, NODE_LEFT2, NODE_LEFT, NODE_HERE,
@@ -390,8 +414,10 @@ static void add_accurate_row(reynolds_row *row, double step, double entrainment,
                                              NODE_RIGHT2};
     const double scale = 1 / (step * step);
 
-    add_flux_along(row, half_ahead, -scale, step, entrainment, at);
-    add_flux_along(row, half_back, scale, step, entrainment, at);
+    const half_flux back = known ? *ahead : flux_along(half_back, step, entrainment, at);
+    *ahead = flux_along(half_ahead, step, entrainment, at);
+    add_flux(row, half_ahead, -scale, ahead);
+    add_flux(row, half_back, scale, &back);
     if (at->stencil->node[NODE_LEFT] == NO_NODE) return;
     add_flow_across(row, half_left, -scale, at);
     add_flow_across(row, half_right, scale, at);
@@ -399,25 +425,29 @@ static void add_accurate_row(reynolds_row *row, double step, double entrainment,
 
 // ---- rows
 
-/* Adds d/dx(eps dP/dx) + d/dy(eps dP/dy) - U d(rho H)/dx. */
-static inline void add_row(reynolds_row *row, const ehd_grid *grid, double entrainment,
-                           const row_nodes *at) {
-    if (grid->discretization == DISCRETIZATION_ACCURATE)
-        add_accurate_row(row, grid->step, entrainment, at);
-    else
-        add_published_row(row, grid->step, entrainment, at);
+/* Whether the half node before a row's HERE is that behind the HERE of the row before it. */
+static bool follows(const reynolds_stencil *stencil, const reynolds_stencil *before) {
+    return before->node[NODE_HERE] == stencil->node[NODE_BACK] &&
+           before->node[NODE_AHEAD] == stencil->node[NODE_HERE];
 }
 
 void reynolds_rows(reynolds_row *rows, const ehd_grid *grid, double entrainment,
                    const reynolds_squeeze *squeeze, const reynolds_stencil *stencils,
                    size_t num_rows, const reynolds_fluid *fluid, const double *pressure,
                    const double *film) {
+    half_flux ahead = {0};
+
+    // each row: d/dx(eps dP/dx) + d/dy(eps dP/dy) - U d(rho H)/dx
     for (size_t r = 0; r < num_rows; r++) {
         const row_nodes at = {&stencils[r], fluid, pressure, film};
         reynolds_row *row = &rows[r];
 
         memset(row, 0, sizeof *row);
-        add_row(row, grid, entrainment, &at);
+        if (grid->discretization == DISCRETIZATION_ACCURATE)
+            add_accurate_row(row, &ahead, r > 0 && follows(&stencils[r], &stencils[r - 1]),
+                             grid->step, entrainment, &at);
+        else
+            add_published_row(row, grid->step, entrainment, &at);
         if (squeeze) {
             add_mass(row, NODE_HERE, -squeeze->rate, &at);
             row->residual -= squeeze->previous[r];
@@ -431,9 +461,10 @@ reynolds_row reynolds_flux(const ehd_grid *grid, double entrainment,
     const row_nodes at = {stencil, fluid, pressure, film};
     reynolds_row flux = {0};
 
-    if (grid->discretization == DISCRETIZATION_ACCURATE)
-        add_flux_along(&flux, half_back, 1 / grid->step, grid->step, entrainment, &at);
-    else
+    if (grid->discretization == DISCRETIZATION_ACCURATE) {
+        const half_flux back = flux_along(half_back, grid->step, entrainment, &at);
+        add_flux(&flux, half_back, 1 / grid->step, &back);
+    } else
         add_published_flux(&flux, grid->step, entrainment, &at);
     return flux;
 }

@@ -111,7 +111,7 @@ static ehd_status fail_at_point(const plan_reader *self, const variation *varied
                                 ehd_status status) {
     char values[256];
     ehd_error cause;
-    if (varied->num_columns == 0 || !self->error) return status;
+    if (varied->num_columns + varied->num_ranges == 0 || !self->error) return status;
     cause = *self->error;
     variation_show(varied, point, values, sizeof values);
     return ehd_fail(self->error, status, "%s: point %s: %s", self->path, values, cause.text);
@@ -124,6 +124,11 @@ static ehd_status check_not_overridden(const plan_reader *self, const scene_sour
             return place_fail(self->error, (place){"--set", 0},
                               "%s: found a key that %s varies, expected another one",
                               varied->columns[i].row->key, self->path);
+    for (size_t r = 0; r < varied->num_ranges; r++)
+        if (source_is_overridden(base, varied->ranges[r].row))
+            return place_fail(self->error, (place){"--set", 0},
+                              "%s: found a key that %s varies, expected another one",
+                              varied->ranges[r].row->key, self->path);
     return EHD_OK;
 }
 
@@ -149,8 +154,9 @@ static ehd_status add_points(const plan_reader *self, const scene_source *base,
 }
 
 static ehd_status read_group(const plan_reader *self, const tree_node *node, size_t group) {
-    static const char *const keys[] = {"scene", "vary", "combine", "points", "where", NULL};
-    static const char expected[] = "scene, and vary, combine, points or where";
+    static const char *const keys[] = {"scene",  "vary",       "combine", "points",
+                                       "region", "candidates", "where",   NULL};
+    static const char expected[] = "scene, and vary, combine, points, region, candidates or where";
     variation varied = {0};
     scene_source base;
     char *scene_path = NULL;
@@ -162,6 +168,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
     if (!status) status = read_base(self, &base, &scene_path, scene_node);
     if (!status) status = variation_read(&varied, node, self->path, self->error);
     if (!status) status = check_not_overridden(self, &base, &varied);
+    if (varied.num_ranges > 0) self->plan->has_region = true;
     if (!status)
         status = read_where(self, tree_find(node, "where"), self->plan->where_bounds[group]);
     if (!status) status = add_points(self, &base, &varied, group);
@@ -242,44 +249,6 @@ static ehd_status drop_equal_points(plan *of, const char *path, ehd_error *error
     return status;
 }
 
-// ---- identity
-
-/* Prints the settings in which a point differs from the one before; NULL: all that are given. */
-static void print_changes(FILE *stream, const scene *now, const scene *before) {
-    for (const setting *row = scene_settings(); row->key; row++) {
-        const bool given = setting_is_given(row, now);
-        if (before ? setting_compare(row, now, before) == 0 : !given) continue;
-        if (given)
-            setting_print(stream, row, now);
-        else
-            fprintf(stream, "%s:\n", row->key);
-    }
-}
-
-static void print_plan(FILE *stream, const plan *of) {
-    char low[NUMBER_TEXT], high[NUMBER_TEXT];
-    for (size_t i = 0; i < of->num_points; i++) {
-        const plan_point *point = &of->points[i];
-        if (i == 0 || point->group != point[-1].group) {
-            number_show(low, of->where_bounds[point->group][0]);
-            number_show(high, of->where_bounds[point->group][1]);
-            fprintf(stream, "# group %zu, alpha_p_H from %s to %s\n", point->group, low, high);
-        }
-        fprintf(stream, "# point %zu\n", i);
-        print_changes(stream, &point->scene, i > 0 ? &point[-1].scene : NULL);
-    }
-}
-
-static ehd_status write_text(plan *of, const char *path, ehd_error *error) {
-    size_t length = 0;
-    FILE *stream = open_memstream(&of->text, &length);
-    if (!stream) return place_no_memory(error, path);
-    print_plan(stream, of);
-    const bool failed = ferror(stream) != 0;
-    const bool lost = fclose(stream) != 0 || failed;
-    return lost ? place_no_memory(error, path) : EHD_OK;
-}
-
 // ---- all
 
 ehd_status plan_read(plan *of, const char *path, const char *const *overrides, size_t num_overrides,
@@ -293,7 +262,7 @@ ehd_status plan_read(plan *of, const char *path, const char *const *overrides, s
     if (!status) status = tree_parse(&root, text, length, path, error);
     if (!status) status = read_groups(&self, root);
     if (!status) status = drop_equal_points(of, path, error);
-    if (!status) status = write_text(of, path, error);
+    if (!status) status = plan_write_text(of, path, error);
     if (status) plan_free(of);
     tree_free(root);
     free(text);

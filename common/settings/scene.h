@@ -187,6 +187,7 @@ typedef struct plan {
     plan_point *points; // [num_points], in the order of the file, grids with the last key fastest;
                         // without points that equal an earlier one, bounds included
     size_t num_points;
+    bool has_region; // points are candidates, of which training solves those that it needs
     char *text; // identifies the plan for --resume: the groups with their bounds, the first point's
                 // scene_text, and of each further point what differs from the one before
     double (*where_bounds)[2]; // [num_groups] bounds on alpha_p_H, -inf..inf where not given
@@ -201,6 +202,18 @@ ehd_status plan_read(
     plan *plan, // free with plan_free
     // input:
     const char *path, const char *const *overrides, size_t num_overrides, ehd_error *error);
+
+/* The plan of a text, which files keep as their settings: the same points, groups and bounds. Lines
+ * that others added to it, which begin with #, are passed over. `name` stands for the file in errors.
+ * EHD_DATA, EHD_MEMORY. */
+ehd_status plan_parse(
+    // output:
+    plan *plan, // free with plan_free
+    // input:
+    const char *text, const char *name, ehd_error *error);
+
+/* Writes the text of the points anew, after they have changed. EHD_MEMORY. */
+ehd_status plan_write_text(plan *plan, const char *name, ehd_error *error);
 
 void plan_free(plan *plan);
 

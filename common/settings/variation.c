@@ -2,6 +2,8 @@
 #include "common/settings/variation.h"
 
 #include "common/program/text.h"
+#include <gsl/gsl_qrng.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -110,6 +112,152 @@ static ehd_status read_csv(variation *self, const tree_node *points, const char 
     return status ? status : read_csv_lines(self, error);
 }
 
+// ---- regions
+
+static ehd_status read_bounds(variation_range *range, const tree_node *list, ehd_error *error) {
+    const setting *row = range->row;
+    const bool pair = list->kind == TREE_LIST && list->num_children == 2;
+    if (row->type != SETTING_REAL)
+        return place_fail(error, range->where,
+                          "region: found %s, expected a setting that is a number", row->key);
+    if (!pair || list->first->kind != TREE_SCALAR || list->last->kind != TREE_SCALAR ||
+        !number_read(&range->low, list->first->value) ||
+        !number_read(&range->high, list->last->value))
+        return place_fail(error, range->where,
+                          "%s: found something else, expected [lowest, highest]", row->key);
+    if (!(range->low < range->high))
+        return place_fail(error, range->where, "%s: found %s to %s, expected [lowest, highest]",
+                          row->key, list->first->value, list->last->value);
+    return EHD_OK;
+}
+
+static ehd_status add_range(variation *self, const tree_node *node, const char *path,
+                            ehd_error *error) {
+    const place where = {path, node->line};
+    const setting *row = setting_find_short(node->key);
+    if (!row) return setting_unknown(error, where, node->key);
+    bool again = false;
+    for (size_t i = 0; i < self->num_columns; i++)
+        again = again || self->columns[i].row == row;
+    for (size_t i = 0; i < self->num_ranges; i++)
+        again = again || self->ranges[i].row == row;
+    if (again) return place_fail(error, where, "%s: found again, expected only once", row->key);
+    if (self->num_ranges == MAX_RANGES)
+        return place_fail(error, where, "region: found more than %d settings, expected less",
+                          MAX_RANGES);
+    variation_range *range = &self->ranges[self->num_ranges++];
+    *range = (variation_range){.row = row, .where = where};
+    return read_bounds(range, node, error);
+}
+
+/* Corner number `corner` of the unit cube: one bit a setting. */
+static void set_corner(double *here, size_t num_ranges, size_t corner) {
+    for (size_t r = 0; r < num_ranges; r++)
+        here[r] = (double)(corner >> r & 1);
+}
+
+/* Of all edges, those along one axis after the other. Returns how many places they are. */
+static size_t fill_edges(double *places, size_t num_ranges, size_t num_on_edge) {
+    size_t count = 0;
+    for (size_t axis = 0; axis < num_ranges; axis++)
+        for (size_t corner = 0; corner < (size_t)1 << num_ranges; corner++) {
+            if (corner >> axis & 1) continue;
+            for (size_t i = 1; i <= num_on_edge; i++) {
+                double *here = places + num_ranges * count++;
+                set_corner(here, num_ranges, corner);
+                here[axis] = (double)i / (double)(num_on_edge + 1);
+            }
+        }
+    return count;
+}
+
+/* The corners, a quarter of the candidates along the edges, the rest inside. */
+static ehd_status fill_candidates(variation *self, const char *path, ehd_error *error) {
+    const size_t d = self->num_ranges, num_corners = (size_t)1 << d,
+                 num_edges = d * num_corners / 2;
+    const size_t num_on_edge = self->num_candidates / 4 / num_edges;
+    gsl_qrng *sequence = gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)d);
+    self->candidates = malloc(self->num_candidates * d * sizeof(double));
+    if (!sequence || !self->candidates) {
+        gsl_qrng_free(sequence);
+        return place_no_memory(error, path);
+    }
+    for (size_t corner = 0; corner < num_corners; corner++)
+        set_corner(self->candidates + d * corner, d, corner);
+    size_t count = num_corners + fill_edges(self->candidates + d * num_corners, d, num_on_edge);
+    for (; count < self->num_candidates; count++)
+        gsl_qrng_get(sequence, self->candidates + d * count);
+    gsl_qrng_free(sequence);
+    return EHD_OK;
+}
+
+static ehd_status read_candidates(variation *self, const tree_node *node, const char *path,
+                                  ehd_error *error) {
+    const size_t fewest = (size_t)2 << self->num_ranges;
+    char shown[SHOWN_TEXT];
+    double wanted = DEFAULT_CANDIDATES;
+    if (!node) {
+        self->num_candidates = DEFAULT_CANDIDATES;
+        return EHD_OK;
+    }
+    if (node->kind != TREE_SCALAR || !number_read(&wanted, node->value) ||
+        !(wanted >= (double)fewest && wanted <= MAX_POINTS) || wanted != floor(wanted))
+        return place_fail(error, (place){path, node->line},
+                          "candidates: found %s, expected a number from %zu to %d",
+                          tree_show(shown, node), fewest, MAX_POINTS);
+    self->num_candidates = (size_t)wanted;
+    return EHD_OK;
+}
+
+static ehd_status read_region(variation *self, const tree_node *group, const char *path,
+                              ehd_error *error) {
+    const tree_node *region = tree_find(group, "region");
+    const tree_node *candidates = tree_find(group, "candidates");
+    char shown[SHOWN_TEXT];
+    ehd_status status = EHD_OK;
+    if (!region && candidates)
+        return place_fail(error, (place){path, candidates->line},
+                          "candidates: found it without region, expected both");
+    if (!region) return EHD_OK;
+    if (region->kind != TREE_MAP || region->num_children == 0)
+        return place_fail(error, (place){path, region->line},
+                          "region: found %s, expected a map such as {moes.M: [5, 50]}",
+                          region->kind == TREE_MAP ? "nothing" : tree_show(shown, region));
+    for (const tree_node *node = region->first; node && !status; node = node->next)
+        status = add_range(self, node, path, error);
+    if (!status) status = read_candidates(self, candidates, path, error);
+    if (!status) status = fill_candidates(self, path, error);
+    if (!status && self->num_points > MAX_POINTS / self->num_candidates)
+        status =
+            place_fail(error, (place){path, region->line},
+                       "region: found more than %d candidates in all, expected less", MAX_POINTS);
+    if (!status) self->num_points *= self->num_candidates;
+    return status;
+}
+
+/* Of a candidate in a range. Equal bounds are refused, so that the logarithms are apart. */
+static double range_value(const variation *self, size_t range, size_t point) {
+    const variation_range *of = &self->ranges[range];
+    const double part = self->candidates[self->num_ranges * (point % self->num_candidates) + range];
+    if (part <= 0) return of->low;
+    if (part >= 1) return of->high;
+    if (of->low > 0) return of->low * pow(of->high / of->low, part);
+    return of->low + part * (of->high - of->low);
+}
+
+static ehd_status apply_ranges(const variation *self, size_t point, scene_source *source,
+                               ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (size_t r = 0; r < self->num_ranges && !status; r++) {
+        const variation_range *range = &self->ranges[r];
+        char text[NUMBER_TEXT];
+        number_show(text, range_value(self, r, point));
+        source->places[setting_index(range->row)] = range->where;
+        status = source_assign(source, range->row, text, range->where.file, range->where, error);
+    }
+    return status;
+}
+
 // ---- combination
 
 static ehd_status read_combine(variation *self, const tree_node *group, const char *path,
@@ -173,13 +321,14 @@ ehd_status variation_read(variation *self, const tree_node *group, const char *p
         status = self->grid ? count_grid(self, where, error) : count_list(self, where, error);
     else
         self->num_points = 1;
-    return status;
+    return status ? status : read_region(self, group, plan_path, error);
 }
 
 // ---- points
 
 /* The index of a point's value in a column. */
 static size_t value_index(const variation *self, size_t column, size_t point) {
+    if (self->num_ranges > 0) point /= self->num_candidates;
     if (!self->grid) return point;
     for (size_t i = self->num_columns - 1; i > column; i--)
         point /= self->columns[i].num_values;
@@ -196,7 +345,7 @@ ehd_status variation_apply(const variation *self, size_t point, scene_source *so
         status = source_assign(source, column->row, column->texts[k], column->places[k].file,
                                column->places[k], error);
     }
-    return status;
+    return status ? status : apply_ranges(self, point, source, error);
 }
 
 void variation_show(const variation *self, size_t point, char *shown, size_t size) {
@@ -208,6 +357,10 @@ void variation_show(const variation *self, size_t point, char *shown, size_t siz
         used += (size_t)snprintf(shown + used, size - used, "%s%s=%s", i ? ", " : "",
                                  self->columns[i].row->key, value);
     }
+    for (size_t r = 0; r < self->num_ranges && used < size; r++)
+        used += (size_t)snprintf(shown + used, size - used, "%s%s=%g",
+                                 self->num_columns + r > 0 ? ", " : "", self->ranges[r].row->key,
+                                 range_value(self, r, point));
 }
 
 void variation_free(variation *self) {
@@ -215,6 +368,7 @@ void variation_free(variation *self) {
         free(self->columns[i].texts);
         free(self->columns[i].places);
     }
+    free(self->candidates);
     csv_close(&self->points);
     *self = (variation){0};
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The settings that a group of a plan varies: columns of values, from its YAML or from a CSV
- * file. */
+/* The settings that a group of a plan varies: columns of values, from its YAML or from a CSV file,
+ * and bounds between which others vary. */
 #ifndef EHD_VARIATION_H
 #define EHD_VARIATION_H
 
@@ -9,7 +9,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { MAX_POINTS = 1000000 };
+enum { MAX_POINTS = 1000000, MAX_RANGES = 6, DEFAULT_CANDIDATES = 1000 };
 
 typedef struct variation_column {
     const setting *row;
@@ -18,16 +18,28 @@ typedef struct variation_column {
     place *places;      // [num_values]
 } variation_column;
 
+/* A setting that varies between bounds, by its logarithm where these are positive. */
+typedef struct variation_range {
+    const setting *row;
+    place where;
+    double low, high;
+} variation_range;
+
 typedef struct variation {
     variation_column columns[MAX_SETTINGS];
     size_t num_columns;
-    bool grid;         // all combinations, the last column fastest; else one point a row
-    size_t num_points; // at most MAX_POINTS
-    csv_file points;   // owns the texts that come from a CSV file
+    bool grid; // all combinations, the last column fastest; else one point a row
+    variation_range ranges[MAX_RANGES];
+    size_t num_ranges;     // 0: no region
+    size_t num_candidates; // places in the region, the same for each combination of columns
+    double *candidates;    // [num_candidates, num_ranges] from 0 to 1; NULL: no region
+    size_t num_points;     // at most MAX_POINTS, candidates fastest
+    csv_file points;       // owns the texts that come from a CSV file
 } variation;
 
-/* Reads `vary` and `combine`, or `points`, of a group; a group without them has one point.
- * `plan_path` is the plan's file, named in errors; `points` is relative to its folder. EHD_DATA,
+/* Reads `vary` and `combine`, or `points`, and `region` with its `candidates`, of a group; one
+ * without them has one point. Candidates are the corners of the region, places along its edges, and
+ * inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps however long it is. `plan_path` is the plan's file, named in errors; `points` is relative to its folder. EHD_DATA,
  * EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(
     // output:

@@ -17,6 +17,7 @@ typedef struct shard {
 
 /* A transient scene of the plan. */
 typedef struct trajectory_scene {
+    size_t number; // of the plan's point
     scene scene;
     ehd_contact contact; // the reference
 } trajectory_scene;
@@ -27,6 +28,7 @@ typedef struct training_set {
     const contact_kind *kind;
     size_t num_points;     // stationary ones
     ehd_contact *contacts; // [num_points], in the order of the plan
+    size_t *numbers;       // [num_points], of the plan's points
     size_t *groups;        // [num_points], the plan's group of each
     bool *estimated;       // [num_points], whether what the grid does to it is wanted too
     size_t *parent;        // [num_points], where each starts from; NO_PARENT: cold
@@ -37,10 +39,12 @@ typedef struct training_set {
 } training_set;
 
 /* Neighbours are near in ln M and in the Moes number L that belongs to the Hertz pressure; they are
- * of one group and have the same lubricant. A shard is a set of whole branches as far as possible,
- * with a tree of its own, so that it needs no other shard; all shards together have all points
- * once. Trajectories are dealt out in turn, and none of the shards is empty. EHD_DATA: a point that
- * is no contact, different grids, no point left; EHD_USAGE: more shards than points; EHD_MEMORY. */
+ * of one group and of one branch and have the same lubricant. Branches are pieces of the list of
+ * points and depend on the plan alone; a shard has whole ones, so that it needs no other shard, and
+ * each of its points starts from where it starts without shards. All shards, one after another, have
+ * the points of the plan in its order. Trajectories are dealt out in turn, and none of the shards is
+ * empty. EHD_DATA: a point that is no contact, different grids, no point left; EHD_USAGE: more shards
+ * than branches and trajectories; EHD_MEMORY. */
 ehd_status training_set_init(
     // output:
     training_set *set, // free with training_set_free

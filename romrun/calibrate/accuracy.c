@@ -75,3 +75,14 @@ void accuracy_judge(run_result *result, double accuracy) {
              of_minimum ? "minimum" : "central",
              given ? "the --accuracy of " : "holds without --accuracy, ", limit);
 }
+
+const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time) {
+    if (in_time && !model->checked_in_time)
+        return "a model never checked in time at these sizes, which romrun --calibrate does, and "
+               "deimselect without --no-check";
+    if (!in_time && !model->checked)
+        return "a model never checked at these sizes, which romrun --calibrate does, and "
+               "deimselect "
+               "without --no-check";
+    return NULL;
+}

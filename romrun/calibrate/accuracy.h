@@ -31,4 +31,8 @@ double accuracy_tolerance(double accuracy);
  * accuracy, 1 % where that is 0: not given. */
 void accuracy_judge(run_result *result, double accuracy);
 
+/* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
+ * NULL: it was. */
+const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time);
+
 #endif

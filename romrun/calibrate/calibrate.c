@@ -2,38 +2,12 @@
 #include "romrun/calibrate/calibrate.h"
 
 #include "common/output/grid_file.h"
-#include "fullrun/training.h"
-#include "romrun/calibrate/calibration.h"
-#include "romrun/calibrate/recording.h"
+#include "romrun/calibrate/validation.h"
 #include "romrun/model/model_file.h"
-#include "romrun/model/trade_file.h"
-#include "romrun/online/reduced_solver.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The scenes and their full solutions. */
-typedef struct validation {
-    training_set set;
-    training solutions;       // by the full model
-    contact_scalars *scalars; // [set.num_points]
-    solved_scene *scenes;     // [num_scenes] those that converged
-    size_t num_scenes;
-    recording *recordings; // [set.num_trajectories], the usable ones first
-    size_t num_recordings; // usable: ended, and inside the trained range
-    size_t num_failed;     // points and trajectories that the full model did not solve
-} validation;
-
-static void validation_free(validation *self) {
-    for (size_t t = 0; self->recordings && t < self->set.num_trajectories; t++)
-        recording_free(&self->recordings[t]);
-    free(self->recordings);
-    free(self->scenes);
-    free(self->scalars);
-    if (self->solutions.points) training_free(&self->solutions);
-    training_set_free(&self->set);
-}
 
 // ---- which scenes
 
@@ -105,136 +79,11 @@ static ehd_status load_scenes(training_set *set, trained_range **range, const pr
     return status;
 }
 
-// ---- full solutions
-
-static ehd_status keep_scalars(void *sink, const training_set *set, size_t point,
-                               const snapshot *solution, ehd_error *error) {
-    contact_scalars *scalars = sink;
-    (void)set, (void)error;
-
-    scalars[point] = solution->scalars;
-    return EHD_OK;
-}
-
-static ehd_status solve_points(validation *self, const program *caller, size_t num_workers,
-                               ehd_error *error) {
-    size_t num_points = self->set.num_points;
-    ehd_status status = training_init(&self->solutions, caller, &self->set, error);
-
-    self->scalars = calloc(num_points, sizeof *self->scalars);
-    self->scenes = calloc(num_points, sizeof *self->scenes);
-    if (!status && (!self->scalars || !self->scenes))
-        status = ehd_fail(error, EHD_MEMORY, "points: found no memory");
-    if (status) return status;
-    self->solutions.store = keep_scalars;
-    self->solutions.sink = self->scalars;
-    status = training_run(&self->solutions, num_workers, error);
-    for (size_t i = 0; i < num_points && !status; i++)
-        if (self->solutions.points[i].pressure)
-            self->scenes[self->num_scenes++] = (solved_scene){
-                &self->set.contacts[i], self->solutions.points[i].pressure, self->scalars[i]};
-    self->num_failed += self->solutions.num_failed;
-    return status;
-}
-
-/* Moves the usable recordings to the front. */
-static void keep_recordings(validation *self, const trained_range *range, const program *caller,
-                            const char *plan_path) {
-    size_t num_outside = 0;
-
-    for (size_t t = 0; t < self->set.num_trajectories; t++) {
-        recording *here = &self->recordings[t], *next = &self->recordings[self->num_recordings];
-        const char *outside = here->reason[0] ? NULL : recording_check(here, range);
-        self->num_failed += here->reason[0] != '\0';
-        num_outside += outside != NULL;
-        if (outside)
-            program_detail(caller, "%s: trajectory %zu: left out, %s", plan_path, t + 1, outside);
-        if (outside || here->reason[0]) continue;
-        const recording kept = *here;
-        *here = *next;
-        *next = kept;
-        self->num_recordings++;
-    }
-    if (num_outside > 0)
-        program_note(caller,
-                     "%s: %zu of %zu trajectories leave the trained range and are left out "
-                     "(--verbose says why)",
-                     plan_path, num_outside, self->set.num_trajectories);
-}
-
-static ehd_status solve_scenes(validation *self, const trained_range *range, const program *caller,
-                               const char *plan_path, size_t num_workers, ehd_error *error) {
-    ehd_status status = EHD_OK;
-
-    self->recordings = calloc(self->set.num_trajectories + 1, sizeof *self->recordings);
-    if (!self->recordings) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
-    if (self->set.num_points > 0) status = solve_points(self, caller, num_workers, error);
-    if (!status) status = recordings_make(self->recordings, caller, &self->set, num_workers, error);
-    if (status == EHD_INTERRUPTED)
-        ehd_fail(error, status, "%s: interrupted during the full solutions, nothing written",
-                 caller->output);
-    if (status) return status;
-    keep_recordings(self, range, caller, plan_path);
-    status = training_check_outcome(&self->set, self->num_failed, plan_path, error);
-    if (!status && self->num_scenes + self->num_recordings == 0)
-        status = ehd_fail(error, EHD_DATA,
-                          "%s: found nothing inside of the trained range that converged, expected "
-                          "some scenes",
-                          plan_path);
-    return status;
-}
-
-// ---- reduced solutions
-
-static ehd_status measure_positions(trade_table *table, const validation *scenes,
-                                    const program *self, const char *model_path, ehd_error *error) {
-    progress shown;
-    ehd_status status = EHD_OK;
-
-    table->num_scenes = scenes->num_scenes;
-    table->num_trajectories = scenes->num_recordings;
-    progress_start(&shown, self, table->num_positions);
-    for (size_t i = 0; i < table->num_positions && !status; i++) {
-        trade_position *position = &table->positions[i];
-        ehdrom_model *model = NULL;
-        char name[TRADE_NAME];
-        trade_name(name, &position->sizes);
-        progress_show(&shown, i, name);
-        status = ehdrom_open(&model, model_path, &position->sizes, error);
-        if (!status)
-            status =
-                calibration_measure(position, model, scenes->scenes, scenes->num_scenes, error);
-        if (!status && scenes->num_recordings > 0)
-            status = calibration_measure_in_time(position, model, scenes->recordings,
-                                                 scenes->num_recordings, error);
-        if (status == EHD_INTERRUPTED)
-            ehd_fail(error, status, "%s: interrupted after %zu of %zu sizes, nothing written",
-                     self->output, i, table->num_positions);
-        if (!status) progress_show(&shown, i + 1, name);
-        ehdrom_close(model);
-    }
-    progress_finish(&shown);
-    return status;
-}
-
-static ehd_status make_ladder(trade_table *table, const char *model_path, ehd_error *error) {
-    ehdrom_model *model = NULL;
-    ehd_status status = ehdrom_open(&model, model_path, NULL, error);
-
-    if (!status) {
-        const ehdrom_properties whole = ehdrom_describe(model);
-        status = trade_ladder(table, &whole, error);
-    }
-    ehdrom_close(model);
-    return status;
-}
-
 // ---- the file
 
 static const char separator[] = "# calibrated on\n";
 
-/* The model's settings, without those of an earlier calibration, and the plan. */
-static char *join_settings(const char *of_model, const char *of_plan) {
+char *calibration_settings(const char *of_model, const char *of_plan) {
     const char *end = strstr(of_model, separator);
     size_t length = end ? (size_t)(end - of_model) : strlen(of_model);
     char *joined = NULL;
@@ -254,7 +103,7 @@ static ehd_status create_output(artefact **output, artefact **model, const progr
     // optional in models of other programs
     if (!status && artefact_has(*model, "settings"))
         status = artefact_get_text(*model, "settings", &of_model, error);
-    settings = join_settings(of_model ? of_model : "", set->text);
+    settings = calibration_settings(of_model ? of_model : "", set->text);
     if (!status && (!inputs || !settings))
         status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", plan_path);
     if (!status)
@@ -312,9 +161,8 @@ ehd_status calibrate(const program *self, const char *plan_path, const char *mod
     if (!status)
         status = create_output(&output, &model, self, &scenes.set, plan_path, model_path, error);
     if (!status) status = artefact_copy(output, model, trade_axes, error);
-    if (!status) status = make_ladder(&table, model_path, error);
-    if (!status) status = solve_scenes(&scenes, range, self, plan_path, num_workers, error);
-    if (!status) status = measure_positions(&table, &scenes, self, model_path, error);
+    if (!status) status = validation_solve(&scenes, range, self, plan_path, num_workers, error);
+    if (!status) status = validation_measure(&table, &scenes, self, model_path, error);
     if (!status) status = trade_write(output, &table, error);
     if (!status) status = artefact_finish(&output, error);
     if (!status)

@@ -14,4 +14,8 @@
 ehd_status calibrate(const program *self, const char *plan_path, const char *model_path,
                      size_t num_workers, ehd_error *error);
 
+/* The settings of a calibrated model: its own, without those of an earlier calibration, and the text
+ * of the plan (NULL: none). NULL: no memory. */
+char *calibration_settings(const char *of_model, const char *of_plan); // free with free()
+
 #endif

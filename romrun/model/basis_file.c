@@ -159,6 +159,35 @@ static ehd_status get_effects(reduced_states *states, artefact *file, double *wo
     return status;
 }
 
+/* The lubricants, where they are known of any state. */
+static ehd_status put_rises(artefact *file, const reduced_states *states, double *work,
+                            ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int r = 0; r < NUM_RISES && !status; r++) {
+        bool any = false;
+        for (size_t s = 0; s < states->num_states; s++) {
+            work[s] = states->rises[s].of[r];
+            any = any || !isnan(work[s]);
+        }
+        if (any) status = artefact_put(file, lubricant_rise_state_names[r], work, error);
+    }
+    return status;
+}
+
+static ehd_status get_rises(reduced_states *states, artefact *file, double *work,
+                            ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (int r = 0; r < NUM_RISES && !status; r++) {
+        if (!artefact_has(file, lubricant_rise_state_names[r])) continue;
+        status = artefact_get(file, lubricant_rise_state_names[r], work, error);
+        for (size_t s = 0; s < states->num_states && !status; s++)
+            states->rises[s].of[r] = work[s];
+    }
+    return status;
+}
+
 /* Index in states->exit, which has boundary lines too, of the file's i-th exit, which has not. */
 static size_t exit_index(const ehd_grid *grid, const reduced_states *states, size_t i) {
     return i / grid->inner_lines * states->num_lines + grid_first_line(grid) +
@@ -192,6 +221,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
     if (!status) status = put_trajectory_marks(file, states, exits, error);
+    if (!status) status = put_rises(file, states, part, error);
     if (!status) status = put_effects(file, states, part, error);
     free(exits);
     free(part);
@@ -244,6 +274,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // a foreign file need not have it
     if (!status) status = get_trajectory_marks(states, file, exits, error);
+    if (!status) status = get_rises(states, file, part, error);
     if (!status) status = get_effects(states, file, part, error);
     free(exits);
     free(part);

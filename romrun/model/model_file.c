@@ -165,14 +165,9 @@ static ehd_status put_weighting(artefact *file, const model_origin *origin, ehd_
     return status;
 }
 
-ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
-                       const model_origin *origin, const program *caller, const char *settings_text,
-                       const char *const *inputs, ehd_error *error) {
-    artefact *file = NULL;
-    ehd_status status =
-        artefact_create(&file, caller->output, &schema_model, caller, settings_text, inputs, error);
-
-    if (!status) status = put_axes(file, model, error);
+ehd_status model_put(artefact *file, const reduced_model *model, const reduced_basis *basis,
+                     const model_origin *origin, ehd_error *error) {
+    ehd_status status = put_axes(file, model, error);
     if (!status) status = put_attributes(file, model, origin, error);
     if (!status && model->band.num_lines > 1) status = put_lines(file, model, error);
     if (!status) status = put_tables(file, model, error);
@@ -188,6 +183,17 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                               &model->grid, error);
     if (!status && origin->sigma_min_by_exit)
         status = artefact_put(file, "sigma_min_by_exit", origin->sigma_min_by_exit, error);
+    return status;
+}
+
+ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
+                       const model_origin *origin, const program *caller, const char *settings_text,
+                       const char *const *inputs, ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status =
+        artefact_create(&file, caller->output, &schema_model, caller, settings_text, inputs, error);
+
+    if (!status) status = model_put(file, model, basis, origin, error);
     if (!status) status = artefact_finish(&file, error);
     artefact_close(&file);
     return status;

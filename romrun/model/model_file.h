@@ -3,6 +3,7 @@
 #ifndef EHD_MODEL_FILE_H
 #define EHD_MODEL_FILE_H
 
+#include "common/artefact/artefact.h"
 #include "common/program/program.h"
 #include "romrun/model/reduced_model.h"
 #include "romrun/model/sizes.h"
@@ -22,14 +23,19 @@ typedef struct model_origin {
     const double *jacobian_modes; // [num_rows, num_jacobian_modes], orthonormal over all rows
 } model_origin;
 
-/* Writes and finishes caller->output. The basis is for full fields. */
+/* Puts all of a model into a new file, that may get more. The basis is for full fields. */
+ehd_status model_put(artefact *file, const reduced_model *model, const reduced_basis *basis,
+                     const model_origin *origin, ehd_error *error);
+
+/* Writes and finishes caller->output. */
 ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
 /* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. The rows of
  * a part are weighted anew where the file holds what that needs, else they keep the weights of the
- * whole. EHD_DATA also for sizes larger than what is stored and for fewer rows than modes. */
+ * whole. Rows are then in the order of their nodes. EHD_DATA also for sizes larger than what is
+ * stored and for fewer rows than modes. */
 ehd_status model_read(
     // output:
     reduced_model *model, // free with reduced_model_free

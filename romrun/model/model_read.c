@@ -329,6 +329,20 @@ static ehd_status read_rows(reduced_model *model, row_set *set, const row_fields
                               NULL, set->num_rows, 1, error);
 }
 
+/* From the order of their selection to that of their nodes: rows at neighbouring nodes share a half
+ * node, whose flux is then evaluated once. */
+static void sort_rows(row_set *set) {
+    for (size_t r = 1; r < set->num_rows; r++)
+        for (size_t i = r; i > 0 && set->node[i - 1] > set->node[i]; i--) {
+            const size_t node = set->node[i];
+            const double weight = set->weight[i];
+            set->node[i] = set->node[i - 1];
+            set->weight[i] = set->weight[i - 1];
+            set->node[i - 1] = node;
+            set->weight[i - 1] = weight;
+        }
+}
+
 static ehd_status read_tables(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -336,6 +350,7 @@ static ehd_status read_tables(reduced_model *model, artefact *file, const stored
     ehd_status status = read_rows(model, &model->rows, &selected_fields, stored->rows, file, error);
 
     if (!status) status = weigh_part(model, file, stored, error);
+    if (!status) sort_rows(&model->rows);
     if (!status) status = read_needed(model, &model->rows, &selected_fields, file, stored, error);
     if (!status)
         status =
@@ -386,6 +401,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
         kept->stationary[s] = whole.stationary[s];
         kept->rate[s] = whole.rate[s];
         kept->effects[s] = whole.effects[s];
+        kept->rises[s] = whole.rises[s];
     }
     reduced_states_free(&whole);
     return status;

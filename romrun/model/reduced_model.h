@@ -35,6 +35,7 @@ typedef struct reduced_states {
     bool *stationary;               // [num_states] false along a trajectory
     double *rate;                   // [num_states] frame_rate of the contact, 0 when stationary
     film_effects *effects;          // [num_states] of the full model's grid
+    lubricant_rises *rises;         // [num_states] at the Hertz pressure
 } reduced_states;
 
 /* Memory for states that are all stationary and zero, with unknown effects. EHD_MEMORY. */
@@ -45,6 +46,9 @@ void reduced_states_free(reduced_states *states);
 /* Deep copy. EHD_MEMORY. */
 ehd_status reduced_states_copy(reduced_states *target, const reduced_states *source,
                                ehd_error *error);
+
+/* Whether a state is the solution of this contact: the same M, alpha p_H and lubricant. */
+bool reduced_state_is_of(const reduced_states *states, size_t state, const ehd_contact *contact);
 
 /* Whether this contact is one of the training points. */
 bool reduced_states_have(const reduced_states *states, const ehd_contact *contact);

@@ -38,9 +38,10 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->stationary = malloc((num_states + 1) * sizeof *states->stationary);
     states->rate = calloc(num_states, sizeof(double));
     states->effects = malloc((num_states + 1) * sizeof *states->effects);
+    states->rises = malloc((num_states + 1) * sizeof *states->rises);
     if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
         !states->central_film_thickness || !states->stationary || !states->rate ||
-        !states->effects) {
+        !states->effects || !states->rises) {
         reduced_states_free(states);
         return ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for %zu states",
                         num_states);
@@ -48,6 +49,7 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     for (size_t s = 0; s < num_states; s++) {
         states->stationary[s] = true;
         states->effects[s] = film_effects_unknown();
+        states->rises[s] = lubricant_rises_unknown();
     }
     return EHD_OK;
 }
@@ -56,11 +58,27 @@ static bool is_same(double left, double right) {
     return fabs(left - right) <= 1e-9 * fmax(fabs(left), fabs(right));
 }
 
+/* What is not known is taken for the same. */
+static bool is_same_lubricant(const lubricant_rises *left, const lubricant_rises *right) {
+    bool same = true;
+
+    for (int r = 0; r < NUM_RISES; r++)
+        same = same &&
+               (isnan(left->of[r]) || isnan(right->of[r]) || is_same(left->of[r], right->of[r]));
+    return same;
+}
+
+bool reduced_state_is_of(const reduced_states *states, size_t state, const ehd_contact *contact) {
+    const lubricant_rises rises = lubricant_rises_at(&contact->lubricant, contact->hertz_pressure);
+
+    return is_same(states->moes_M[state], contact->moes_M) &&
+           is_same(states->alpha_p_H[state], contact->alpha_p_H) &&
+           is_same_lubricant(&states->rises[state], &rises);
+}
+
 bool reduced_states_have(const reduced_states *states, const ehd_contact *contact) {
     for (size_t s = 0; s < states->num_states; s++)
-        if (is_same(states->moes_M[s], contact->moes_M) &&
-            is_same(states->alpha_p_H[s], contact->alpha_p_H))
-            return true;
+        if (reduced_state_is_of(states, s, contact)) return true;
     return false;
 }
 
@@ -73,6 +91,7 @@ void reduced_states_free(reduced_states *states) {
     free(states->stationary);
     free(states->rate);
     free(states->effects);
+    free(states->rises);
     *states = (reduced_states){0};
 }
 
@@ -99,5 +118,6 @@ ehd_status reduced_states_copy(reduced_states *target, const reduced_states *sou
     memcpy(target->stationary, source->stationary, count * sizeof *target->stationary);
     memcpy(target->rate, source->rate, count * sizeof(double));
     memcpy(target->effects, source->effects, count * sizeof *target->effects);
+    memcpy(target->rises, source->rises, count * sizeof *target->rises);
     return EHD_OK;
 }

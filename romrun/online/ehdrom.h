@@ -50,19 +50,23 @@ typedef struct ehdrom_properties {
     size_t rows;                              // selected Reynolds rows in use
     size_t needed_nodes;                      // nodes of their stencils
     size_t states;                            // training solutions
+    // whether the sizes in use were measured (deimselect, romrun --calibrate) on stationary scenes, and
+    // on trajectories; where not, no deviation is indicated, and a result that is OK may be off by any
+    bool checked, checked_in_time;
 } ehdrom_properties;
 
 /* One solution; dimensionless unless stated. */
 typedef struct ehdrom_result {
-    ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED; EHD_UNTRUSTED: solved, but outside of
-                             // the trained range, or a false solution by its residual
+    ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED, also where the pressure cannot be one;
+                             // EHD_UNTRUSTED: solved, but outside of the trained range, or a false
+                             // solution by its residual or iterations
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // of the relative deviation of the central film, up to a factor
     double bound_minimum;     // the same of the minimum film
-    double indicated;         // deviation of the central film; NaN: not calibrated at these sizes
+    double indicated;         // deviation of the central film; NaN: not checked at these sizes
     double indicated_minimum; // and of the minimum film
     double seconds;           // of the solution, of which:
     double seconds_rows;      // rows and reduced Jacobian
@@ -92,6 +96,12 @@ void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
  * published one. */
 ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
+
+/* Judges the pressures of a result on the whole grid, [num_nodes] by ehdrom_fields, as ehdrom_solve
+ * does those that it sees: EHD_NOT_CONVERGED where one is negative by more than rounding and the
+ * truncated basis leave, or beyond the limit of the viscosity law. */
+void ehdrom_judge_pressure(ehdrom_result *result, const ehd_contact *contact,
+                           const double *pressure, size_t num_nodes);
 
 /* What the grid of the model's training does to the films of a contact, which no solution of the
  * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,

@@ -9,36 +9,72 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_NEIGHBOURS = 24, MAX_TERMS = 6 };
+enum { NUM_NEIGHBOURS = 24, MAX_STARTS = 8 };
 
-/* Coordinates of a contact among the training points: logarithms, since the film follows powers of
- * M and of the viscosity's rise. */
-static void coordinates_of(double coordinates[2], double moes_M, double alpha_p_H) {
-    coordinates[0] = log(moes_M);
-    coordinates[1] = 0.5 * log1p(alpha_p_H);
-}
+/* Coordinates of a training solution beside a contact: differences of ln M, of half of ln(1 + alpha
+ * p_H), since the film follows powers of M and of the viscosity's rise, and what the lubricant was
+ * more viscous and denser than the contact's is at the same Hertz pressure, as logarithms. */
+enum { ALONG_M, ALONG_PRESSURE, ALONG_VISCOSITY, ALONG_DENSITY, NUM_COORDINATES };
 
 typedef struct neighbour {
     size_t state;
-    double distance, away[2];
+    double distance, away[NUM_COORDINATES];
 } neighbour;
+
+/* A contact among the training solutions. */
+typedef struct wanted_place {
+    double moes_M, alpha_p_H;
+    const ehd_lubricant *lubricant; // NULL: any
+} wanted_place;
+
+static double viscosity_coordinate(double rise) {
+    return 0.5 * log1p(rise);
+}
+
+/* How much another lubricant a state is of; 0 where that is not known. False: the contact's
+ * lubricant has no viscosity at the state's Hertz pressure. */
+static bool compare_lubricants(double away[NUM_COORDINATES], const lubricant_rises *there,
+                               const wanted_place *here, double alpha_p_H) {
+    if (!here->lubricant || isnan(there->of[RISE_VISCOSITY])) return true;
+    const lubricant_rises same =
+        lubricant_rises_at(here->lubricant, alpha_p_H / here->lubricant->alpha);
+    if (isnan(same.of[RISE_VISCOSITY])) return false;
+    away[ALONG_VISCOSITY] = viscosity_coordinate(there->of[RISE_VISCOSITY]) -
+                            viscosity_coordinate(same.of[RISE_VISCOSITY]);
+    away[ALONG_DENSITY] = there->of[RISE_DENSITY] - same.of[RISE_DENSITY];
+    return true;
+}
+
+/* False as above. */
+static bool place_state(neighbour *place, const reduced_states *states, size_t state,
+                        const wanted_place *here) {
+    const double there = states->alpha_p_H[state];
+    double squares = 0;
+
+    *place = (neighbour){.state = state};
+    place->away[ALONG_M] = log(states->moes_M[state]) - log(here->moes_M);
+    place->away[ALONG_PRESSURE] =
+        viscosity_coordinate(there) - viscosity_coordinate(here->alpha_p_H);
+    if (!compare_lubricants(place->away, &states->rises[state], here, there)) return false;
+    for (int c = 0; c < NUM_COORDINATES; c++)
+        squares += place->away[c] * place->away[c];
+    place->distance = sqrt(squares);
+    return true;
+}
 
 enum { ANY_EFFECT = -1 }; // also of states of which no effect of the grid is known
 
 /* Lists the nearest stationary states farther away than `beyond`, of those of which an effect of
  * the grid is known; returns their number. */
-static size_t nearest_states(neighbour *nearest, const reduced_states *states, const double here[2],
-                             double beyond, int effect) {
+static size_t nearest_states(neighbour *nearest, const reduced_states *states,
+                             const wanted_place *here, double beyond, int effect) {
     size_t count = 0;
 
     for (size_t s = 0; s < states->num_states; s++) {
-        double there[2];
-        coordinates_of(there, states->moes_M[s], states->alpha_p_H[s]);
+        neighbour fresh;
         if (!states->stationary[s]) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
-        neighbour fresh = {s,
-                           hypot(there[0] - here[0], there[1] - here[1]),
-                           {there[0] - here[0], there[1] - here[1]}};
+        if (!place_state(&fresh, states, s, here)) continue;
         if (!(fresh.distance > beyond) ||
             (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance))
             continue;
@@ -50,36 +86,49 @@ static size_t nearest_states(neighbour *nearest, const reduced_states *states, c
     return count;
 }
 
-/* A fit through neighbours: numbers of them and of the terms 1, x, y, x^2, xy, y^2, and the largest
- * sum of the weights' magnitudes, above which the fit extrapolates. */
+/* A fit through neighbours: numbers of them and of the terms 1, x, y, x^2, xy, y^2 in M and
+ * pressure, and the largest sum of the weights' magnitudes, above which the fit extrapolates. */
 typedef struct neighbour_fit {
     size_t max_neighbours, num_terms;
     double max_weight;
 } neighbour_fit;
 
+enum { MAX_TERMS = 6 + 2 };
+
 /* The best first. Half the quadratic fit's neighbours would lie in two rows of a regular plan. */
-static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, MAX_TERMS, 1.5}, {6, 3, 2}};
+static const neighbour_fit FITS[] = {{NUM_NEIGHBOURS, 6, 1.5}, {6, 3, 2}};
+
+/* The terms of a neighbour; those of the lubricant are linear, and only along coordinates in which
+ * neighbours differ. Returns their number. */
+static size_t fill_terms(double terms[MAX_TERMS], const neighbour *self, size_t num_terms,
+                         const bool *differs) {
+    const double x = self->away[ALONG_M], y = self->away[ALONG_PRESSURE];
+    const double of_place[] = {1, x, y, x * x, x * y, y * y};
+
+    memcpy(terms, of_place, num_terms * sizeof(double));
+    for (int c = ALONG_VISCOSITY; c < NUM_COORDINATES; c++)
+        if (differs[c]) terms[num_terms++] = self->away[c];
+    return num_terms;
+}
 
 /* Weights of the neighbours in a moving least squares fit, evaluated at the wanted contact. False
  * where they do not determine it, which the sum of the weights shows even where rounding hides it
- * from the factorisation, or where the fit would extrapolate. */
+ * from the factorisation, or where the fit would extrapolate. `differs` [NUM_COORDINATES]. */
 static bool fit_weights(double *weights, const neighbour *nearest, size_t count,
-                        const neighbour_fit *fit) {
+                        const neighbour_fit *fit, const bool *differs) {
     const double slack = 1e-6;
-    const size_t num = fit->num_terms;
     double normal[MAX_TERMS * MAX_TERMS] = {0}, unit[MAX_TERMS] = {1}, magnitude = 0, sum = 0;
     double terms[NUM_NEIGHBOURS][MAX_TERMS], strength[NUM_NEIGHBOURS];
+    size_t num = fit->num_terms;
 
-    if (count < num) return false;
     for (size_t i = 0; i < count; i++) {
-        double x = nearest[i].away[0], y = nearest[i].away[1];
-        const double here[MAX_TERMS] = {1, x, y, x * x, x * y, y * y};
-        memcpy(terms[i], here, sizeof here);
+        num = fill_terms(terms[i], &nearest[i], fit->num_terms, differs);
         strength[i] = 1 / (nearest[i].distance * nearest[i].distance + 1e-6);
         for (size_t p = 0; p < num; p++)
             for (size_t q = 0; q < num; q++)
-                normal[num * p + q] += strength[i] * here[p] * here[q];
+                normal[num * p + q] += strength[i] * terms[i][p] * terms[i][q];
     }
+    if (count < num) return false;
     if (LAPACKE_dposv_work(LAPACK_COL_MAJOR, 'L', (int)num, 1, normal, (int)num, unit, (int)num))
         return false;
     for (size_t i = 0; i < count; i++) {
@@ -117,25 +166,47 @@ static void combine_states(reduced_state *state, const reduced_model *model,
     }
 }
 
-/* Weights of the best fit through `count` neighbours, at least one; returns how many it takes, the
- * nearest one alone where no fit serves. */
+/* The coordinates of the lubricant in which neighbours differ from each other. */
+static bool find_differences(bool differs[NUM_COORDINATES], const neighbour *nearest,
+                             size_t count) {
+    const double same = 1e-9;
+    bool any = false;
+
+    for (int c = ALONG_VISCOSITY; c < NUM_COORDINATES; c++) {
+        differs[c] = false;
+        for (size_t i = 1; i < count; i++)
+            differs[c] = differs[c] || fabs(nearest[i].away[c] - nearest[0].away[c]) > same;
+        any = any || differs[c];
+    }
+    return any;
+}
+
+/* Weights of the best fit through `count` neighbours, at least one, first with terms of the
+ * lubricants where these differ; returns how many it takes, the nearest one alone where no fit
+ * serves. */
 static size_t best_weights(double *weights, const neighbour *nearest, size_t count) {
+    const bool none[NUM_COORDINATES] = {false};
+    bool differs[NUM_COORDINATES];
+
+    if (find_differences(differs, nearest, count) &&
+        fit_weights(weights, nearest, count, &FITS[0], differs))
+        return count;
     for (size_t f = 0; f < sizeof FITS / sizeof *FITS; f++) {
         size_t used = count < FITS[f].max_neighbours ? count : FITS[f].max_neighbours;
-        if (fit_weights(weights, nearest, used, &FITS[f])) return used;
+        if (fit_weights(weights, nearest, used, &FITS[f], none)) return used;
     }
     weights[0] = 1;
     return 1;
 }
 
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
-                   double alpha_p_H) {
+                   double alpha_p_H, const ehd_lubricant *lubricant) {
+    const wanted_place here = {moes_M, alpha_p_H, lubricant};
     neighbour nearest[NUM_NEIGHBOURS];
-    double here[2], weights[NUM_NEIGHBOURS];
+    double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    coordinates_of(here, moes_M, alpha_p_H);
-    size_t count = nearest_states(nearest, &model->states, here, -1, ANY_EFFECT);
+    size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT);
     count = best_weights(weights, nearest, count);
     combine_states(state, model, nearest, weights, count);
     for (size_t i = 0; i < count; i++)
@@ -143,17 +214,46 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
     start_shift_apply(state->coordinates, model, states, weights, count);
 }
 
+/* The trained solution that is nearest but for `skipped` others, alone. False: there are no more. */
+static bool start_from_state(reduced_state *state, const reduced_model *model,
+                             const wanted_place *here, size_t skipped) {
+    neighbour nearest[NUM_NEIGHBOURS];
+    double one = 1;
+
+    if (skipped >= nearest_states(nearest, &model->states, here, -1, ANY_EFFECT)) return false;
+    combine_states(state, model, &nearest[skipped], &one, 1);
+    return true;
+}
+
+ehd_status reduced_solve_from_training(reduced_info *info, reduced_state *state,
+                                       reduced_solver *solver, const reduced_model *model,
+                                       const ehd_contact *contact, ehd_error *error) {
+    const wanted_place here = {contact->moes_M, contact->alpha_p_H, &contact->lubricant};
+
+    reduced_guess(state, model, here.moes_M, here.alpha_p_H, here.lubricant);
+    ehd_status status = reduced_solve(info, state, solver, contact, NULL, error);
+    for (size_t i = 0; i < MAX_STARTS && !status && info->status == EHD_NOT_CONVERGED; i++) {
+        const size_t iterations = info->iterations;
+        const double seconds = info->seconds;
+        if (!start_from_state(state, model, &here, i)) break;
+        status = reduced_solve(info, state, solver, contact, NULL, error);
+        info->iterations += iterations;
+        info->seconds += seconds;
+    }
+    return status;
+}
+
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
-                       double alpha_p_H) {
+                       double alpha_p_H, const ehd_lubricant *lubricant) {
+    const wanted_place here = {moes_M, alpha_p_H, lubricant};
     const double same = 1e-9;
     neighbour nearest[NUM_NEIGHBOURS];
-    double here[2], one = 1;
+    double one = 1;
 
-    coordinates_of(here, moes_M, alpha_p_H);
-    if (nearest_states(nearest, &model->states, here, same, ANY_EFFECT) > 0)
+    if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
-        reduced_guess(state, model, moes_M, alpha_p_H);
+        reduced_guess(state, model, moes_M, alpha_p_H, lubricant);
 }
 
 // ---- what the grid does
@@ -161,7 +261,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, double 
 /* One effect at a contact, by a fit through the states of which it is known: of its size's
  * logarithm, since effects go with powers of M and of the viscosity's rise, with the sign of the
  * nearest one. Where it is infinite there, nothing can be said of the contact either. */
-static double effect_at(const reduced_states *states, const double here[2], int effect) {
+static double effect_at(const reduced_states *states, const wanted_place *here, int effect) {
     const double rounding = 1e-12; // of a film
     neighbour nearest[NUM_NEIGHBOURS];
     double weights[NUM_NEIGHBOURS], log_size = 0;
@@ -179,13 +279,13 @@ static double effect_at(const reduced_states *states, const double here[2], int 
     return copysign(exp(log_size), closest);
 }
 
-film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H) {
+film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H,
+                             const ehd_lubricant *lubricant) {
+    const wanted_place here = {moes_M, alpha_p_H, lubricant};
     film_effects effects;
-    double here[2];
 
-    coordinates_of(here, moes_M, alpha_p_H);
     for (int e = 0; e < NUM_EFFECTS; e++)
-        effects.of[e] = effect_at(&model->states, here, e);
+        effects.of[e] = effect_at(&model->states, &here, e);
     return effects;
 }
 

@@ -363,7 +363,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
 
     frame_contact(&contact, frame, &self->reference);
     contact.closure = contact_load_closure(contact.kind);
-    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H);
+    reduced_guess(&first->state, self->model, contact.moes_M, contact.alpha_p_H,
+                  &contact.lubricant);
     first->frame = *frame;
     if (frame->speed > 0)
         status = solve(&info, self, &contact, NULL, error);
@@ -666,8 +667,12 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     entrained_contact(&contact, &self->entrainment, frame, self);
     carry_over(self, frame);
     predict(self);
-    const reduced_squeeze squeeze = {self->formula.rate, self->previous.sum, previous_at, self,
-                                     &next->values};
+    const reduced_squeeze squeeze = {.rate = self->formula.rate,
+                                     .previous = self->previous.sum,
+                                     .previous_at = previous_at,
+                                     .context = self,
+                                     .start = &next->values,
+                                     .last = state_before(self, 1)->values.pressure};
     ehd_status status = solve(&info, self, &contact, &squeeze, error);
     if (status) return status;
     if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
@@ -729,8 +734,10 @@ static void renew_factors(reduced_march *self, const previous_film *solved) {
     self->factors.valid = true;
     self->factors.frame = solved->frame;
     self->factors.rate = self->formula.rate;
-    reduced_state_copy(&self->factors.state, &solved->state, self->model);
-    keep_factors(self);
+    const bool near = self->info.near_factors;
+    reduced_state_copy(&self->factors.state,
+                       near ? reduced_take_factors(self->solver) : &solved->state, self->model);
+    if (!near) keep_factors(self);
 }
 
 static void drop_factors(reduced_march *self) {

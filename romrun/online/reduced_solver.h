@@ -57,6 +57,7 @@ typedef struct reduced_info {
     ehd_status status; // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED (exit not settled)
     size_t iterations;
     bool own_jacobian; // solved with own Jacobians, not with kept factors
+    bool near_factors; // and, near the solution, with those of the last of them
     double residual;   // |D f| over the rows and the linear equations, at the last iteration
     contact_scalars scalars;
     double seconds, seconds_rows, seconds_linear, seconds_exit;
@@ -88,6 +89,7 @@ typedef struct reduced_squeeze {
     double (*previous_at)(void *context, size_t node); // the same at a node of the band
     void *context;
     const reduced_values *start; // values of the start; NULL: not known
+    const double *last;          // [num_needed] P of the last state, uncut; NULL: not known
 } reduced_squeeze;
 
 typedef struct reduced_solver reduced_solver;
@@ -128,6 +130,15 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact);
 
+/* Least and largest P of the last solution before its exit, at the needed nodes and in the band. */
+typedef struct reduced_pressures {
+    double least, largest;
+} reduced_pressures;
+
+/* Takes a pressure into a range; one that is not a number stays. */
+void reduced_pressures_include(reduced_pressures *range, double pressure);
+reduced_pressures reduced_pressure_range(reduced_solver *solver, const reduced_state *state);
+
 typedef enum reduced_film {
     REDUCED_CENTRAL_FILM,
     REDUCED_MINIMUM_FILM // at the lowest needed node with pressure
@@ -164,19 +175,35 @@ void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
+/* Keeps those that the last solution ended with (info.near_factors). Returns the state at which they
+ * were made, from which reduced_keep_factors makes the same ones; valid until the next solution. */
+const reduced_state *reduced_take_factors(reduced_solver *solver);
+
 /* Start from the trained solutions: a quadratic fit through those nearest in (ln M, ln(1 + alpha
  * p_H)/2), an affine one where that would extrapolate, or the nearest solution where this would;
- * pressures are added spike upon spike (start_shift.h). */
+ * pressures are added spike upon spike (start_shift.h). Of several trained lubricants, those are
+ * nearer that at the same Hertz pressure are as viscous and dense as the contact's, and the fit is
+ * linear in these differences; `lubricant` NULL: any. */
 void reduced_guess(reduced_state *state, const reduced_model *model, double moes_M,
-                   double alpha_p_H);
+                   double alpha_p_H, const ehd_lubricant *lubricant);
+
+/* Solves from reduced_guess and, where that does not converge, from each of the nearest trained
+ * solutions, one after the other. Errors of reduced_solve; iterations and times are the sum. */
+ehd_status reduced_solve_from_training(
+    // output:
+    reduced_info *info, reduced_state *state,
+    // input:
+    reduced_solver *solver, const reduced_model *model, const ehd_contact *contact,
+    ehd_error *error);
 
 /* Start from the nearest trained solution that is not this contact's own. */
 void reduced_neighbour(reduced_state *state, const reduced_model *model, double moes_M,
-                       double alpha_p_H);
+                       double alpha_p_H, const ehd_lubricant *lubricant);
 
 /* What the full model's grid does to the films, interpolated in the same way between the trained
  * solutions of which it is known; NaN: of none, infinite: the grid is too coarse to tell. */
-film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H);
+film_effects reduced_effects(const reduced_model *model, double moes_M, double alpha_p_H,
+                             const ehd_lubricant *lubricant);
 
 /* The trained range: convex hull of training points in (M, alpha p_H), and fastest change. */
 typedef struct trained_range trained_range;

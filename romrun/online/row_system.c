@@ -33,6 +33,7 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->fluid_memory =
         arena_array(memory, NUM_FLUID_ARRAYS * model->rows.num_needed, sizeof(double));
     self->pressure = arena_array(memory, model->rows.num_needed, sizeof(double));
+    self->about = arena_array(memory, model->rows.num_needed, sizeof(double));
     far_field_init(&self->outer, &model->grid, model->rows.needed_node, model->rows.num_needed,
                    memory);
     self->active = arena_array(memory, num_rows, sizeof *self->active);
@@ -75,22 +76,74 @@ void system_list_active(row_system *self, const node_state *nodes, size_t cell_n
             self->active[self->num_active++] = r;
 }
 
+/* The first active row from `r` on, or the first passive one. */
+static size_t next_row(const row_system *self, const node_state *nodes, size_t r, bool active) {
+    while (r < self->model->rows.num_rows && is_active(self, nodes, r) != active)
+        r++;
+    return r;
+}
+
+/* self->pressure of the state. */
+static void expand_pressure(row_system *self, const node_state *nodes, double rigid_approach,
+                            const ehd_contact *contact) {
+    memcpy(self->pressure, nodes->now.pressure,
+           self->model->rows.num_needed * sizeof *self->pressure);
+    far_field_add(self->pressure, &self->outer, contact, rigid_approach);
+}
+
+/* Takes rows first … end - 1 from the pressures `about` to the state's along their derivatives. */
+static void shift_rows(row_system *self, const double *about, size_t first, size_t end) {
+    const row_set *set = &self->model->rows;
+
+    for (size_t r = first; r < end; r++)
+        for (int a = 0; a < NUM_STENCIL; a++) {
+            const size_t q = set->stencils[r].node[a];
+            if (q == NO_NODE) continue;
+            self->rows[r].residual += self->rows[r].by_pressure[a] * (self->pressure[q] - about[q]);
+        }
+}
+
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
-                     const ehd_contact *contact, const reduced_squeeze *squeeze) {
+                     const ehd_contact *contact, const reduced_squeeze *squeeze,
+                     const double *about) {
     const row_set *set = &self->model->rows;
     size_t num_needed = set->num_needed;
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
-    const reynolds_squeeze rows_squeeze = {squeeze ? squeeze->rate : 0,
-                                           squeeze ? squeeze->previous : NULL};
-
     self->closure = far_field_closure(&self->outer, contact, rigid_approach);
-    memcpy(self->pressure, nodes->now.pressure, num_needed * sizeof(double));
-    far_field_add(self->pressure, &self->outer, contact, rigid_approach);
-    reynolds_fluid_evaluate(&fluid, contact, self->pressure, num_needed);
+    expand_pressure(self, nodes, rigid_approach, contact);
+    const double *pressure = about ? about : self->pressure;
+    reynolds_fluid_evaluate(&fluid, contact, pressure, num_needed);
     far_field_set_density(&fluid, &self->outer);
-    reynolds_rows(self->rows, &self->model->grid, contact->entrainment,
-                  squeeze ? &rows_squeeze : NULL, set->stencils, set->num_rows, &fluid,
-                  self->pressure, nodes->now.film);
+    for (size_t first = next_row(self, nodes, 0, true); first < set->num_rows;) {
+        const size_t end = next_row(self, nodes, first, false);
+        const reynolds_squeeze of_rows = {squeeze ? squeeze->rate : 0,
+                                          squeeze ? squeeze->previous + first : NULL};
+        reynolds_rows(self->rows + first, &self->model->grid, contact->entrainment,
+                      squeeze ? &of_rows : NULL, set->stencils + first, end - first, &fluid,
+                      pressure, nodes->now.film);
+        if (about) shift_rows(self, about, first, end);
+        first = next_row(self, nodes, end, true);
+    }
+}
+
+const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
+                           const ehd_contact *contact, const double *last) {
+    const size_t num_needed = self->model->rows.num_needed;
+    const reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, num_needed, contact);
+
+    expand_pressure(self, nodes, rigid_approach, contact);
+    for (size_t q = 0; q < num_needed; q++) {
+        const double own = self->pressure[q], fall = self->about[q] - own;
+        if (last) {
+            self->about[q] = nodes->pressurised[q] ? fmax(own, last[q]) : own;
+            continue;
+        }
+        const double slope = -fluid.mobility_slope[q] / fluid.mobility[q];
+        self->about[q] = nodes->pressurised[q] && fall > 0 && slope > 0
+                             ? self->about[q] - log1p(slope * fall) / slope
+                             : own;
+    }
+    return self->about;
 }
 
 // ---- right side
@@ -411,8 +464,10 @@ double system_film_error(double *influence, row_system *self) {
     times_matrix(self->left, self, num_rows, self->step);
     memset(self->moves, 0, num_rows * sizeof *self->moves);
     times_matrix(self->moves, self, num_rows, self->dual);
-    for (size_t i = 0; i < num_rows; i++)
-        sum += pow(self->left[i] * self->moves[i], 2);
+    for (size_t i = 0; i < num_rows; i++) {
+        const double unsolved = self->remaining * (self->left[i] - self->right[i]);
+        sum += (pow(self->left[i], 2) + pow(unsolved, 2)) * pow(self->moves[i], 2);
+    }
     memset(influence, 0, self->model->rows.num_rows * sizeof *influence);
     for (size_t i = 0; i < self->num_active; i++)
         influence[self->active[i]] = self->moves[i];

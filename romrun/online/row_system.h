@@ -15,6 +15,7 @@ typedef struct row_system {
     double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
     far_field outer;         // boundary nodes among the needed ones
     double *pressure;        // [num_needed] of the state, with that of the far field
+    double *about;           // [num_needed] those of system_about
     contact_closure closure; // at the state, with the load beyond the grid
     size_t num_active;       // rows before the exit
     size_t num_cells;        // 1 where the exit lies within a node: its cell's row is the last one
@@ -24,7 +25,8 @@ typedef struct row_system {
     double *step;            // [num_unknowns]
     double *gradient;        // [num_unknowns] of a film
     double *dual;            // [num_unknowns] (J^T J)^-1 gradient
-    double *left;            // [system_max_rows] what the step leaves
+    double remaining;  // what another step would change, over what the last one did, estimated
+    double *left;      // [system_max_rows] what the step leaves
     double *moves;     // [system_max_rows] J dual: change of the film by an error of 1 in a row
     double *offset;    // [num_unknowns] by which a step moves the exit within its node
     double *flux_step; // [num_unknowns] by which it changes the flux
@@ -45,9 +47,19 @@ void system_free(row_system *self);
 /* Largest number of rows of a least-squares problem of the model. */
 size_t system_max_rows(const reduced_model *model);
 
-/* Rows and their derivatives at the state that `nodes` holds, into self->rows, and the closure. */
+/* Rows before the exit and their derivatives at the state that `nodes` holds, into self->rows, and
+ * the closure. `about`: NULL, or the pressures [num_needed] at which they are evaluated, and from
+ * which they are linear in the pressures. */
 void system_evaluate(row_system *self, const node_state *nodes, double rigid_approach,
-                     const ehd_contact *contact, const reduced_squeeze *squeeze);
+                     const ehd_contact *contact, const reduced_squeeze *squeeze,
+                     const double *about);
+
+/* Pressures about which a step in time is linearised while it is far from its solution (README.md, In
+ * time). With those of the last state, uncut: the higher ones of it and of the state that `nodes` holds.
+ * With NULL, after system_evaluate: those of the state where they have risen, and where they have fallen
+ * those at which the mobility is what the linear rows had. */
+const double *system_about(row_system *self, const node_state *nodes, double rigid_approach,
+                           const ehd_contact *contact, const double *last);
 
 /* Lists the rows before the exit; but for that at the node whose cell has one of its own, or
  * NO_NODE. */
@@ -71,8 +83,9 @@ void system_fill_matrix(row_system *self, const node_state *nodes, double closur
 /* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
-/* How far what the last step leaves in the rows, D f + D J step, moves the film of self->gradient, by
- * the root of the sum of the squares of what each row does. */
+/* How far what the last step leaves in the rows, D f + D J step and as much of D J step as it was
+ * too long or too short, moves the film of self->gradient, by the root of the sum of the squares
+ * of what each row does. */
 double system_film_error(
     // output:
     double *

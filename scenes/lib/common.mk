@@ -21,9 +21,10 @@ accurate      = $(if $(wildcard $1/Makefile),$(shell sed -n 's/^ACCURATE *= *//p
 accurate_out  = $1/out$(if $(call accurate,$1),-accurate)
 accurate_make = $(MAKE) -C $1 OUT=$(notdir $(call accurate_out,$1)) SET='$(call accurate,$1)' BIN=$(abspath $(BIN))
 
-# The programs: those on the PATH, else those built here.
+# The programs: those on the PATH, else those installed or built beside this file.
 ifeq ($(BIN),)
-  BIN := $(or $(patsubst %/,%,$(dir $(shell command -v fullrun))),$(SHARED)../../build/release/bin)
+  BIN := $(or $(patsubst %/,%,$(dir $(shell command -v fullrun))),\
+              $(patsubst %/,%,$(dir $(wildcard $(SHARED)../../../bin/fullrun))),$(SHARED)../../build/release/bin)
 endif
 export BIN
 

@@ -50,7 +50,7 @@ def table(folder, model):
     for case, full, reduced, (unit, inlet, step) in zip(cases, solved["full"], solved[model], optional):
         permille = 1000 * abs(reduced["H_c"] / full["H_c"] - 1)
         trust = ("not converged" if 1 in (full["status"], reduced["status"]) else
-                 "outside of training" if reduced["status"] == 4 else "")
+                 "not trusted" if reduced["status"] == 4 else "")
         if not trust:  # only what converged inside of training
             worst = max(worst, (permille, case.name))
         grid = [effect("inlet", inlet), effect("step", step)]

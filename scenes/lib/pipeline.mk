@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv to
-# a table and pictures. A Makefile that includes this may set before:
+# From a plan to reduced models (training.mk, which see for PLAN, ACCURACY and more), and from the cases of cases.csv,
+# where there are any, to a table and pictures. It may be used as it is:
+#     make -f …/pipeline.mk PLAN=region.yml ACCURACY=1e-3
+# A Makefile that includes this may set before:
 #   PROFILES        names of the cases (`make list`) whose pressure and film are drawn: the first three
 #   PROFILE_RANGES  options for that picture: --x FROM TO, --film LOWEST HIGHEST, --step NODES between marks
 #   MAP_CASE        of a point contact: the case that is drawn as a map
 #   REPEAT          times that a reduced solution is repeated for its median time: 21
 
 include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
+
+ifneq ($(wildcard cases.csv),)
 
 REPEAT ?= 21
 
@@ -67,3 +71,5 @@ ifneq ($(MAP_CASE),)
 $(OUT)/maps.png: $(SHARED)pictures.py cases.csv $(OUT)/full/$(MAP_CASE).h5 $(OUT)/$(MODEL)/$(MAP_CASE).h5
 	$(call quiet,picture   ,$@)$(python) $< maps $@ $(filter %.h5,$^) --case $(MAP_CASE) $(MAP_WIDTH:%=--width %)
 endif
+
+endif # cases.csv

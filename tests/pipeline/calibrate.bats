@@ -17,7 +17,7 @@ YAML
     snapgen train.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5 --pressure-modes 12
     snapgen train.yml --basis b.h5 -o r.h5 --quiet
-    deimselect r.h5 --basis b.h5 -o m.h5
+    deimselect r.h5 --basis b.h5 -o m.h5 --no-check
     romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
 }
 
@@ -48,7 +48,7 @@ PYTHON
     for M in 10 12; do
         for L in 3 5; do
             fullrun scene.yml --set moes.M=$M --set moes.L=$L -o full.h5 --force
-            romrun scene.yml --set moes.M=$M --set moes.L=$L -o red.h5 --force --model m.h5 \
+            romrun scene.yml --set moes.M=$M --set moes.L=$L -o red.h5 --force --model m.h5 --allow-untrusted \
                 --pressure-modes "${modes%.*}" --rows "${rows%.*}"
             worst=$(awk -v w="$worst" -v f="$(number full.h5 central_film_thickness)" \
                 -v r="$(number red.h5 central_film_thickness)" \
@@ -164,8 +164,8 @@ PYTHON
     [[ $output == *"indicated deviation     "*" of the central film thickness"* ]]
     [ "$(grep -cE "^  of this, about        the model [0-9.e-]+ %, the grid [0-9.e-]+ %, the inlet [0-9.e-]+ %$" <<<"$output")" -eq 2 ]
     # a size that was not measured, and a model that is not calibrated, indicate nothing
-    romrun scene.yml --model c.h5 --rows 23 -o other.h5
-    romrun scene.yml --model m.h5 -o plain.h5
+    romrun scene.yml --model c.h5 --rows 23 -o other.h5 --allow-untrusted
+    romrun scene.yml --model m.h5 -o plain.h5 --allow-untrusted
     ! h5dump -H other.h5 | grep -q indicated
     ! h5dump -H plain.h5 | grep -q indicated
     # all scenes but this one were good
@@ -211,6 +211,36 @@ with h5py.File('x.h5', 'r+') as f:
     [[ $stderr == "romrun: scene.yml: found a residual far above those of the calibration, that of a false solution, expected a result to be trusted"* ]]
 }
 
+@test "a pressure that cannot be one is exit code 3, whatever is allowed" {
+    # at a node that no row needs: seen where fields are written
+    cp m.h5 y.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('y.h5', 'r+') as f:
+    needed = f['needed_node_index'][...] - 1
+    node = next(k for k in range(60, 0, -1) if k not in needed)
+    f['pressure_basis'][:, node] *= -1"
+    romrun scene.yml --model y.h5 --quiet
+    run --separate-stderr romrun scene.yml --model y.h5 --quiet --set output.fields=true --allow-untrusted
+    [ "$status" -eq 3 ]
+    [[ $stderr == "romrun: scene.yml: found a pressure below zero by more than a thousandth of the Hertz pressure, expected convergence" ]]
+}
+
+@test "a solution that takes far more iterations than the calibration's scenes is not trusted" {
+    romrun scene.yml --model c.h5 -o good.h5 --quiet
+    cp c.h5 x.h5
+    for factor in 5.1 4.9; do
+        /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f, h5py.File('good.h5') as good:
+    f['position_most_iterations'][...] = good['newton_iterations'][0] / $factor"
+        run --separate-stderr romrun scene.yml --model x.h5 --quiet
+        [ "$factor" = 4.9 ] || [ "$status" -eq 4 ]
+        [ "$factor" = 5.1 ] || [ "$status" -eq 0 ]
+        [ "$factor" = 4.9 ] || [[ $stderr == "romrun: scene.yml: found far more iterations than any scene of the calibration took, expected a result to be trusted"* ]]
+    done
+}
+
 @test "a calibration of before has one factor for both films, and no limit to residuals" {
     cp c.h5 x.h5
     /usr/bin/python3 -c "
@@ -247,8 +277,8 @@ PYTHON
 @test "--verify tells the deviation to first order, and changes nothing" {
     fullrun scene.yml -o full.h5
     for modes in 8 12; do
-        romrun scene.yml --model m.h5 --pressure-modes $modes -o plain.h5 --force --quiet
-        romrun scene.yml --model m.h5 --pressure-modes $modes -o verified.h5 --force --verify >out
+        romrun scene.yml --model m.h5 --pressure-modes $modes -o plain.h5 --force --quiet --allow-untrusted
+        romrun scene.yml --model m.h5 --pressure-modes $modes -o verified.h5 --force --verify --allow-untrusted >out
         same_data plain.h5 verified.h5
         residual=$(sed -n 's/^full residual *\([^ ]*\) (fullrun: below 1e-10), .* ms$/\1/p' out)
         change=$(sed -n 's/^a full Newton step *\([^ ]*\) of the central film thickness.*/\1/p' out)
@@ -262,7 +292,7 @@ PYTHON
 }
 
 @test "a calibrated model is a model" {
-    romrun scene.yml --model m.h5 -o first.h5
+    romrun scene.yml --model m.h5 -o first.h5 --allow-untrusted
     romrun scene.yml --model c.h5 -o second.h5
     [ "$(number first.h5 central_film_thickness)" = "$(number second.h5 central_film_thickness)" ]
     deimselect --check c.h5

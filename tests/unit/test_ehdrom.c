@@ -129,6 +129,25 @@ static void the_library_says_what_it_solved(void **state) {
     check_close(effects.of[EFFECT_STEP], -0.02, 1e-12, 0);
     assert_true(isnan(effects.of[EFFECT_STEP_MINIMUM]) && isnan(effects.of[EFFECT_INLET]));
 
+    // a pressure beyond the end of the viscosity law, seen by the solver and on the whole grid
+    contact.lubricant.pressure_limit =
+        0.98 * result.scalars.central_pressure * contact.hertz_pressure;
+    ehdrom_result beyond = result;
+    ehdrom_judge_pressure(&beyond, &contact, pressure, num_nodes);
+    assert_int_equal(beyond.status, EHD_NOT_CONVERGED);
+    check_ok(ehdrom_solve(&beyond, solver, &contact, &error));
+    assert_int_equal(beyond.status, EHD_NOT_CONVERGED);
+    assert_non_null(strstr(beyond.reason, "beyond the limit of the viscosity law"));
+    contact.lubricant.pressure_limit = INFINITY;
+    // one that is not a number, or below zero by more than rounding
+    const double strange[] = {NAN, -1.1e-3, -0.9e-3};
+    for (size_t i = 0; i < 3; i++) {
+        ehdrom_result judged = result;
+        pressure[20] = strange[i];
+        ehdrom_judge_pressure(&judged, &contact, pressure, num_nodes);
+        assert_int_equal(judged.status, i < 2 ? EHD_NOT_CONVERGED : EHD_OK);
+    }
+
     // outside of what was trained: solved, and said
     contact_set_moes(&contact, 25, 3);
     check_ok(ehdrom_solve(&result, solver, &contact, &error));

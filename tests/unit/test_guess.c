@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Starts from trained solutions: what is quadratic in the place is met where training lies all
  * around, what is affine wherever it spans a plane, and otherwise the nearest one is taken. */
+#include "common/settings/scene.h"
 #include "romrun/online/reduced_solver.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
@@ -56,7 +57,7 @@ static void places_free(places *self) {
 /* The guess at a place in units of the spacing, against the field at another one. */
 static void check_guess(places *self, const double at[2], const double as[2], bool quadratic) {
     reduced_guess(&self->state, &self->model, exp(SPACING[0] * at[0]),
-                  expm1(2 * SPACING[1] * at[1]));
+                  expm1(2 * SPACING[1] * at[1]), NULL);
     for (size_t j = 0; j < UNKNOWNS; j++)
         check_close(self->state.coordinates[j],
                     field(SPACING[0] * as[0], SPACING[1] * as[1], j, quadratic), 1e-8, 1e-8);
@@ -106,6 +107,82 @@ static void nearest_on_a_line_and_far_away(void **state) {
     places_free(&self);
 }
 
+// ---- lubricants
+
+static const double ALPHA = 2e-8;
+
+static ehd_lubricant barus(bool compressible) {
+    ehd_lubricant found;
+    scene given;
+
+    scene_defaults(&given);
+    assert_int_equal(scene_set(&given, "lubricant.viscosity.law", "barus", "test", NULL), EHD_OK);
+    assert_int_equal(scene_set(&given, "lubricant.viscosity.alpha", "2e-8", "test", NULL), EHD_OK);
+    assert_int_equal(scene_set(&given, "lubricant.density.law",
+                               compressible ? "dowson-higginson" : "incompressible", "test", NULL),
+                     EHD_OK);
+    scene_complete(&given);
+    assert_int_equal(lubricant_init(&found, &given.lubricant, NULL), EHD_OK);
+    return found;
+}
+
+/* Two lubricants at the same places, of which the compressible one's states are five times its
+ * density's rise away: the incompressible contact finds its own field, and without a lubricant it is
+ * between both. States of one lubricant alone serve another as if they were its own. */
+static void lubricants_are_told_apart(void **state) {
+    enum { ALL = 2 * MOST * MOST };
+    const ehd_lubricant of[2] = {barus(false), barus(true)};
+    const double at[2] = {3.3, 2.6};
+    (void)state;
+    places self;
+
+    places_init(&self, MOST, 2 * MOST, true);
+    reduced_states *states = &self.model.states;
+    for (size_t s = 0; s < ALL; s++) {
+        const size_t place = s % (ALL / 2), kind = s / (ALL / 2);
+        const double x = SPACING[0] * (double)(place % MOST);
+        const double y = SPACING[1] * (double)(place / MOST);
+        states->moes_M[s] = exp(x);
+        states->alpha_p_H[s] = expm1(2 * y);
+        states->rises[s] = lubricant_rises_at(&of[kind], expm1(2 * y) / ALPHA);
+        for (size_t j = 0; j < UNKNOWNS; j++)
+            states->coordinates[s * UNKNOWNS + j] =
+                field(x, y, j, true) + 5 * states->rises[s].of[RISE_DENSITY];
+    }
+    const double M = exp(SPACING[0] * at[0]), pressure = expm1(2 * SPACING[1] * at[1]);
+    for (size_t j = 0; j < UNKNOWNS; j++) {
+        const double own = field(SPACING[0] * at[0], SPACING[1] * at[1], j, true);
+        reduced_guess(&self.state, &self.model, M, pressure, &of[0]);
+        check_close(self.state.coordinates[j], own, 1e-7, 1e-7);
+        reduced_guess(&self.state, &self.model, M, pressure, &of[1]);
+        check_close(self.state.coordinates[j],
+                    own + 5 * lubricant_rises_at(&of[1], pressure / ALPHA).of[RISE_DENSITY], 0,
+                    1e-3);
+        reduced_guess(&self.state, &self.model, M, pressure, NULL);
+        assert_true(self.state.coordinates[j] > own + 0.01);
+    }
+    // what is known of the incompressible one alone
+    states->num_states = ALL / 2;
+    for (size_t j = 0; j < UNKNOWNS; j++) {
+        reduced_guess(&self.state, &self.model, M, pressure, &of[1]);
+        check_close(self.state.coordinates[j],
+                    field(SPACING[0] * at[0], SPACING[1] * at[1], j, true), 1e-2, 1e-2);
+    }
+    // points are known by their lubricant too
+    ehd_contact contact = {.moes_M = states->moes_M[5],
+                           .alpha_p_H = states->alpha_p_H[5],
+                           .hertz_pressure = states->alpha_p_H[5] / ALPHA,
+                           .lubricant = of[0]};
+    assert_true(reduced_states_have(states, &contact));
+    contact.alpha_p_H = states->alpha_p_H[MOST + 5];
+    contact.hertz_pressure = contact.alpha_p_H / ALPHA;
+    contact.moes_M = states->moes_M[MOST + 5];
+    assert_true(reduced_states_have(states, &contact));
+    contact.lubricant = of[1];
+    assert_false(reduced_states_have(states, &contact));
+    places_free(&self);
+}
+
 // ---- what the grid does
 
 /* Effects are products of powers of M and of 1 + alpha p_H where these are powers. */
@@ -122,7 +199,7 @@ static void effects_are_powers(void **state) {
                                        pow(1 + states->alpha_p_H[s], 0.3 * e);
     for (double x = 2; x <= 4; x += 0.25) {
         const double M = exp(SPACING[0] * x), pressure = expm1(2 * SPACING[1] * (6 - x));
-        const film_effects found = reduced_effects(&self.model, M, pressure);
+        const film_effects found = reduced_effects(&self.model, M, pressure, NULL);
         for (int e = 0; e < NUM_EFFECTS; e++)
             check_close(found.of[e],
                         (e == EFFECT_STEP ? -1e-3 : 1e-3) * pow(M, e + 0.5) *
@@ -140,7 +217,7 @@ static void effects_that_are_not_known(void **state) {
     const reduced_states *states = &self.model.states;
     const double M = exp(SPACING[0] * 3.1), pressure = expm1(2 * SPACING[1] * 3.1);
     const size_t nearest = 3 * MOST + 3;
-    film_effects found = reduced_effects(&self.model, M, pressure);
+    film_effects found = reduced_effects(&self.model, M, pressure, NULL);
     for (int e = 0; e < NUM_EFFECTS; e++)
         assert_true(isnan(found.of[e]));
     // an effect that some states do not know, or that is infinite there, comes from the others
@@ -151,11 +228,11 @@ static void effects_that_are_not_known(void **state) {
     states->effects[nearest + 1].of[EFFECT_STEP] = INFINITY;
     states->stationary[nearest + MOST] = false;
     states->effects[nearest + MOST].of[EFFECT_STEP] = 5;
-    found = reduced_effects(&self.model, M, pressure);
+    found = reduced_effects(&self.model, M, pressure, NULL);
     check_close(found.of[EFFECT_STEP], 0.02, 1e-9, 0);
     // but where it is infinite at the nearest, nothing can be said
     states->effects[nearest].of[EFFECT_STEP] = INFINITY;
-    found = reduced_effects(&self.model, M, pressure);
+    found = reduced_effects(&self.model, M, pressure, NULL);
     assert_true(isinf(found.of[EFFECT_STEP]));
     check_close(found.of[EFFECT_INLET], 0.02, 1e-9, 0);
     places_free(&self);
@@ -176,10 +253,10 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     for (size_t s = 0; s < TRAINED_STATES; s++) {
         const double *expected = coupled.states.coordinates + s * n;
         double M = training.set.moes_M[s], pressure = training.set.alpha_p_H[s], away = 0;
-        reduced_guess(&reduced.state, &reduced.model, M, pressure);
+        reduced_guess(&reduced.state, &reduced.model, M, pressure, NULL);
         assert_int_equal(reduced.state.exit, coupled.states.exit[s]);
         check_close_array(reduced.state.coordinates, expected, n, 1e-4, 1e-4);
-        reduced_neighbour(&reduced.state, &reduced.model, M, pressure);
+        reduced_neighbour(&reduced.state, &reduced.model, M, pressure, NULL);
         for (size_t j = 0; j < n; j++)
             away = fmax(away, fabs(reduced.state.coordinates[j] - expected[j]));
         assert_true(away > 1e-3);
@@ -187,13 +264,45 @@ static void guess_at_a_training_point_is_that_state(void **state) {
         assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
     }
     // far outside: some trained solution, and an exit within the tables
-    reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3);
+    reduced_guess(&reduced.state, &reduced.model, 1e4, 1e3, NULL);
     size_t same = 0;
     for (size_t s = 0; s < TRAINED_STATES; s++)
         same += reduced.state.coordinates[0] == coupled.states.coordinates[s * n];
     assert_int_equal(same, 1);
     assert_true(reduced.state.exit >= reduced.model.band.lines[0].min_exit);
     assert_true(reduced.state.exit <= reduced.model.band.lines[0].max_exit);
+    reduced_problem_free(&reduced);
+    reduced_basis_free(&coupled);
+    trained_free(&training);
+}
+
+/* Where a start leads nowhere the next trained solutions are tried. */
+static void goes_on_to_other_starts(void **state) {
+    (void)state;
+    trained training;
+    reduced_basis coupled;
+    reduced_problem reduced;
+
+    trained_init(&training, 0.02);
+    trained_basis(&coupled, &training, DEFORMATION_COUPLED, 0, 0);
+    reduced_problem_init(&reduced, &coupled, NULL, 0, &strict_settings);
+    const size_t n = reduced.model.num_unknowns;
+    for (size_t j = 0; j < n; j++)
+        reduced.model.states.coordinates[3 * n + j] *= -50;
+    const ehd_contact *contact = &training.contacts[3];
+    reduced_guess(&reduced.state, &reduced.model, contact->moes_M, contact->alpha_p_H,
+                  &contact->lubricant);
+    assert_int_equal(
+        reduced_solve(&reduced.info, &reduced.state, reduced.solver, contact, NULL, NULL), EHD_OK);
+    const size_t alone = reduced.info.iterations;
+    assert_int_equal(reduced.info.status, EHD_NOT_CONVERGED);
+    assert_int_equal(reduced_solve_from_training(&reduced.info, &reduced.state, reduced.solver,
+                                                 &reduced.model, contact, NULL),
+                     EHD_OK);
+    assert_int_equal(reduced.info.status, EHD_OK);
+    assert_true(reduced.info.iterations > alone);
+    check_close(reduced.info.scalars.central_film_thickness, training.set.central_film_thickness[3],
+                1e-6, 0);
     reduced_problem_free(&reduced);
     reduced_basis_free(&coupled);
     trained_free(&training);
@@ -259,6 +368,8 @@ int main(void) {
         cmocka_unit_test(effects_that_are_not_known),
         cmocka_unit_test(affine_where_training_spans_a_plane),
         cmocka_unit_test(nearest_on_a_line_and_far_away),
+        cmocka_unit_test(lubricants_are_told_apart),
+        cmocka_unit_test(goes_on_to_other_starts),
         cmocka_unit_test(guess_at_a_training_point_is_that_state),
         cmocka_unit_test(trained_range_is_the_hull),
     };

@@ -3,6 +3,7 @@
 #include "romrun/online/kept_factors.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
+#include "tests/unit/sample.h"
 
 #include <math.h>
 #include <string.h>
@@ -86,7 +87,8 @@ static void kept_factors_serve_steps_alike(void **state) {
             const reduced_info near = take_time_step(&step, 1.2), far = take_time_step(&step, 3);
             const double film = own.scalars.central_film_thickness;
             assert_true(own.own_jacobian && !same.own_jacobian && !near.own_jacobian);
-            assert_int_equal(same.iterations, own.iterations);
+            assert_true(own.near_factors && !same.near_factors);
+            assert_true(same.iterations <= own.iterations);
             assert_true(near.iterations <= own.iterations + 5);
             check_close(same.scalars.central_film_thickness, film, 2e-7, 0);
             check_close(near.scalars.central_film_thickness, film, 5e-6, 0);
@@ -94,6 +96,70 @@ static void kept_factors_serve_steps_alike(void **state) {
             assert_true(far.iterations <= own.iterations + 1);
             check_close(far.scalars.central_film_thickness, film, 1e-9, 0);
         }
+}
+
+/* Far from the solution rows are linear in the pressures about those where the mobility is what the
+ * linear rows had, or the pressure has risen; first about the higher ones of state and last state. */
+static void rows_are_linear_about_other_pressures(void **state) {
+    const size_t s = 5;
+    const scene exponential = sample_scene("barus", "incompressible", 20, 10);
+    ehd_contact barus;
+    const ehd_contact *contact = &barus;
+    const reduced_settings settings = reduced_default_settings();
+    reduced_problem reduced;
+    row_system system;
+    node_state nodes;
+    arena memory = {.failed = false};
+    double last[400], here[400], mobility[400], slope[400], residual[400];
+    (void)state;
+
+    assert_int_equal(scene_contact(&barus, &exponential, NULL), EHD_OK);
+    reduced_problem_init(&reduced, &coupled, NULL, 0, &settings);
+    const reduced_model *model = &reduced.model;
+    const size_t num = model->rows.num_needed, num_rows = model->rows.num_rows;
+    assert_true(num_rows <= 400 && num <= 400);
+    nodes_init(&nodes, model, &memory);
+    system_init(&system, model, &memory);
+    nodes_move_exit(&nodes, &training.set.exit[s]);
+    nodes_expand_state(&nodes, NULL, coupled.states.coordinates + s * model->num_unknowns);
+    memcpy(here, nodes.now.pressure, num * sizeof *here);
+    for (size_t q = 0; q < num; q++)
+        last[q] = here[q] + 0.1 * sin((double)q);
+
+    const double *about = system_about(&system, &nodes, 0, contact, last);
+    for (size_t q = 0; q < num; q++)
+        assert_true(about[q] == (nodes.pressurised[q] ? fmax(here[q], last[q]) : here[q]));
+    system_evaluate(&system, &nodes, 0, contact, NULL, about);
+    memcpy(last, about, num * sizeof *last);
+    memcpy(mobility, system.fluid_memory, num * sizeof *mobility);
+    memcpy(slope, system.fluid_memory + num, num * sizeof *slope);
+    for (size_t r = 0; r < num_rows; r++) {
+        residual[r] = system.rows[r].residual; // at the state, which moves by 0.1
+        for (int a = 0; a < NUM_STENCIL; a++)
+            if (model->rows.stencils[r].node[a] != NO_NODE)
+                residual[r] += 0.1 * system.rows[r].by_pressure[a] *
+                               cos((double)model->rows.stencils[r].node[a]);
+    }
+    for (size_t q = 0; q < num; q++)
+        nodes.now.pressure[q] += 0.1 * cos((double)q);
+    system_evaluate(&system, &nodes, 0, contact, NULL, last);
+    for (size_t r = 0; r < num_rows; r++)
+        check_close(system.rows[r].residual, residual[r], 1e-9, 1e-12);
+
+    about = system_about(&system, &nodes, 0, contact, NULL);
+    for (size_t q = 0; q < num; q++) {
+        const double fall = last[q] - nodes.now.pressure[q];
+        assert_true(nodes.pressurised[q] && fall > 0 ? about[q] > nodes.now.pressure[q]
+                                                     : about[q] == nodes.now.pressure[q]);
+        last[q] = mobility[q] - slope[q] * fmax(fall, 0); // of the linear rows where it has fallen
+    }
+    system_evaluate(&system, &nodes, 0, contact, NULL, about);
+    for (size_t q = 0; q < num; q++) // below zero the viscosity is constant
+        if (about[q] > fmax(nodes.now.pressure[q], 0))
+            check_close(system.fluid_memory[q], last[q], 1e-9, 0);
+    system_free(&system);
+    arena_free(&memory);
+    reduced_problem_free(&reduced);
 }
 
 /* By 0.025 half widths on each line of a point contact, on coarse grids by a node. */
@@ -124,6 +190,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(factors_serve_while_exits_are_near),
         cmocka_unit_test(kept_factors_serve_steps_alike),
+        cmocka_unit_test(rows_are_linear_about_other_pressures),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

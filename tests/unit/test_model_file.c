@@ -87,6 +87,21 @@ static void build_model(reduced_model *model, const reduced_basis *basis, size_t
     check_ok(reduced_model_build(model, basis, rows, num_rows, &error));
 }
 
+static int compare_nodes(const void *a, const void *b) {
+    const size_t p = *(const size_t *)a, q = *(const size_t *)b;
+
+    return p < q ? -1 : p > q;
+}
+
+/* The same rows in the order of their nodes, which read models have. */
+static void build_in_order(reduced_model *model, const reduced_basis *basis, size_t num_rows) {
+    size_t ordered[NUM_ROWS];
+
+    memcpy(ordered, rows, num_rows * sizeof *ordered);
+    qsort(ordered, num_rows, sizeof *ordered, compare_nodes);
+    check_ok(reduced_model_build(model, basis, ordered, num_rows, &error));
+}
+
 static void check_states(const reduced_states *found, const reduced_states *expected) {
     size_t count = expected->num_states;
 
@@ -161,7 +176,7 @@ static reduced_info solve(const reduced_model *model, double *coordinates) {
 
     contact_set_moes(&contact, 12, 3);
     check_ok(reduced_solver_create(&solver, model, &settings, &error));
-    reduced_guess(&state, model, contact.moes_M, contact.alpha_p_H);
+    reduced_guess(&state, model, contact.moes_M, contact.alpha_p_H, &contact.lubricant);
     check_ok(reduced_solve(&info, &state, solver, &contact, NULL, &error));
     reduced_solver_free(solver);
     return info;
@@ -223,16 +238,18 @@ static void a_basis_comes_back(void **state) {
 static void a_model_comes_back(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        reduced_model model, found;
-        build_model(&model, &bases[kind], NUM_ROWS);
-        write_model(&model, &bases[kind]);
+        reduced_model written, model, found;
+        build_model(&written, &bases[kind], NUM_ROWS);
+        write_model(&written, &bases[kind]);
+        reduced_model_free(&written);
+        build_in_order(&model, &bases[kind], NUM_ROWS);
         check_ok(artefact_check(path, &error));
         check_ok(model_read(&found, path, &everything, &error));
         size_t num_pressure = model.num_pressure;
         assert_int_equal(found.deformation, model.deformation);
         assert_int_equal(found.rows.num_rows, NUM_ROWS);
         for (size_t r = 0; r < NUM_ROWS; r++)
-            assert_int_equal(found.rows.node[r], rows[r]);
+            assert_int_equal(found.rows.node[r], model.rows.node[r]);
         check_close_array(found.rows.weight, model.rows.weight, NUM_ROWS, 0, 0);
         assert_int_equal(found.rows.num_needed, model.rows.num_needed);
         assert_int_equal(found.band.lines[0].begin, model.band.lines[0].begin);
@@ -305,7 +322,7 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
         const ehdrom_sizes sizes = {.rows = 30};
         reduced_model whole, part, found;
         build_model(&whole, &bases[kind], NUM_ROWS);
-        build_model(&part, &bases[kind], 30);
+        build_in_order(&part, &bases[kind], 30);
         write_model(&whole, &bases[kind]);
         check_ok(model_read(&found, path, &sizes, &error));
         assert_int_equal(found.rows.num_rows, 30);
@@ -351,6 +368,14 @@ static void expected_weights(double *weights, const reduced_basis *basis, size_t
         weights[r] *= basis->weight[rows[r]];
 }
 
+static size_t place_of(const reduced_model *model, size_t node) {
+    size_t r = 0;
+
+    while (model->rows.node[r] != node)
+        r++;
+    return r;
+}
+
 /* The whole has the weights that are stored. */
 static void a_part_is_weighed_by_itself(void **state) {
     const struct {
@@ -373,7 +398,8 @@ static void a_part_is_weighed_by_itself(void **state) {
         reduced_model found;
         check_ok(model_read(&found, path, &cases[i].sizes, &error));
         expected_weights(weights, &bases[1], cases[i].num_rows, cases[i].num_modes);
-        check_close_array(found.rows.weight, weights, cases[i].num_rows, 1e-14, 0);
+        for (size_t r = 0; r < cases[i].num_rows; r++)
+            check_close(found.rows.weight[place_of(&found, rows[r])], weights[r], 1e-14, 0);
         reduced_model_free(&found);
     }
     reduced_model_free(&model);

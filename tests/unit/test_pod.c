@@ -289,6 +289,23 @@ static void refuses_bad_input(void **state) {
     check_refused((double[]){1, 2, INFINITY, 1}, 2, 2, one, "state 1 at node 0");
 }
 
+/* Three directions: (1, 0, 0, 0), 1e-3 off it, and one across, of which the others
+ * tell nothing. */
+static void tells_what_the_others_leave_out(void **state) {
+    const double snapshots[] = {1, 0, 0, 0, 1, 1e-3, 0, 0, 0, 0, 3, 4};
+    const pod_settings settings = {.num_modes = 3};
+    pod_basis basis;
+    double distance[3];
+    (void)state;
+    assert_int_equal(pod_build(&basis, snapshots, 3, 4, &settings, NULL), EHD_OK);
+    pod_left_out(distance, &basis, snapshots, 3);
+    const double length = hypot(1, 1e-3);
+    check_close(distance[0], 1e-3 / length, 1e-9, 0);
+    check_close(distance[1], 1e-3 / length, 1e-9, 0);
+    check_close(distance[2], 1, 1e-12, 0);
+    pod_free(&basis);
+}
+
 static void survives_failing_allocations(void **state) {
     (void)state;
     const double tall[] = {1, 2, 3, 2, 5, 6};
@@ -320,6 +337,7 @@ int main(void) {
         cmocka_unit_test(largest_entry_of_each_mode_is_positive),
         cmocka_unit_test(gives_the_same_bits_again),
         cmocka_unit_test(refuses_bad_input),
+        cmocka_unit_test(tells_what_the_others_leave_out),
         cmocka_unit_test(survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

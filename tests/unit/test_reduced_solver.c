@@ -37,8 +37,8 @@ static int tear_down(void **state) {
 // ---- helpers
 
 static void solve_from_neighbour(reduced_problem *self, size_t s) {
-    reduced_neighbour(&self->state, &self->model, training.set.moes_M[s],
-                      training.set.alpha_p_H[s]);
+    reduced_neighbour(&self->state, &self->model, training.set.moes_M[s], training.set.alpha_p_H[s],
+                      NULL);
     reduced_problem_solve(self, &training.contacts[s]);
 }
 
@@ -243,7 +243,7 @@ static void another_linear_solver_may_be_put_in(void **state) {
     // that it cannot be solved is an outcome
     ways.other = (other_solver){.fails_at = 2};
     reduced_neighbour(&with_other->state, &with_other->model, training.set.moes_M[0],
-                      training.set.alpha_p_H[0]);
+                      training.set.alpha_p_H[0], NULL);
     assert_int_equal(reduced_solve(&with_other->info, &with_other->state, with_other->solver,
                                    &training.contacts[0], NULL, NULL),
                      EHD_OK);
@@ -295,7 +295,7 @@ static void truncated_bases_stay_near(void **state) {
             for (size_t s = 0; s < TRAINED_STATES; s++) {
                 double expected = training.set.central_film_thickness[s];
                 reduced_guess(&reduced.state, &reduced.model, training.set.moes_M[s],
-                              training.set.alpha_p_H[s]);
+                              training.set.alpha_p_H[s], NULL);
                 reduced_problem_solve(&reduced, &training.contacts[s]);
                 worst =
                     fmax(worst, fabs(reduced.info.scalars.central_film_thickness / expected - 1));
@@ -361,7 +361,7 @@ static void accurate_full_rank_reproduces_the_full_model(void **state) {
             const size_t exit = accurate.set.exit[s];
             const double *pressure = accurate.set.pressure + s * num_nodes;
             reduced_neighbour(&reduced.state, &reduced.model, accurate.set.moes_M[s],
-                              accurate.set.alpha_p_H[s]);
+                              accurate.set.alpha_p_H[s], NULL);
             reduced_problem_solve(&reduced, &accurate.contacts[s]);
             assert_int_equal(reduced.state.exit, exit);
             check_close_array(reduced.state.coordinates, pressure + 1, exit - 1, 0, 1e-9);
@@ -457,7 +457,7 @@ static void moving_the_exit_equals_rebuilding(void **state) {
         for (size_t exit = least; exit <= most; exit++) {
             double load = 0;
             reduced_neighbour(&reduced.state, &reduced.model, training.set.moes_M[STATE],
-                              training.set.alpha_p_H[STATE]);
+                              training.set.alpha_p_H[STATE], NULL);
             reduced.state.exit = exit;
             reduced_problem_solve(&reduced, &training.contacts[STATE]);
             if (reduced.state.exit == training.set.exit[STATE])
@@ -492,7 +492,8 @@ static void the_exit_stays_inside_the_tables(void **state) {
         for (size_t i = 0; i < 12; i++) {
             ehd_contact contact = training.contacts[0];
             contact_set_moes(&contact, moes_M[i / 2], 3);
-            reduced_guess(&reduced.state, &reduced.model, contact.moes_M, contact.alpha_p_H);
+            reduced_guess(&reduced.state, &reduced.model, contact.moes_M, contact.alpha_p_H,
+                          &contact.lubricant);
             reduced.state.exit = ends[i % 2];
             assert_int_equal(
                 reduced_solve(&reduced.info, &reduced.state, reduced.solver, &contact, NULL, NULL),
@@ -521,6 +522,20 @@ static void minimum_film_is_that_of_the_fields(void **state) {
             full_fields(pressure, film, &reduced, basis);
             check_close(reduced.info.scalars.minimum_film_thickness,
                         trained_least_film(film, &basis->grid), 1e-11, 0);
+            // all nodes are needed ones; of other coordinates only the band's pressures are
+            reduced_pressures range = reduced_pressure_range(reduced.solver, &reduced.state);
+            double least = 0, largest = 0;
+            for (size_t k = 0; k < num_nodes; k++) {
+                least = fmin(least, pressure[k]);
+                largest = fmax(largest, pressure[k]);
+            }
+            check_close(range.least, least, 0, 1e-12);
+            check_close(range.largest, largest, 1e-12, 0);
+            for (size_t j = 0; j < basis->num_pressure; j++)
+                reduced.state.coordinates[j] *= -1;
+            range = reduced_pressure_range(reduced.solver, &reduced.state);
+            assert_true(range.least < -0.01);
+            check_close(range.largest, largest, 1e-12, 0);
             const double offset = reduced.state.exit_offset;
             assert_true(offset >= 0 && offset <= 1);
             check_close(reduced.info.scalars.exit_position,

@@ -98,6 +98,41 @@ static void row_derivatives(void **state) {
         }
 }
 
+/* Neighbouring rows share the flux of the half node between them; with entrainment from the front
+ * as from behind, in any order and alone. */
+static void rows_do_not_depend_on_those_beside(void **state) {
+    const size_t shuffled[] = {4, 3, 5, 6, 0, 1, 11, 10, 8, 9, 2, 7};
+    ehd_contact contact = sample_contact("no1", densities[1], 5, 6, 0.1);
+    reynolds_row in_list[NUM_NODES - 2], alone, mixed[NUM_NODES - 2];
+    reynolds_stencil of_mixed[NUM_NODES - 2];
+    small_problem small;
+    (void)state;
+
+    contact.grid.discretization = DISCRETIZATION_ACCURATE;
+    small_init(&small, &contact);
+    for (size_t k = 0; k < NUM_NODES; k++) {
+        small.pressure[k] = 0.4 + 0.05 * sin((double)(3 * k));
+        small.film[k] = 0.2 + 0.03 * cos((double)(2 * k));
+    }
+    for (int way = 0; way < 2; way++) {
+        const ehd_grid *grid = &small.contact.grid;
+        for (size_t r = 0; r < NUM_NODES - 2 && way == 1; r++)
+            small.stencils[r] = reynolds_stencil_reversed(grid, r + 1);
+        small_rows(in_list, &small, 0.8);
+        const reynolds_fluid fluid = reynolds_fluid_in(small.memory, NUM_NODES, &small.contact);
+        for (size_t r = 0; r < NUM_NODES - 2; r++)
+            of_mixed[r] = small.stencils[shuffled[r]];
+        reynolds_rows(mixed, grid, 0.8, NULL, of_mixed, NUM_NODES - 2, &fluid, small.pressure,
+                      small.film);
+        for (size_t r = 0; r < NUM_NODES - 2; r++) {
+            reynolds_rows(&alone, grid, 0.8, NULL, &small.stencils[r], 1, &fluid, small.pressure,
+                          small.film);
+            assert_memory_equal(&in_list[r], &alone, sizeof alone);
+            assert_memory_equal(&mixed[r], &in_list[shuffled[r]], sizeof alone);
+        }
+    }
+}
+
 /* Near the limits of floating point: nodes whose mobility is zero let nothing through. */
 static void rows_are_finite_at_any_viscosity(void **state) {
     (void)state;
@@ -331,6 +366,7 @@ static void squeeze_derivatives(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(row_derivatives),
+        cmocka_unit_test(rows_do_not_depend_on_those_beside),
         cmocka_unit_test(rows_are_finite_at_any_viscosity),
         cmocka_unit_test(order_of_a_constant_flux),
         cmocka_unit_test(order_of_the_reduced_pressure),

@@ -1028,6 +1028,71 @@ static void plan_combines_a_grid(void **state) {
     assert_null(of.points);
 }
 
+/* Two settings between bounds, times two densities: corners first, each bound met exactly, edges, and
+ * inside no gap larger than a few times what as many points of a grid would leave. */
+static void plan_fills_a_region(void **state) {
+    enum { CANDIDATES = 400, EDGES = 4 * (CANDIDATES / 4 / 4) };
+    double gap = 0;
+    plan of;
+    (void)state;
+    write_file("scene.yml", good);
+    accepts_plan(&of, "groups:\n- scene: scene.yml\n"
+                      "  region: {moes.M: [5, 80], L: [-0, 4]}\n"
+                      "  vary: {lubricant.density.law: [incompressible, dowson-higginson]}\n"
+                      "  candidates: 400\n");
+    assert_true(of.has_region);
+    assert_int_equal(of.num_points, 2 * CANDIDATES);
+    const double M[] = {5, 80, 5, 80}, L[] = {0, 0, 4, 4};
+    for (size_t i = 0; i < 2 * CANDIDATES; i++) {
+        const scene *here = &of.points[i].scene;
+        const size_t k = i % CANDIDATES;
+        assert_string_equal(here->lubricant.density.law,
+                            i < CANDIDATES ? "incompressible" : "dowson-higginson");
+        assert_true(here->moes.M >= 5 && here->moes.M <= 80 && here->moes.L >= 0 &&
+                    here->moes.L <= 4);
+        if (k < 4) {
+            check_close(here->moes.M, M[k], 0, 0);
+            check_close(here->moes.L, L[k], 0, 0);
+        } else if (k < 4 + EDGES) {
+            assert_true(here->moes.M == 5 || here->moes.M == 80 || here->moes.L == 0 ||
+                        here->moes.L == 4);
+        }
+    }
+    // M by its logarithm, L, which may be 0, as it is
+    for (double u = 0.05; u < 1; u += 0.05)
+        for (double v = 0.05; v < 1; v += 0.05) {
+            double nearest = INFINITY;
+            for (size_t i = 0; i < CANDIDATES; i++)
+                nearest = fmin(nearest, hypot(log(of.points[i].scene.moes.M / 5) / log(16) - u,
+                                              of.points[i].scene.moes.L / 4 - v));
+            gap = fmax(gap, nearest);
+        }
+    assert_true(gap < 0.1);
+    plan_free(&of);
+}
+
+static void plan_checks_a_region(void **state) {
+    (void)state;
+    write_file("scene.yml", good);
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 80], X: [1, 2]}\n",
+                 "X: found an unknown key");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 80, 90]}\n",
+                 "moes.M: found something else, expected [lowest, highest]");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [80, 5]}\n",
+                 "moes.M: found 80 to 5, expected [lowest, highest]");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, nan]}\n", "moes.M: found");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {contact: [line, point]}\n",
+                 "expected a setting that is a number");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: [1]\n", "region: found a list");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 6]}\n  vary: {moes.M: [5]}\n",
+                 "moes.M: found again");
+    refuses_plan("groups:\n- scene: scene.yml\n  candidates: 100\n",
+                 "candidates: found it without region");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 6]}\n  candidates: 2.5\n",
+                 "candidates: found 2.5, expected a number from 4 to 1000000");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [0.01, 6]}\n", "point moes.M=0.01");
+}
+
 static void plan_takes_lists_together(void **state) {
     plan of;
     (void)state;
@@ -1239,6 +1304,71 @@ static void plan_text_identifies_the_plan(void **state) {
     free(same);
 }
 
+// ---- the text of a plan
+
+static void same_plan(const plan *found, const plan *expected) {
+    assert_string_equal(found->text, expected->text);
+    assert_int_equal(found->num_points, expected->num_points);
+    for (size_t i = 0; i < found->num_points; i++) {
+        const double *const bounds = expected->where_bounds[expected->points[i].group];
+        assert_int_equal(found->points[i].group, expected->points[i].group);
+        check_close_array(found->where_bounds[found->points[i].group], bounds, 2, 0, 0);
+        for (const setting *row = scene_settings(); row->key; row++)
+            if (setting_compare(row, &found->points[i].scene, &expected->points[i].scene) != 0)
+                fail_msg("point %zu: %s", i, row->key);
+    }
+}
+
+/* Of all kinds of settings, quoted texts among them, some of which a later point does not have. */
+static void plan_is_read_back_from_its_text(void **state) {
+    plan written, found;
+    char text[1024], *more;
+    ehd_error error;
+    (void)state;
+    write_file("scene.yml", good);
+    snprintf(text, sizeof text, "%stransient: {end_time: 1, load: {law: table, column: F}}\n",
+             moving);
+    write_file("moving.yml", text);
+    accepts_plan(&written, "groups:\n"
+                           "- {scene: scene.yml, vary: {M: [5, 0.125, 7.25], L: [0.1, 1]}}\n"
+                           "- scene: moving.yml\n"
+                           "  vary: {transient.load.file: [a.csv, 'it''s: #1.csv'], "
+                           "transient.load.interpolation: [linear, spline]}\n"
+                           "- {scene: scene.yml, vary: {M: [9]}, where: {alpha_p_H: [0, 1]}}\n");
+    assert_int_equal(written.num_points, 11);
+    assert_int_equal(plan_parse(&found, written.text, "s.h5", &error), EHD_OK);
+    same_plan(&found, &written);
+    plan_free(&found);
+    // as training sets add to it
+    assert_true(asprintf(&more, "%s# shard 1/1\n# cold\n", written.text) > 0);
+    assert_int_equal(plan_parse(&found, more, "s.h5", &error), EHD_OK);
+    same_plan(&found, &written);
+    plan_free(&found);
+    plan_free(&written);
+    free(more);
+}
+
+static void plan_text_of_something_else_is_refused(void **state) {
+    static const struct {
+        const char *text, *part;
+    } cases[] = {{"", "s.h5: found no points"},
+                 {"method: joint\nrows: 12\n", "s.h5:1: found something else"},
+                 {"# group 0\n# point 0\n", "s.h5:1: found a group without number and bounds"},
+                 {"# point 0\ncontact: line\n", "s.h5:1: found a point, expected its group"},
+                 {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmagic: 1\n", "s.h5:3: magic"},
+                 {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmoes.M: much\n",
+                  "s.h5:3: moes.M: found much"},
+                 {"# group 0, alpha_p_H from -inf to inf\n# point 0\nmoes.M: 3\n", "s.h5: "}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        plan of;
+        ehd_error error = {""};
+        assert_int_equal(plan_parse(&of, cases[i].text, "s.h5", &error), EHD_DATA);
+        if (!strstr(error.text, cases[i].part)) fail_msg("%s", error.text);
+        assert_null(of.points);
+    }
+}
+
 // ---- memory
 
 static void survives_failing_allocations(void **state) {
@@ -1267,6 +1397,18 @@ static void survives_failing_allocations(void **state) {
         plan_free(&of);
     }
     assert_true(call > 20);
+    plan given;
+    accepts_plan(&given, "groups:\n- {scene: scene.yml, vary: {M: [1, 2]}}\n");
+    call = 0;
+    for (bool failed = true; failed; call++) {
+        allocation_fail_at(call);
+        status = plan_parse(&of, given.text, "s.h5", NULL);
+        failed = allocation_failed();
+        assert_int_equal(status, failed ? EHD_MEMORY : EHD_OK);
+        plan_free(&of);
+    }
+    assert_true(call > 2);
+    plan_free(&given);
     call = 0;
     for (bool failed = true; failed; call++) {
         allocation_fail_at(call);
@@ -1314,6 +1456,8 @@ int main(void) {
         cmocka_unit_test(schema_page_shows_the_table),
         cmocka_unit_test(help_shows_every_key),
         cmocka_unit_test(plan_combines_a_grid),
+        cmocka_unit_test(plan_fills_a_region),
+        cmocka_unit_test(plan_checks_a_region),
         cmocka_unit_test(plan_takes_lists_together),
         cmocka_unit_test(plan_reads_csv_points),
         cmocka_unit_test(plan_names_files_that_are_missing),
@@ -1324,6 +1468,8 @@ int main(void) {
         cmocka_unit_test(plan_overrides_act_on_every_scene),
         cmocka_unit_test(plan_keeps_the_first_of_equal_points),
         cmocka_unit_test(plan_text_identifies_the_plan),
+        cmocka_unit_test(plan_is_read_back_from_its_text),
+        cmocka_unit_test(plan_text_of_something_else_is_refused),
         cmocka_unit_test(survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -24,9 +24,12 @@ static ehd_status build(reduced_model *result, size_t num_workers, size_t num_po
     solved_state states[TRAINED_STATES];
 
     for (size_t s = 0; s < TRAINED_STATES; s++)
-        states[s] =
-            (solved_state){set->pressure + s * set->grid.num_nodes, set->rigid_approach[s],
-                           set->moes_M[s], set->alpha_p_H[s], set->central_film_thickness[s]};
+        states[s] = (solved_state){set->pressure + s * set->grid.num_nodes,
+                                   set->rigid_approach[s],
+                                   set->moes_M[s],
+                                   set->alpha_p_H[s],
+                                   set->central_film_thickness[s],
+                                   set->rises[s]};
     return trial_build(result, &caller, &points, states, 0, num_workers, &error);
 }
 

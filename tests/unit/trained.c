@@ -35,8 +35,12 @@ static void train(trained *self) {
         memcpy(self->film + s * grid->num_nodes, solution.film, grid->num_nodes * sizeof(double));
         self->exit_position[s] = full_evaluate_scalars(&solution, contact).exit_position;
         states[s] =
-            (solved_state){here, solution.rigid_approach, contact->moes_M, contact->alpha_p_H,
-                           full_evaluate_scalars(&solution, contact).central_film_thickness};
+            (solved_state){here,
+                           solution.rigid_approach,
+                           contact->moes_M,
+                           contact->alpha_p_H,
+                           full_evaluate_scalars(&solution, contact).central_film_thickness,
+                           lubricant_rises_at(&contact->lubricant, contact->hertz_pressure)};
     }
     assert_int_equal(snapshot_set_gather(&self->set, states, TRAINED_STATES, kind, grid, NULL),
                      EHD_OK);

@@ -52,7 +52,7 @@ def speed(folder, model, settings, sizes):
         outside = reduced["status"] == results.NOT_TRUSTED
         print(f"{case.name:12} {seconds:9.3f} {line[0]:9.3f} {line[1]:9.0f} {full['iterations']:6.0f} {line[2]:4.0f} "
               f"{central:10.4f} {minimum:10.4f} {line[5]:8.2f} {line[6]:5.0f}"
-              f"{'  outside of training' if outside else ''}", flush=True)
+              f"{'  not trusted' if outside else ''}", flush=True)
         if not outside:
             trusted.append(line)
     if trusted:
@@ -71,7 +71,7 @@ def growth(folder, step, modes, rows):
     results.run("podbuild", snapshots, "-o", basis, "--pressure-modes", modes, "--weight", "row-norm", "--plan",
                 "growth-plan.yml", *grid, outcomes=[0])
     results.run("snapgen", "growth-plan.yml", "--basis", basis, "-o", residuals, "--quiet", *grid, outcomes=[0])
-    results.run("deimselect", residuals, "--basis", basis, "-o", model, "--force", "--method", "exits", "--rows", rows,
+    results.run("deimselect", residuals, "--no-check", "--basis", basis, "-o", model, "--force", "--method", "exits", "--rows", rows,
                 outcomes=[0])
     solved = []
     for M, L in (17, 4.5), (19.5, 5.5), (22, 6.5), (26, 5), (27, 6):

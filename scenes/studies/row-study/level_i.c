@@ -255,7 +255,7 @@ static void measure(const variant *way, const reduced_model *model, const traini
         const ehd_contact *contact = &set->contacts[i];
         reduced_info info;
         if (!inside[i]) continue;
-        reduced_guess(&state, model, contact->moes_M, contact->alpha_p_H);
+        reduced_guess(&state, model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
         if (way->band) band_fill(way->band, &state, contact);
         need(!reduced_solve(&info, &state, solver, contact, NULL, NULL), "memory: found none");
         if (info.status) {
@@ -309,7 +309,7 @@ int main(int argc, char **argv) {
     band one = band_create(&model, &basis, 0);
     reduced_state middle = {.coordinates = claim(model.num_unknowns)};
     const ehd_contact *contact = &set.contacts[set.num_points / 2];
-    reduced_guess(&middle, &model, contact->moes_M, contact->alpha_p_H);
+    reduced_guess(&middle, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
     band_fill(&one, &middle, contact);
 
     const variant ways[] = {{"D of the basis", NULL, NULL, NULL},

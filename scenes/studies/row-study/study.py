@@ -30,7 +30,7 @@ def measure(out, region, weight, modes, method, check, settings, factors):
     found = {}
 
     def choose(target, *options):
-        return results.run("deimselect", f"{base}-residuals.h5", "--basis", f"{base}-basis.h5", "--method", method,
+        return results.run("deimselect", "--no-check", f"{base}-residuals.h5", "--basis", f"{base}-basis.h5", "--method", method,
                            "-o", target, "--force", *options, outcomes=[results.SOLVED]).stdout
 
     def how_posed(rows):
@@ -63,7 +63,7 @@ def from_truth(out, region, modes, method, check, settings):
     distance from the truth."""
     base = f"{out}/{region}/mode/{modes}"
     model, calibrated = (f"{base}/{method}-{kind}.h5" for kind in ("truth-model", "truth-calibrated"))
-    results.run("deimselect", f"{base}-residuals.h5", "--basis", f"{base}-basis.h5", "--method", method, "-o", model,
+    results.run("deimselect", "--no-check", f"{base}-residuals.h5", "--basis", f"{base}-basis.h5", "--method", method, "-o", model,
                 "--rows", 2 * int(modes), "--force", outcomes=[results.SOLVED])
     results.run("romrun", "--calibrate", check, "--model", model, "-o", calibrated, "--force", "--quiet",
                 *settings.split(), outcomes=[results.SOLVED])

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/settings/settings_table.h"
+#include "common/settings/variation.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- writing
+
+/* Prints the settings in which a point differs from the one before; NULL: all that are given. */
+static void print_changes(FILE *stream, const scene *now, const scene *before) {
+    for (const setting *row = scene_settings(); row->key; row++) {
+        const bool given = setting_is_given(row, now);
+        if (before ? setting_compare(row, now, before) == 0 : !given) continue;
+        if (given)
+            setting_print(stream, row, now);
+        else
+            fprintf(stream, "%s:\n", row->key);
+    }
+}
+
+static void print_plan(FILE *stream, const plan *of) {
+    char low[NUMBER_TEXT], high[NUMBER_TEXT];
+    for (size_t i = 0; i < of->num_points; i++) {
+        const plan_point *point = &of->points[i];
+        if (i == 0 || point->group != point[-1].group) {
+            number_show(low, of->where_bounds[point->group][0]);
+            number_show(high, of->where_bounds[point->group][1]);
+            fprintf(stream, "# group %zu, alpha_p_H from %s to %s\n", point->group, low, high);
+        }
+        fprintf(stream, "# point %zu\n", i);
+        print_changes(stream, &point->scene, i > 0 ? &point[-1].scene : NULL);
+    }
+}
+
+ehd_status plan_write_text(plan *of, const char *path, ehd_error *error) {
+    free(of->text);
+    of->text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&of->text, &length);
+    if (!stream) return place_no_memory(error, path);
+    print_plan(stream, of);
+    const bool failed = ferror(stream) != 0;
+    const bool lost = fclose(stream) != 0 || failed;
+    return lost ? place_no_memory(error, path) : EHD_OK;
+}
+
+// ---- reading
+
+/* A text, and the plan that its lines so far make. */
+typedef struct text_reader {
+    plan *plan;
+    place where;        // of the present line
+    scene scene;        // its values so far
+    size_t group, room; // of the point that follows; points that there is memory for
+    ehd_error *error;
+} text_reader;
+
+static ehd_status no_memory(const text_reader *self) {
+    return place_no_memory(self->error, self->where.file);
+}
+
+static ehd_status read_group(text_reader *self, const char *line) {
+    plan *of = self->plan;
+    double bounds[2];
+    size_t group;
+    if (sscanf(line, "# group %zu, alpha_p_H from %lf to %lf", &group, &bounds[0], &bounds[1]) !=
+            3 ||
+        group >= MAX_POINTS)
+        return place_fail(self->error, self->where,
+                          "found a group without number and bounds, expected both");
+    if (group >= of->num_groups) {
+        double(*grown)[2] = realloc(of->where_bounds, (group + 1) * sizeof *grown);
+        if (!grown) return no_memory(self);
+        for (; of->num_groups <= group; of->num_groups++) {
+            grown[of->num_groups][0] = -INFINITY;
+            grown[of->num_groups][1] = INFINITY;
+        }
+        of->where_bounds = grown;
+    }
+    memcpy(of->where_bounds[group], bounds, sizeof bounds);
+    self->group = group;
+    return EHD_OK;
+}
+
+/* Begins a point, which has the values of the one before until lines change them. */
+static ehd_status read_point(text_reader *self) {
+    plan *of = self->plan;
+    if (of->num_groups == 0)
+        return place_fail(self->error, self->where, "found a point, expected its group before");
+    if (of->num_points == self->room) {
+        const size_t room = 2 * self->room + 64;
+        plan_point *grown = realloc(of->points, room * sizeof *grown);
+        if (!grown) return no_memory(self);
+        of->points = grown;
+        self->room = room;
+    }
+    of->points[of->num_points++] = (plan_point){self->scene, self->group};
+    return EHD_OK;
+}
+
+/* Takes the quotes of setting_print away. */
+static void unquote(char *value) {
+    const size_t length = strlen(value);
+    if (length < 2 || *value != '\'' || value[length - 1] != '\'') return;
+    char *to = value;
+    for (const char *from = value + 1; from < value + length - 1; from++) {
+        *to++ = *from;
+        from += from[0] == '\'' && from[1] == '\'';
+    }
+    *to = '\0';
+}
+
+static ehd_status read_setting(text_reader *self, char *line) {
+    char *colon = strchr(line, ':');
+    if (!colon || self->plan->num_points == 0)
+        return place_fail(self->error, self->where,
+                          "found something else, expected the text of a plan");
+    *colon = '\0';
+    char *value = colon + 1 + (colon[1] == ' ');
+    const setting *row = setting_find(line);
+    if (!row) return setting_unknown(self->error, self->where, line);
+    if (!*value) {
+        setting_clear(row, &self->scene);
+    } else {
+        unquote(value);
+        ehd_status status = setting_assign(&self->scene, row, value, self->where, self->error);
+        if (status) return status;
+    }
+    self->plan->points[self->plan->num_points - 1].scene = self->scene;
+    return EHD_OK;
+}
+
+static ehd_status read_line(text_reader *self, char *line) {
+    if (strncmp(line, "# group ", 8) == 0) return read_group(self, line);
+    if (strncmp(line, "# point ", 8) == 0) return read_point(self);
+    return *line == '#' || !*line ? EHD_OK : read_setting(self, line);
+}
+
+ehd_status plan_parse(plan *of, const char *text, const char *name, ehd_error *error) {
+    text_reader self = {.plan = of, .where = {name, 0}, .error = error};
+    char *copy = strdup(text), *rest = NULL;
+    *of = (plan){0};
+    if (!copy) return place_no_memory(error, name);
+    for (const setting *row = scene_settings(); row->key; row++)
+        setting_clear(row, &self.scene);
+    ehd_status status = EHD_OK;
+    for (char *line = copy; line && !status; line = rest) {
+        rest = strchr(line, '\n');
+        if (rest) *rest++ = '\0';
+        self.where.line++;
+        status = read_line(&self, line);
+    }
+    free(copy);
+    if (!status && of->num_points == 0)
+        status = place_fail(error, (place){name, 0}, "found no points, expected those of a plan");
+    for (size_t i = 0; i < of->num_points && !status; i++)
+        status = scene_validate(&of->points[i].scene, name, error);
+    if (!status) status = plan_write_text(of, name, error);
+    if (status) plan_free(of);
+    return status;
+}

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/training/between.h"
+
+#include "common/settings/scene_contact.h"
+#include "common/settings/settings_table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static ehd_status no_memory(const char *name, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for scenes between its points", name);
+}
+
+// ---- distances
+
+/* Points or trajectories of a set, as places. */
+typedef struct crowd {
+    size_t count, width;
+    const tree_point *points; // [count], NULL: trajectories
+    double scale[2];          // of points
+    double *places;           // [count, width] of trajectories, each column over 0 … 1
+    const training_set *set;
+} crowd;
+
+static double *number_in(const setting *row, scene *of) {
+    return (double *)(void *)((char *)of + row->offset);
+}
+
+static double number_of(const setting *row, const scene *of) {
+    double value;
+
+    memcpy(&value, (const char *)of + row->offset, sizeof value);
+    return value;
+}
+
+/* Whether two scenes differ in numbers only. */
+static bool are_alike(const scene *left, const scene *right) {
+    for (const setting *row = scene_settings(); row->key; row++) {
+        if (setting_compare(row, left, right) == 0) continue;
+        if (row->type != SETTING_REAL || !setting_is_given(row, left) ||
+            !setting_is_given(row, right))
+            return false;
+    }
+    return true;
+}
+
+/* Squared; infinite between those that have no middle. */
+static double square(const crowd *self, size_t i, size_t j) {
+    double sum = 0;
+
+    if (self->points) {
+        const double distance = tree_distance(&self->points[i], &self->points[j], self->scale);
+        return distance * distance;
+    }
+    const trajectory_scene *all = self->set->trajectories;
+    if (!are_alike(&all[i].scene, &all[j].scene)) return INFINITY;
+    for (size_t c = 0; c < self->width; c++) {
+        const double apart = self->places[i * self->width + c] - self->places[j * self->width + c];
+        sum += apart * apart;
+    }
+    return sum;
+}
+
+/* Fills a column with a setting of all trajectories, as a part of its range, of its logarithm's where
+ * all are positive. A setting that is not given is 0. */
+static void place_column(double *column, size_t width, const setting *row,
+                         const training_set *set) {
+    double low = INFINITY, high = -INFINITY;
+
+    for (size_t t = 0; t < set->num_trajectories; t++) {
+        const scene *here = &set->trajectories[t].scene;
+        if (!setting_is_given(row, here)) continue;
+        low = fmin(low, number_of(row, here));
+        high = fmax(high, number_of(row, here));
+    }
+    for (size_t t = 0; t < set->num_trajectories; t++) {
+        const double value = number_of(row, &set->trajectories[t].scene);
+        double *entry = &column[t * width];
+        if (isnan(value) || !(high > low))
+            *entry = 0;
+        else
+            *entry = low > 0 ? log(value / low) / log(high / low) : (value - low) / (high - low);
+    }
+}
+
+static ehd_status crowd_of_trajectories(crowd *self, const training_set *set, ehd_error *error) {
+    *self = (crowd){.count = set->num_trajectories, .width = MAX_SETTINGS, .set = set};
+    self->places = calloc((self->count + 1) * self->width, sizeof *self->places);
+    if (!self->places) return no_memory("trajectories", error);
+    for (const setting *row = scene_settings(); row->key; row++)
+        if (row->type == SETTING_REAL)
+            place_column(self->places + setting_index(row), self->width, row, set);
+    return EHD_OK;
+}
+
+static ehd_status crowd_of_points(crowd *self, const training_set *set, ehd_error *error) {
+    tree_point *points = calloc(set->num_points + 1, sizeof *points);
+
+    *self = (crowd){.count = set->num_points, .points = points, .set = set};
+    if (!points) return no_memory("points", error);
+    training_set_places(points, set);
+    tree_scale(self->scale, points, set->num_points);
+    return EHD_OK;
+}
+
+static void crowd_free(crowd *self) {
+    free((void *)self->points);
+    free(self->places);
+}
+
+// ---- scenes in the middle
+
+/* False where there is no such contact. */
+static bool find_middle(scene *middle, const scene *left, const scene *right) {
+    ehd_contact contact;
+
+    if (!are_alike(left, right)) return false;
+    *middle = *left;
+    for (const setting *row = scene_settings(); row->key; row++) {
+        if (setting_compare(row, left, right) == 0) continue;
+        const double a = number_of(row, left), b = number_of(row, right);
+        *number_in(row, middle) = a > 0 && b > 0 ? sqrt(a) * sqrt(b) : 0.5 * (a + b);
+    }
+    return scene_validate(middle, "", NULL) == EHD_OK &&
+           scene_contact(&contact, middle, NULL) == EHD_OK;
+}
+
+/* Whether no third one sees two at an obtuse angle; those between them in the plan are asked first,
+ * since they mostly lie between. */
+static bool are_neighbours(const crowd *self, size_t i, size_t j) {
+    const double rounding = 1e-9, distance = square(self, i, j);
+
+    if (isinf(distance) || distance == 0) return false;
+    for (size_t n = 1; n < self->count; n++) {
+        const size_t k = (i + n) % self->count;
+        if (k != j && square(self, i, k) + square(self, j, k) < distance * (1 - rounding))
+            return false;
+    }
+    return true;
+}
+
+static size_t number_at(const crowd *self, size_t i) {
+    return self->points ? self->set->numbers[i] : self->set->trajectories[i].number;
+}
+
+static ehd_status add_middles(plan *between, size_t *room, const plan *of, const crowd *self,
+                              const char *name, ehd_error *error) {
+    for (size_t i = 0; i < self->count; i++)
+        for (size_t j = i + 1; j < self->count; j++) {
+            const plan_point *left = &of->points[number_at(self, i)];
+            const plan_point *right = &of->points[number_at(self, j)];
+            if (!are_neighbours(self, i, j)) continue;
+            if (between->num_points == *room) {
+                *room = 2 * *room + 64;
+                plan_point *grown = realloc(between->points, *room * sizeof *grown);
+                if (!grown) return no_memory(name, error);
+                between->points = grown;
+            }
+            plan_point *added = &between->points[between->num_points];
+            added->group = left->group;
+            if (find_middle(&added->scene, &left->scene, &right->scene)) between->num_points++;
+        }
+    return EHD_OK;
+}
+
+ehd_status between_neighbours(plan *between, const plan *of, const training_set *trained,
+                              const char *name, ehd_error *error) {
+    const size_t bytes = of->num_groups * sizeof *of->where_bounds;
+    crowd points = {0}, trajectories = {0};
+    size_t room = 0;
+
+    *between = (plan){.num_groups = of->num_groups, .where_bounds = malloc(bytes + 1)};
+    if (!between->where_bounds) return no_memory(name, error);
+    memcpy(between->where_bounds, of->where_bounds, bytes);
+    ehd_status status = crowd_of_points(&points, trained, error);
+    if (!status) status = crowd_of_trajectories(&trajectories, trained, error);
+    if (!status) status = add_middles(between, &room, of, &points, name, error);
+    if (!status) status = add_middles(between, &room, of, &trajectories, name, error);
+    if (!status) status = plan_write_text(between, name, error);
+    crowd_free(&points);
+    crowd_free(&trajectories);
+    if (status) plan_free(between);
+    return status;
+}
+
+// ---- some of them
+
+/* `count` of them at most, but one of each kind. */
+static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
+    double *nearest = malloc((self->count + 1) * sizeof *nearest); // squared, of those chosen
+    if (!nearest) return no_memory("scenes", error);
+
+    for (size_t i = 0; i < self->count; i++) {
+        nearest[i] = INFINITY;
+        chosen[i] = false;
+    }
+    for (size_t n = 0; n < self->count; n++) {
+        size_t next = 0;
+        for (size_t i = 1; i < self->count; i++)
+            if (nearest[i] > nearest[next]) next = i;
+        if (nearest[next] == 0 || (n >= count && !isinf(nearest[next]))) break;
+        chosen[next] = true;
+        for (size_t i = 0; i < self->count; i++)
+            nearest[i] = fmin(nearest[i], i == next ? 0 : square(self, i, next));
+    }
+    free(nearest);
+    return EHD_OK;
+}
+
+ehd_status between_spread(bool *chosen, const training_set *set, size_t count, ehd_error *error) {
+    crowd points = {0};
+    ehd_status status = crowd_of_points(&points, set, error);
+
+    if (!status) status = spread(chosen, &points, count, error);
+    crowd_free(&points);
+    return status;
+}
+
+ehd_status between_spread_trajectories(bool *chosen, const training_set *set, size_t count,
+                                       ehd_error *error) {
+    crowd trajectories = {0};
+    ehd_status status = crowd_of_trajectories(&trajectories, set, error);
+
+    if (!status) status = spread(chosen, &trajectories, count, error);
+    crowd_free(&trajectories);
+    return status;
+}
+
+ehd_status between_keep(plan *of, const bool *keep, const char *name, ehd_error *error) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < of->num_points; i++)
+        if (keep[i]) of->points[count++] = of->points[i];
+    of->num_points = count;
+    return plan_write_text(of, name, error);
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "deimselect/checked_model.h"
+
+#include "romrun/calibrate/calibrate.h"
+#include "romrun/calibrate/check_scenes.h"
+#include "romrun/calibrate/validation.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+/* Above it, a result without --accuracy is not to be trusted. */
+static const double ACCURACY = 0.01;
+
+typedef struct check_run {
+    const program *caller;
+    const check_task *task;
+    validation scenes;
+    trade_table table; // no positions: not checked
+    char *draft;       // path of a file with the model alone, to be measured
+    artefact *output;
+} check_run;
+
+static void check_run_free(check_run *self) {
+    artefact_close(&self->output);
+    if (self->draft) unlink(self->draft);
+    free(self->draft);
+    trade_free(&self->table);
+    validation_free(&self->scenes);
+}
+
+/* Whether there is nothing to check a model on, which is no reason not to write it. */
+static bool is_unchecked(ehd_status status) {
+    return status == EHD_DATA || status == EHD_NOINPUT || status == EHD_NOT_CONVERGED;
+}
+
+// ---- the files
+
+static ehd_status create_output(check_run *self, ehd_error *error) {
+    const check_task *task = self->task;
+    char *settings = calibration_settings(task->settings, self->scenes.set.text);
+    ehd_status status =
+        settings ? artefact_create(&self->output, self->caller->output, &schema_model, self->caller,
+                                   settings, task->inputs, error)
+                 : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->caller->output);
+
+    free(settings);
+    return status;
+}
+
+/* Beside the output, which has to stay without a name until it is whole. */
+static ehd_status write_draft(check_run *self, const reduced_model *model,
+                              const reduced_basis *basis, const model_origin *origin,
+                              ehd_error *error) {
+    const char *const no_inputs[] = {NULL};
+    program writer = *self->caller;
+
+    if (asprintf(&self->draft, "%s.unchecked", self->caller->output) < 0) self->draft = NULL;
+    if (!self->draft)
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->caller->output);
+    writer.output = self->draft;
+    writer.force = true;
+    return model_write(model, basis, origin, &writer, self->task->settings, no_inputs, error);
+}
+
+// ---- what the model is worth
+
+static void name_place(char name[POINT_NAME], const ehd_contact *contact) {
+    if (contact)
+        training_point_name(name, contact);
+    else
+        snprintf(name, POINT_NAME, "nowhere");
+}
+
+/* Where the model falls short of what holds without --accuracy, and what helps. */
+static ehd_status warn_of(const check_run *self, const trade_position *whole, ehd_error *error) {
+    const double central = whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
+    const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];
+    const ehd_contact *worst = NULL;
+    char place[POINT_NAME];
+    if (whole->num_failures == 0 && fmax(central, minimum) <= ACCURACY) return EHD_OK;
+
+    ehd_status status = validation_worst(&worst, &self->scenes, self->draft, error);
+    if (status) return status;
+    name_place(place, worst);
+    program_warn(self->caller,
+                 "%s: found films off by more than %g %% or no solution between training points, "
+                 "expected less: the training is too thin, add points around %s",
+                 self->caller->output, 100 * ACCURACY, place);
+    return EHD_OK;
+}
+
+static void describe_scenes(const check_run *self, const trade_position *whole, FILE *stream) {
+    const validation *scenes = &self->scenes;
+    const size_t num_points = scenes->set.num_points;
+
+    fprintf(stream, "checked on %zu scenes between the training points: ", scenes->num_scenes);
+    if (whole->num_failures < scenes->num_scenes)
+        fprintf(stream, "central film at most %.2g %% off, minimum film %.2g %%",
+                100 * whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST],
+                100 * whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST]);
+    if (whole->num_failures > 0)
+        fprintf(stream, "%s%zu not solved", whole->num_failures < scenes->num_scenes ? "; " : "",
+                whole->num_failures);
+    if (scenes->num_scenes < num_points)
+        fprintf(stream, "; %zu more that the full model did not solve",
+                num_points - scenes->num_scenes);
+    fputc('\n', stream);
+}
+
+static void describe_trajectories(const check_run *self, const trade_position *whole,
+                                  FILE *stream) {
+    fprintf(stream, "checked on %zu trajectories between those of the training: ",
+            self->scenes.num_recordings);
+    if (whole->num_lost < self->scenes.num_recordings)
+        fprintf(stream, "central film at most %.2g %% off, minimum film %.2g %%",
+                100 * whole->worst_in_time[TRADE_CENTRAL_FILM],
+                100 * whole->worst_in_time[TRADE_MINIMUM_FILM]);
+    if (whole->num_lost > 0)
+        fprintf(stream, "%s%zu not solved",
+                whole->num_lost < self->scenes.num_recordings ? "; " : "", whole->num_lost);
+    fputc('\n', stream);
+}
+
+static void describe(const check_run *self, FILE *stream) {
+    const trade_position *whole = &self->table.positions[self->table.num_positions - 1];
+
+    if (self->scenes.num_scenes > 0) describe_scenes(self, whole, stream);
+    if (self->scenes.num_recordings > 0) describe_trajectories(self, whole, stream);
+}
+
+static ehd_status report(char text[CHECK_REPORT], const check_run *self, ehd_error *error) {
+    const trade_position *whole = &self->table.positions[self->table.num_positions - 1];
+    FILE *stream = fmemopen(text, CHECK_REPORT, "w");
+    if (!stream) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->caller->output);
+
+    describe(self, stream);
+    fclose(stream);
+    return self->scenes.num_scenes > 0 ? warn_of(self, whole, error) : EHD_OK;
+}
+
+// ---- all
+
+/* Measures the draft. */
+static ehd_status measure(check_run *self, const reduced_model *model, ehd_error *error) {
+    const check_task *task = self->task;
+    trained_range *range = trained_range_create(model);
+    ehd_status status =
+        range ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->draft);
+
+    if (!status)
+        status = training_check_memory(&self->scenes.set, self->caller, task->name,
+                                       task->num_workers, error);
+    if (!status)
+        status = validation_solve(&self->scenes, range, self->caller, task->name, task->num_workers,
+                                  error);
+    trained_range_free(range);
+    return status;
+}
+
+ehd_status checked_model_write(char worth[CHECK_REPORT], const reduced_model *model,
+                               const reduced_basis *basis, const model_origin *origin,
+                               const program *caller, const check_task *task, ehd_error *error) {
+    check_run self = {.caller = caller, .task = task};
+    ehd_error why = {""};
+    worth[0] = '\0';
+    ehd_status unchecked = check_scenes_choose(
+        &self.scenes.set, model, task->plan_text ? task->plan_text : "", task->name, &why);
+    ehd_status status = is_unchecked(unchecked) ? EHD_OK : unchecked;
+
+    if (!status) status = create_output(&self, &why);
+    if (!status) status = model_put(self.output, model, basis, origin, &why);
+    if (!status && !unchecked) {
+        status = unchecked = measure(&self, model, &why);
+        if (is_unchecked(unchecked)) status = EHD_OK;
+    }
+    if (!status && !unchecked) status = write_draft(&self, model, basis, origin, &why);
+    if (!status && !unchecked)
+        status = validation_measure(&self.table, &self.scenes, caller, self.draft, &why);
+    if (!status && !unchecked) status = trade_write(self.output, &self.table, &why);
+    if (!status) status = artefact_finish(&self.output, &why);
+    if (!status && !unchecked) status = report(worth, &self, &why);
+    check_run_free(&self);
+    if (status) return ehd_fail(error, status, "%s", why.text);
+    if (!unchecked) return EHD_OK;
+    return ehd_fail(error, EHD_UNTRUSTED,
+                    "%s: written, but not checked: %s; romrun --calibrate checks it on a plan "
+                    "(--no-check: without a check)",
+                    caller->output, why.text);
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/calibrate/check_scenes.h"
+
+#include "common/output/grid_file.h"
+#include "common/training/between.h"
+#include "romrun/online/reduced_solver.h"
+
+#include <stdlib.h>
+
+enum { NUM_SCENES = 20, NUM_TRAJECTORIES = 3 };
+
+static const shard all = {1, 1};
+
+static ehd_status no_memory(const char *name, ehd_error *error) {
+    return ehd_fail(error, EHD_MEMORY, "%s: found no memory for check scenes", name);
+}
+
+/* A set on the model's grid. */
+static ehd_status make_set(training_set *set, const plan *of, const reduced_model *model,
+                           const char *name, ehd_error *error) {
+    ehd_status status = training_set_init(set, of, name, all, error);
+
+    if (status) return status;
+    training_set_take_grid(set, &model->grid);
+    status = grid_check(&set->grid, name, &model->grid, "the model", error);
+    if (status) training_set_free(set);
+    return status;
+}
+
+/* The points of the plan that the model was trained on; not those that failed or were not asked
+ * for, but all trajectories. */
+static ehd_status keep_trained(training_set *set, const reduced_model *model, const char *name,
+                               ehd_error *error) {
+    bool *keep = calloc(set->num_points + 1, sizeof *keep);
+    if (!keep) return no_memory(name, error);
+
+    for (size_t i = 0; i < set->num_points; i++)
+        keep[i] = reduced_states_have(&model->states, &set->contacts[i]);
+    ehd_status status = training_set_keep(set, keep, name, error);
+    free(keep);
+    return status;
+}
+
+static ehd_status keep_inside(training_set *set, const reduced_model *model, const char *name,
+                              ehd_error *error) {
+    trained_range *range = trained_range_create(model);
+    bool *keep = calloc(set->num_points + 1, sizeof *keep);
+    ehd_status status = range && keep ? EHD_OK : no_memory(name, error);
+
+    for (size_t i = 0; i < set->num_points && !status; i++) {
+        const ehd_contact *contact = &set->contacts[i];
+        keep[i] = !trained_range_check(range, contact->moes_M, contact->alpha_p_H, 0) &&
+                  !reduced_states_have(&model->states, contact);
+    }
+    if (!status) status = training_set_keep(set, keep, name, error);
+    trained_range_free(range);
+    free(keep);
+    return status;
+}
+
+static size_t smaller(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+/* Leaves only some of the candidates in the plan that the set is of. */
+static ehd_status choose(plan *between, const training_set *candidates, size_t num_trained,
+                         const char *name, ehd_error *error) {
+    const size_t num_points = candidates->num_points;
+    const size_t num_trajectories = candidates->num_trajectories;
+    const size_t half = smaller(num_trained / 2, NUM_TRAJECTORIES);
+    bool *chosen = calloc(num_points + num_trajectories + 1, sizeof *chosen);
+    bool *keep = calloc(between->num_points + 1, sizeof *keep);
+    ehd_status status = chosen && keep ? EHD_OK : no_memory(name, error);
+
+    if (!status) status = between_spread(chosen, candidates, NUM_SCENES, error);
+    if (!status) status = between_spread_trajectories(chosen + num_points, candidates, half, error);
+    for (size_t i = 0; i < num_points && !status; i++)
+        keep[candidates->numbers[i]] = chosen[i];
+    for (size_t t = 0; t < num_trajectories && !status; t++)
+        keep[candidates->trajectories[t].number] = chosen[num_points + t];
+    if (!status) status = between_keep(between, keep, name, error);
+    free(chosen);
+    free(keep);
+    return status;
+}
+
+static ehd_status nothing_between(const char *name, ehd_error *error) {
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found no scene of the trained range half-way between two training points, "
+                    "expected some",
+                    name);
+}
+
+ehd_status check_scenes_choose(training_set *set, const reduced_model *model, const char *plan_text,
+                               const char *name, ehd_error *error) {
+    plan of = {0}, between = {0};
+    training_set trained = {0}, candidates = {0};
+    ehd_status status = plan_parse(&of, plan_text, name, error);
+
+    *set = (training_set){0};
+    if (!status) status = make_set(&trained, &of, model, name, error);
+    if (!status) status = keep_trained(&trained, model, name, error);
+    if (!status) status = between_neighbours(&between, &of, &trained, name, error);
+    if (!status && between.num_points == 0) status = nothing_between(name, error);
+    if (!status) status = make_set(&candidates, &between, model, name, error);
+    if (!status) status = keep_inside(&candidates, model, name, error);
+    if (!status) status = choose(&between, &candidates, trained.num_trajectories, name, error);
+    if (!status && between.num_points == 0) status = nothing_between(name, error);
+    if (!status) status = make_set(set, &between, model, name, error);
+    training_set_free(&candidates);
+    training_set_free(&trained);
+    plan_free(&between);
+    plan_free(&of);
+    return status;
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which scenes a new model is checked on: some between the points that it was trained on. */
+#ifndef EHD_CHECK_SCENES_H
+#define EHD_CHECK_SCENES_H
+
+#include "common/training/training_set.h"
+#include "romrun/model/reduced_model.h"
+
+/* Chooses stationary scenes and trajectories half-way between those of the training (between.h),
+ * inside of the trained range and none of them trained on, far from one another. Of the stationary
+ * ones as many as calibration needs, one of each lubricant and group before; of the trajectories at
+ * most half as many as were trained. On the grid of the model. EHD_DATA: the text is of no plan or of
+ * another grid, or nothing lies between; EHD_NOINPUT: a table of the plan is missing; EHD_MEMORY. */
+ehd_status check_scenes_choose(
+    // output:
+    training_set *set, // free with training_set_free
+    // input:
+    const reduced_model *model,
+    const char *plan_text, // of all of the training
+    const char *name,      // of the file that it is from, for errors
+    ehd_error *error);
+
+#endif

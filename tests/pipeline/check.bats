@@ -1,0 +1,147 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The check that a model is born with, and romrun with models that were never checked.
+
+load common
+
+# Residuals of 15 points with 121 nodes, their model m.h5, and n.h5 without a check.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    common_setup_small
+    sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
+    snapgen train.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 12
+    snapgen train.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5 --quiet >log
+    deimselect r.h5 --basis b.h5 -o n.h5 --no-check >no-check.log
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/* .
+}
+
+unchecked="a model never checked at these sizes, which romrun --calibrate does, and deimselect without --no-check"
+
+@test "a model is checked on scenes between its training's, as romrun --calibrate does" {
+    [[ $(tail -n 1 log) == "checked on 20 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
+    [ "$(head -n 3 log)" = "$(cat no-check.log)" ]
+    [ ! -e m.h5.partial ] && [ ! -e m.h5.unchecked ]
+    deimselect --check m.h5
+    # its settings name the scenes; a calibration on these gives the same table
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, re
+with h5py.File("m.h5") as m, h5py.File("b.h5") as b:
+    text = m.attrs["settings"].decode().split("# calibrated on\n")[1]
+    trained = set(zip(b["state_moes_M"][...].round(6), b["state_alpha_p_H"][...].round(6)))
+    points, here = [], {}
+    for line in text.splitlines():
+        if line.startswith("# point") and here: points.append(dict(here))
+        if line.startswith("moes."): here[line[:6]] = line[8:]
+    points.append(here)
+assert len(points) == 20, points
+open("points.csv", "w").write("moes.M,moes.L\n" + "".join("%s,%s\n" % (p["moes.M"], p["moes.L"]) for p in points))
+open("again.yml", "w").write("groups:\n  - {scene: base.yml, points: points.csv}\n")
+PYTHON
+    romrun --calibrate again.yml --model n.h5 -o again.h5 --quiet
+    same_data m.h5 again.h5
+    # every scene inside has an answer that says how far it is off
+    romrun scene.yml --model m.h5 -o red.h5 --quiet
+    [ "$(number red.h5 status)" = 0.0 ]
+    fullrun scene.yml -o full.h5
+    awk -v i="$(number red.h5 indicated_deviation)" -v f="$(number full.h5 central_film_thickness)" \
+        -v r="$(number red.h5 central_film_thickness)" \
+        'BEGIN { d = r / f - 1; d = d < 0 ? -d : d; exit !(i > d && i < 0.01) }'
+}
+
+@test "the check does not depend on --jobs, and a second model has the same bits but for the times" {
+    deimselect r.h5 --basis b.h5 -o one.h5 --jobs 1 --quiet
+    deimselect r.h5 --basis b.h5 -o two.h5 --jobs 3 --quiet
+    same_data m.h5 one.h5
+    same_data m.h5 two.h5
+}
+
+@test "a model that was never checked says so, with exit code 4" {
+    run --separate-stderr romrun scene.yml --model n.h5 -o x.h5
+    [ "$status" -eq 4 ]
+    [ "$stderr" = "romrun: scene.yml: found $unchecked, expected a result to be trusted (--allow-untrusted takes it all the same)" ]
+    [[ $output == *"central film thickness"* ]]
+    [ "$(number x.h5 status)" = 4.0 ]
+    run --separate-stderr romrun scene.yml --model n.h5 -o y.h5 --allow-untrusted
+    [ "$status" -eq 0 ]
+    [ "$stderr" = "romrun: n.h5: found $unchecked" ]
+    # a part of a checked model that was not measured
+    romrun scene.yml --model m.h5 --pressure-modes 10 --rows 15 --quiet
+    run --separate-stderr romrun scene.yml --model m.h5 --rows 23
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found $unchecked, "* ]]
+    # outside of the trained range that is the reason
+    run --separate-stderr romrun scene.yml --model n.h5 --set moes.M=16
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found outside of the trained range"* ]]
+}
+
+@test "residuals without a plan give a model that is not checked" {
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('r.h5', 'r+') as f: del f.attrs['settings']"
+    run --separate-stderr deimselect r.h5 --basis b.h5 -o x.h5
+    [ "$status" -eq 4 ]
+    [ "$stderr" = "deimselect: x.h5: written, but not checked: r.h5: found no points, expected those of a plan; romrun --calibrate checks it on a plan (--no-check: without a check)" ]
+    [ "$output" = "$(cat no-check.log)" ]
+    deimselect --check x.h5
+    same_data x.h5 n.h5
+    run -4 romrun scene.yml --model x.h5
+    deimselect r.h5 --basis b.h5 -o y.h5 --no-check
+    # nor do those of another grid, or of one point alone
+    cp "$BATS_FILE_TMPDIR"/r.h5 .
+    /usr/bin/python3 -c "
+import h5py, re
+with h5py.File('r.h5', 'r+') as f: f.attrs['settings'] = f.attrs['settings'].decode().replace('grid.step: 0.05', 'grid.step: 0.1')"
+    run --separate-stderr deimselect r.h5 --basis b.h5 -o x.h5 --force
+    [ "$status" -eq 4 ]
+    [[ $stderr == "deimselect: x.h5: written, but not checked: r.h5: "*" found 61 nodes from -4 by 0.1, expected 121 "* ]]
+    snapgen scene.yml -o s1.h5 --quiet
+    podbuild s1.h5 -o b1.h5
+    snapgen scene.yml --basis b1.h5 -o r1.h5 --quiet
+    run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --force
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"r1.h5: found no scene of the trained range half-way between two training points"* ]]
+}
+
+@test "a training that is too thin is told of, and where" {
+    sed 's/\[8, 11, 15\]/[8, 60]/; s/\[2, 4, 6\]/[0.5, 12]/' plan.yml >thin.yml
+    snapgen thin.yml -o ts.h5 --quiet
+    podbuild ts.h5 -o tb.h5
+    snapgen thin.yml --basis tb.h5 -o tr.h5 --quiet
+    run --separate-stderr deimselect tr.h5 --basis tb.h5 -o t.h5 --quiet
+    [ "$status" -eq 0 ]
+    [[ $stderr == "deimselect: t.h5: found films off by more than 1 % or no solution between training points, expected less: the training is too thin, add points around M="*" L="* ]]
+}
+
+@test "every lubricant of the training is among the check scenes" {
+    cat >two.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [8, 9.5, 11, 13, 15], moes.L: [2, 4, 6]}
+  - scene: base.yml
+    vary: {lubricant.viscosity.alpha: [1.5e-8], moes.M: [9, 12], moes.L: [3, 5]}
+YAML
+    snapgen two.yml -o s2.h5 --quiet
+    podbuild s2.h5 -o b2.h5
+    snapgen two.yml --basis b2.h5 -o r2.h5 --quiet
+    deimselect r2.h5 --basis b2.h5 -o x.h5 --quiet
+    [ "$(romrun --print x.h5 calibration_scenes | tail -n 1)" -eq 20 ]
+    text=$(h5dump -a settings x.h5)
+    [[ $text == *"alpha: 1.5e-08"* && $text == *"alpha: 2e-08"* ]]
+}
+
+@test "nothing is written before the check is done" {
+    deimselect r.h5 --basis b.h5 -o x.h5 --quiet
+    refused 73 "x.h5" deimselect r.h5 --basis b.h5 -o x.h5
+    rm x.h5
+    stop_when INT exists x.h5.unchecked deimselect r.h5 --basis b.h5 -o x.h5 >log 2>&1
+    [ "$code" -eq 130 ]
+    [ ! -e x.h5 ] && [ ! -e x.h5.partial ] && [ ! -e x.h5.unchecked ]
+    grep "^deimselect: x.h5: interrupted after .* of .* sizes, nothing written$" log
+}
