@@ -15,6 +15,10 @@
  *         ehdrom_solve(&result, solver, &contact, &error))      // as often as wanted
  *         fprintf(stderr, "%s\n", error.text);
  *
+ * Nothing else is solved in place of a contact that the model does not solve well: `status` and
+ * `reason` of each result and of each step say so, and what follows is the caller's. fallback_solve
+ * of romrun/calibrate/fallback.h solves the contact with the full model, from the last solution.
+ *
  * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then
  * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread. */
 #ifndef EHDROM_H

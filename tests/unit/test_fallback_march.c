@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_STEPS = 40 };
+enum { NUM_STEPS = 64 };
 
 static const double STEP = 0.02;
 
@@ -61,7 +61,7 @@ typedef struct run {
     bool by_full_model[NUM_STEPS + 1];
 } run;
 
-/* Leaves the training and comes back; with a phase of half a unit of pi it starts outside. */
+/* Leaves the training, comes back and leaves it again; with a phase of half a unit of pi it starts outside. */
 static double load_at(size_t i, double phase) {
     return 1 + 0.15 * sin(2 * M_PI * (double)i * STEP + phase);
 }
@@ -120,7 +120,7 @@ static void go_on(run *self, size_t from, size_t to) {
     for (size_t i = from; i <= to; i++) {
         const contact_frame frame = frame_at_step(self, i);
         march_step step = {.status = EHD_OK};
-        if (i == 31) self->solver.restart(self->solver.self);
+        if (i == 12 || i == 31) self->solver.restart(self->solver.self);
         check_ok(self->solver.attempt(&step, self->solver.self, &frame, STEP, &error));
         step.frame = frame;
         keep(self, &step, i);
@@ -154,12 +154,18 @@ static void check_turns(const ehd_contact *contact, const reduced_basis *basis, 
     run_init(both, contact, basis, true, 1e-2, 0);
     go_on(both, 1, NUM_STEPS);
     const size_t num_full = count_full(both);
-    assert_in_range(num_full, 8, NUM_STEPS - 15);
+    assert_in_range(num_full, 8, NUM_STEPS - 25);
     assert_false(both->by_full_model[0]);
     assert_false(both->by_full_model[2]);
     assert_true(both->by_full_model[12]); // the largest load
-    assert_false(both->by_full_model[NUM_STEPS]);
+    assert_false(both->by_full_model[40]);
+    assert_true(both->by_full_model[NUM_STEPS]);
     check_close_array(both->film, full->film, NUM_STEPS + 1, tolerance, 0);
+    if (contact->transport == TRANSPORT_PATH && contact->kind->dimensions == 1) {
+        // errors taken up on the way by one model and told by the other
+        check_close(both->effect[36], full->effect[36], 0.15, 0);
+        check_close_array(both->effect + 60, full->effect + 60, NUM_STEPS - 59, 0.15, 0);
+    }
     check_close_array(both->least_film, full->least_film, NUM_STEPS + 1, 10 * tolerance, 0);
     const time_run_share share = fallback_march_share(both->both);
     assert_int_equal(share.full_steps, num_full);
@@ -279,12 +285,12 @@ static void the_film_has_to_leave_before(void **state) {
     run_init(both, &contact, &few, true, 1, 0);
     go_on(both, 1, NUM_STEPS);
     assert_true(both->by_full_model[12]);
-    assert_false(both->by_full_model[NUM_STEPS]);
+    assert_false(both->by_full_model[40]);
     run_free(both);
     run_init(both, &contact, &few, true, 0.3, 0);
     go_on(both, 1, NUM_STEPS);
     assert_true(both->by_full_model[12]);
-    assert_true(both->by_full_model[NUM_STEPS]);
+    assert_true(both->by_full_model[40]);
     run_free(both);
     free(both);
     reduced_basis_free(&few);
