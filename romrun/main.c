@@ -298,13 +298,6 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     return status;
 }
 
-/* No accuracy is promised of a model that was not calibrated at these sizes. */
-static void judge_unknown(run_result *result, double accuracy) {
-    if (result->status || !(accuracy > 0) || !isnan(result->indicated_deviation)) return;
-    result->status = EHD_UNTRUSTED;
-    snprintf(result->reason, sizeof result->reason, "no indicated deviation");
-}
-
 /* Adds the time of the reduced solution to that of the full one. */
 static void add_seconds(run_result *full, const run_result *reduced) {
     full->seconds += reduced->seconds;
@@ -384,7 +377,6 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
     if (!status) status = fill_result(self, with_fields, with_effects, error);
     if (!status && falls_back(options)) {
-        judge_unknown(&self->result, options->accuracy);
         status = fall_back(self, with_fields, with_effects, error);
         self->result.solved_by = self->by_full_model ? SOLVED_BY_FULL : SOLVED_BY_REDUCED;
     }

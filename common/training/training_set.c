@@ -216,14 +216,14 @@ void training_set_places(tree_point *places, const training_set *set) {
     }
 }
 
-/* Those of different branches are never neighbours. `branch`: [num_points]; NULL: all are of one. */
+/* Those of different branches, [num_points], are never neighbours. */
 static ehd_status make_tree(training_set *set, const size_t *branch, const char *plan_path,
                             ehd_error *error) {
     tree_point *points = malloc(set->num_points * sizeof *points);
     if (!points) return no_memory(plan_path, error);
 
     training_set_places(points, set);
-    for (size_t i = 0; i < set->num_points && branch; i++)
+    for (size_t i = 0; i < set->num_points; i++)
         points[i].family += branch[i] * set->num_points;
     ehd_status status = tree_build(set->parent, points, set->num_points, error);
     if (!status) status = tree_order(set->order, set->parent, set->num_points, error);
@@ -261,12 +261,6 @@ static void keep_points(training_set *set, const bool *keep) {
     set->num_points = count;
 }
 
-ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
-                             ehd_error *error) {
-    keep_points(set, keep);
-    return set->num_points > 0 ? make_tree(set, NULL, plan_path, error) : EHD_OK;
-}
-
 /* Cuts the points into branches, in the order of the plan, and keeps those of the shard. Neither the
  * cuts nor what a point starts from depend on the shards: the tree is that of all points. */
 static ehd_status keep_branches(training_set *set, const char *plan_path, shard piece,
@@ -296,6 +290,14 @@ static ehd_status keep_branches(training_set *set, const char *plan_path, shard 
     free(keep);
     free(branch);
     return status;
+}
+
+ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
+                             ehd_error *error) {
+    const shard whole = {1, 1};
+
+    keep_points(set, keep);
+    return set->num_points > 0 ? keep_branches(set, plan_path, whole, error) : EHD_OK;
 }
 
 /* How many of the first shards have points; where branches are fewer than the shards, some have none.

@@ -66,7 +66,8 @@ ehd_status training_set_make_cold(training_set *set, const char *plan_path, ehd_
 /* The points as the tree sees them, [num_points]. */
 void training_set_places(tree_point *places, const training_set *set);
 
-/* Leaves only the points that `keep`, [num_points], says, in a tree of their own. EHD_MEMORY. */
+/* Leaves only the points that `keep`, [num_points], says, in branches as a plan of these alone has
+ * them. EHD_MEMORY. */
 ehd_status training_set_keep(training_set *set, const bool *keep, const char *plan_path,
                              ehd_error *error);
 

@@ -35,9 +35,9 @@ snapgen_or_resume = code=65; [ ! -e $@.partial ] || { $(snapgen) --resume; code=
                     [ $$code -ne 65 ] || { $(snapgen); code=$$?; }; exit $$code
 
 # The files of scenes that the plan names.
-SCENES := $(wildcard $(addprefix $(dir $(PLAN)),$(shell sed -n 's/^[^#]*scene: *\([^ ,}{\#]*\).*/\1/p' $(PLAN))))
+scene_files := $(wildcard $(addprefix $(dir $(PLAN)),$(shell sed -n 's/^[^#]*scene: *\([^ ,}{\#]*\).*/\1/p' $(PLAN))))
 
-$(OUT)/snapshots.h5: $(PLAN) $(SCENES) $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
+$(OUT)/snapshots.h5: $(PLAN) $(scene_files) $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
                      $(call options,snapshots,$(SET) $(ALLOW_FAILURES) $(ACCURACY))
 	$(call quiet,1/4 snapgen   ,$@)$(snapgen_or_resume)
 

@@ -62,6 +62,7 @@ static ehd_status keep_step(void *sink, const march_step *step, size_t index, eh
     set->stationary[index] = index == 0;
     full_exit[index] = frame_to_reference(&step->scalars, &step->frame, &reference).exit_position;
     set->effects[index] = film_effects_unknown();
+    set->rises[index] = lubricant_rises_unknown();
     set->rate[index] = index ? frame_rate(&step->frame, &self->last) : 0;
     self->last = step->frame;
     return EHD_OK;
@@ -85,6 +86,7 @@ static void training_init(training *self) {
     set->exit = calloc(NUM_STATES, sizeof *set->exit);
     set->stationary = calloc(NUM_STATES, sizeof *set->stationary);
     set->effects = calloc(NUM_STATES, sizeof *set->effects);
+    set->rises = calloc(NUM_STATES, sizeof *set->rises);
     check_ok(full_march_create(&self->march, &reference, &settings, NAN, &error));
 }
 
