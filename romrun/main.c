@@ -30,6 +30,7 @@ typedef struct romrun_options {
     ehdrom_sizes sizes;
     double accuracy;       // of the films, to choose the sizes by; 0: not given
     ehdrom_sizes fallback; // where the result of `sizes` is not accurate enough
+    const char *distrust;  // why no reduced step is to be trusted; NULL: single ones are not
     const char *fall_back; // what solves a scene where no size is: "full"; NULL, "none": nothing
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
@@ -298,13 +299,6 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     return status;
 }
 
-/* No accuracy is promised of a model that was not calibrated at these sizes. */
-static void judge_unknown(run_result *result, double accuracy) {
-    if (result->status || !(accuracy > 0) || !isnan(result->indicated_deviation)) return;
-    result->status = EHD_UNTRUSTED;
-    snprintf(result->reason, sizeof result->reason, "no indicated deviation");
-}
-
 /* Adds the time of the reduced solution to that of the full one. */
 static void add_seconds(run_result *full, const run_result *reduced) {
     full->seconds += reduced->seconds;
@@ -384,7 +378,6 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
         status = solve(&done->solution, done->solver, self->contact, options->repeats, error);
     if (!status) status = fill_result(self, with_fields, with_effects, error);
     if (!status && falls_back(options)) {
-        judge_unknown(&self->result, options->accuracy);
         status = fall_back(self, with_fields, with_effects, error);
         self->result.solved_by = self->by_full_model ? SOLVED_BY_FULL : SOLVED_BY_REDUCED;
     }
@@ -410,7 +403,8 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 /* The full model beside the reduced one, with --fallback full. */
 static ehd_status create_fallback(fallback_march **full, const program *self,
                                   const romrun_options *options, const ehd_contact *contact,
-                                  ehdrom_transient *in_time, const scene *given, ehd_error *error) {
+                                  ehdrom_transient *in_time, const scene *given,
+                                  const char *distrust, ehd_error *error) {
     if (!falls_back(options)) return EHD_OK;
     const double accuracy = options->accuracy > 0 ? options->accuracy : accuracy_default;
     ehd_status status =
@@ -418,7 +412,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
 
     return status ? status
                   : fallback_march_create(full, ehdrom_march(in_time).self,
-                                          given->transient.start_film, accuracy, error);
+                                          given->transient.start_film, accuracy, distrust, error);
 }
 
 static ehd_status run_transient(const program *self, const romrun_options *options,
@@ -429,13 +423,19 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     fallback_march *mixed = NULL;
     time_series full = {0};
     time_trace trace = {0};
+    const char *unchecked = NULL;
     char *text = NULL;
     ehd_status status = text_with_sizes(&text, scene_lines, options, error);
 
     if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
     if (!status) status = ehdrom_prepare_transient(model, error);
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
-    if (!status) status = create_fallback(&mixed, self, options, contact, in_time, given, error);
+    if (!status) {
+        const ehdrom_properties properties = ehdrom_describe(model);
+        unchecked = accuracy_unchecked(&properties, true);
+        status = create_fallback(&mixed, self, options, contact, in_time, given,
+                                 options->distrust ? options->distrust : unchecked, error);
+    }
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
@@ -443,8 +443,6 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                    options->against, contact, error);
     }
     if (!status) {
-        const ehdrom_properties properties = ehdrom_describe(model);
-        const char *unchecked = accuracy_unchecked(&properties, true);
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
@@ -456,7 +454,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
-                                    .untrusted = unchecked,
+                                    .untrusted = mixed ? NULL : unchecked,
                                     .effort = mixed ? fallback_march_effort : ehdrom_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
@@ -491,7 +489,8 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
         program_note(self, "--accuracy %g: %s", options->accuracy, choice.note);
     }
     // what no size promises single scenes may have all the same, and the full model has
-    if (status == EHD_DATA && falls_back(options) && !in_time) {
+    if (status == EHD_DATA && falls_back(options)) {
+        if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
         if (best < table.num_positions) options->sizes = table.positions[best].sizes;
         program_note(self, "%s; --fallback full goes on", error->text);
