@@ -30,6 +30,7 @@ typedef struct romrun_options {
     ehdrom_sizes sizes;
     double accuracy;       // of the films, to choose the sizes by; 0: not given
     ehdrom_sizes fallback; // where the result of `sizes` is not accurate enough
+    const char *distrust;  // why no reduced step is to be trusted; NULL: single ones are not
     const char *fall_back; // what solves a scene where no size is: "full"; NULL, "none": nothing
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
@@ -402,7 +403,8 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 /* The full model beside the reduced one, with --fallback full. */
 static ehd_status create_fallback(fallback_march **full, const program *self,
                                   const romrun_options *options, const ehd_contact *contact,
-                                  ehdrom_transient *in_time, const scene *given, ehd_error *error) {
+                                  ehdrom_transient *in_time, const scene *given,
+                                  const char *distrust, ehd_error *error) {
     if (!falls_back(options)) return EHD_OK;
     const double accuracy = options->accuracy > 0 ? options->accuracy : accuracy_default;
     ehd_status status =
@@ -410,7 +412,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
 
     return status ? status
                   : fallback_march_create(full, ehdrom_march(in_time).self,
-                                          given->transient.start_film, accuracy, error);
+                                          given->transient.start_film, accuracy, distrust, error);
 }
 
 static ehd_status run_transient(const program *self, const romrun_options *options,
@@ -421,13 +423,19 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     fallback_march *mixed = NULL;
     time_series full = {0};
     time_trace trace = {0};
+    const char *unchecked = NULL;
     char *text = NULL;
     ehd_status status = text_with_sizes(&text, scene_lines, options, error);
 
     if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
     if (!status) status = ehdrom_prepare_transient(model, error);
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
-    if (!status) status = create_fallback(&mixed, self, options, contact, in_time, given, error);
+    if (!status) {
+        const ehdrom_properties properties = ehdrom_describe(model);
+        unchecked = accuracy_unchecked(&properties, true);
+        status = create_fallback(&mixed, self, options, contact, in_time, given,
+                                 options->distrust ? options->distrust : unchecked, error);
+    }
     if (!status && options->against) {
         status = time_series_read(&full, options->against, contact->kind, error);
         if (!status)
@@ -435,8 +443,6 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                    options->against, contact, error);
     }
     if (!status) {
-        const ehdrom_properties properties = ehdrom_describe(model);
-        const char *unchecked = accuracy_unchecked(&properties, true);
         const time_run_task task = {.caller = self,
                                     .given = given,
                                     .reference = contact,
@@ -448,7 +454,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
-                                    .untrusted = unchecked,
+                                    .untrusted = mixed ? NULL : unchecked,
                                     .effort = mixed ? fallback_march_effort : ehdrom_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
@@ -483,7 +489,8 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
         program_note(self, "--accuracy %g: %s", options->accuracy, choice.note);
     }
     // what no size promises single scenes may have all the same, and the full model has
-    if (status == EHD_DATA && falls_back(options) && !in_time) {
+    if (status == EHD_DATA && falls_back(options)) {
+        if (in_time) options->distrust = "an --accuracy that the model was not measured to have";
         const size_t best = trade_most_accurate(&table, in_time);
         if (best < table.num_positions) options->sizes = table.positions[best].sizes;
         program_note(self, "%s; --fallback full goes on", error->text);

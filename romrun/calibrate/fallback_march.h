@@ -12,12 +12,14 @@ typedef struct fallback_march fallback_march;
 
 /* `reduced` must outlive it; nothing else may use it.
  * `accuracy`: of the central film, within a tenth of which a reduced step has to agree with the full one
- * before steps are reduced again. EHD_MEMORY. */
+ * before steps are reduced again. `distrust`: why no reduced step is to be trusted, and all are the full
+ * model's; NULL: single ones. EHD_MEMORY. */
 ehd_status fallback_march_create(
     // output:
     fallback_march **self, // free with fallback_march_free
     // input:
-    reduced_march *reduced, double start_film, double accuracy, ehd_error *error);
+    reduced_march *reduced, double start_film, double accuracy, const char *distrust,
+    ehd_error *error);
 fallback_march *fallback_march_free(fallback_march *self); // accepts and returns NULL
 
 /* As a solver for march_run. */

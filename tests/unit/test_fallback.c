@@ -116,7 +116,7 @@ static void of_a_point_contact(void **state) {
     fallback found;
     solved run;
 
-    contact_set_moes(&contact, 26, 5);
+    contact_set_moes(&contact, 23, 5);
     whole_model_write(&point_basis, path);
     solve(&run, &contact);
     assert_int_equal(run.result.status, EHD_UNTRUSTED);

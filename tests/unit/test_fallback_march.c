@@ -98,7 +98,8 @@ static void run_init(run *self, const ehd_contact *contact, const reduced_basis 
 
     marching_start(&self->reduced, contact, basis, &frame);
     if (with_reduced) {
-        check_ok(fallback_march_create(&self->both, self->reduced.march, NAN, accuracy, &error));
+        check_ok(
+            fallback_march_create(&self->both, self->reduced.march, NAN, accuracy, NULL, &error));
         self->solver = fallback_march_solver(self->both);
     } else {
         check_ok(full_march_create(&self->full, reduced_march_reference(self->reduced.march),
