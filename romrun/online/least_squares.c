@@ -5,6 +5,7 @@
 #include "romrun/online/least_squares.h"
 
 #include "common/program/arena.h"
+#include "romrun/online/gram.h"
 #include <cblas.h>
 #include <lapacke.h>
 #include <math.h>
@@ -57,8 +58,7 @@ least_squares *least_squares_create(size_t max_rows, size_t num_columns) {
 static void scaled_gram(least_squares *self, const double *matrix, size_t num_rows) {
     size_t n = self->num_columns;
 
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, (int)n, (int)num_rows, 1, matrix, (int)n,
-                0, self->gram, (int)n);
+    gram_matrix(self->gram, matrix, num_rows, n);
     for (size_t j = 0; j < n; j++) {
         double square = self->gram[j * n + j];
         self->scale[j] = square == 0 ? 0 : isfinite(square) ? 1 / sqrt(square) : NAN;
