@@ -140,6 +140,18 @@ static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     return true;
 }
 
+/* Both diagonals of a cell of a grid have the same middle. */
+static bool is_known(const plan *between, const plan_point *added) {
+    for (size_t i = 0; i < between->num_points; i++) {
+        const plan_point *known = &between->points[i];
+        const setting *row = scene_settings();
+        while (row->key && setting_compare(row, &known->scene, &added->scene) == 0)
+            row++;
+        if (!row->key && known->group == added->group) return true;
+    }
+    return false;
+}
+
 static size_t number_at(const crowd *self, size_t i) {
     return self->points ? self->set->numbers[i] : self->set->trajectories[i].number;
 }
@@ -159,7 +171,9 @@ static ehd_status add_middles(plan *between, size_t *room, const plan *of, const
             }
             plan_point *added = &between->points[between->num_points];
             added->group = left->group;
-            if (find_middle(&added->scene, &left->scene, &right->scene)) between->num_points++;
+            if (find_middle(&added->scene, &left->scene, &right->scene) &&
+                !is_known(between, added))
+                between->num_points++;
         }
     return EHD_OK;
 }
@@ -214,6 +228,20 @@ ehd_status between_spread(bool *chosen, const training_set *set, size_t count, e
 
     if (!status) status = spread(chosen, &points, count, error);
     crowd_free(&points);
+    return status;
+}
+
+ehd_status between_sweep(bool *chosen, const training_set *set, size_t count, ehd_error *error) {
+    size_t *walk = malloc((set->num_points + 1) * sizeof *walk), left = 0;
+    ehd_status status =
+        walk ? tree_walk(walk, set->parent, set->num_points, error) : no_memory("scenes", error);
+
+    for (size_t i = 0; i < set->num_points && !status; i++)
+        if (!chosen[walk[i]]) walk[left++] = walk[i];
+    if (count > left) count = left;
+    for (size_t i = 0; i < count && !status; i++)
+        chosen[walk[(2 * i + 1) * left / (2 * count)]] = true;
+    free(walk);
     return status;
 }
 

@@ -24,7 +24,7 @@ setup() {
 unchecked="a model never checked at these sizes, which romrun --calibrate does, and deimselect without --no-check"
 
 @test "a model is checked on scenes between its training's, as romrun --calibrate does" {
-    [[ $(tail -n 1 log) == "checked on 20 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
+    [[ $(tail -n 1 log) == "checked on 10 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
     [ "$(head -n 3 log)" = "$(cat no-check.log)" ]
     [ ! -e m.h5.partial ] && [ ! -e m.h5.unchecked ]
     deimselect --check m.h5
@@ -39,7 +39,7 @@ with h5py.File("m.h5") as m, h5py.File("b.h5") as b:
         if line.startswith("# point") and here: points.append(dict(here))
         if line.startswith("moes."): here[line[:6]] = line[8:]
     points.append(here)
-assert len(points) == 20, points
+assert len(points) == 10, points
 open("points.csv", "w").write("moes.M,moes.L\n" + "".join("%s,%s\n" % (p["moes.M"], p["moes.L"]) for p in points))
 open("again.yml", "w").write("groups:\n  - {scene: base.yml, points: points.csv}\n")
 PYTHON
@@ -131,7 +131,7 @@ YAML
     podbuild s2.h5 -o b2.h5
     snapgen two.yml --basis b2.h5 -o r2.h5 --quiet
     deimselect r2.h5 --basis b2.h5 -o x.h5 --quiet
-    [ "$(romrun --print x.h5 calibration_scenes | tail -n 1)" -eq 20 ]
+    [ "$(romrun --print x.h5 calibration_scenes | tail -n 1)" -eq 10 ]
     text=$(h5dump -a settings x.h5)
     [[ $text == *"alpha: 1.5e-08"* && $text == *"alpha: 2e-08"* ]]
 }
@@ -140,8 +140,8 @@ YAML
     deimselect r.h5 --basis b.h5 -o x.h5 --quiet
     refused 73 "x.h5" deimselect r.h5 --basis b.h5 -o x.h5
     rm x.h5
-    stop_when INT exists x.h5.unchecked deimselect r.h5 --basis b.h5 -o x.h5 >log 2>&1
+    stop_when INT exists x.h5 deimselect r.h5 --basis b.h5 -o x.h5 >log 2>&1
     [ "$code" -eq 130 ]
     [ ! -e x.h5 ] && [ ! -e x.h5.partial ] && [ ! -e x.h5.unchecked ]
-    grep "^deimselect: x.h5: interrupted after .* of .* sizes, nothing written$" log
+    grep "^deimselect: x.h5: interrupted .*, nothing written$" log
 }

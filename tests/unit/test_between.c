@@ -101,8 +101,7 @@ static size_t count_of(const plan *of, double alpha, double M, double L) {
     return count;
 }
 
-/* Three by two points: seven lines between them and two diagonals a cell, which are as long as one
- * another in ln M and L. */
+/* Three by two points: seven lines between them and one middle a cell. */
 static void test_grid(void **state) {
     sample grid = {0};
     (void)state;
@@ -112,11 +111,11 @@ static void test_grid(void **state) {
             add_point(&grid.of, 2e-8, 4 * pow(4, i), k ? 8 : 0, 0);
     make_set(&grid);
     plan between = middles_of(&grid);
-    assert_int_equal(between.num_points, 11);
+    assert_int_equal(between.num_points, 9);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 8), 1);
         assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 0), 1); // of none the mean
-        assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 4), 2);
+        assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 4), 1);
     }
     for (int i = 0; i < 3; i++)
         assert_int_equal(count_of(&between, 2e-8, 4 * pow(4, i), 4), 1);
@@ -224,6 +223,28 @@ static void test_spread(void **state) {
     free_sample(&several);
 }
 
+/* Nine of which two are chosen: of the seven others the middle one, one each third. */
+static void test_sweep(void **state) {
+    bool chosen[9] = {true, [8] = true};
+    sample line = {0};
+    (void)state;
+
+    for (int i = 0; i < 9; i++)
+        add_point(&line.of, 2e-8, exp(0.1 * i + 3), 5, 0);
+    make_set(&line);
+    assert_int_equal(between_sweep(chosen, &line.set, 1, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 9), 3);
+    assert_true(chosen[4]);
+    chosen[4] = false;
+    assert_int_equal(between_sweep(chosen, &line.set, 3, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 9), 5);
+    assert_true(chosen[2] && chosen[4] && chosen[6]);
+    assert_int_equal(between_sweep(chosen, &line.set, 100, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 9), 9);
+    assert_int_equal(between_sweep(chosen, &line.set, 1, NULL), EHD_OK);
+    free_sample(&line);
+}
+
 static void test_keep(void **state) {
     const bool keep[] = {false, true, true};
     sample line = {0};
@@ -266,7 +287,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_grid),         cmocka_unit_test(test_families),
         cmocka_unit_test(test_trajectories), cmocka_unit_test(test_spread),
-        cmocka_unit_test(test_keep),         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_sweep),        cmocka_unit_test(test_keep),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
