@@ -9,7 +9,8 @@
  * points: each number in which two scenes differ is in the middle, the geometric mean where both are
  * positive, so that ln M and ln(alpha p_H) of physical scenes are in the middle too. Neighbours are
  * two points, of one lubricant and group, that no third one sees at an obtuse angle (Gabriel's graph),
- * of a grid those along its lines and its diagonals, whose common middle counts once; of trajectories two that differ in numbers only.
+ * of a grid those along its lines and its diagonals, whose common middle counts once; of trajectories two that differ in numbers only;
+ * one that has no such other has half its own swing: half the amplitudes, ramps and steps half-way.
  * Pairs in the order of the plan. May have no points at all. O(num_points^3) at worst. EHD_MEMORY. */
 ehd_status between_neighbours(
     // output:
@@ -37,7 +38,7 @@ ehd_status between_sweep(
     // input:
     const training_set *set, size_t count, ehd_error *error);
 
-/* As between_spread, of trajectories. */
+/* As between_spread, of trajectories, never more than `count`. */
 ehd_status between_spread_trajectories(
     // output:
     bool *chosen, // [num_trajectories]

@@ -11,10 +11,11 @@
  * rows, whole models), against 149 and 118 random ones inside: factors of the indicator over what
  * covers all random ones, central and minimum film; deviation by which --accuracy goes.
  *   20 far from one another   3.3 6.6, 1.6 3.5;  2.7e-3, 1.6e-3
- *   20 along the walk         1.1 6.6, 0.6 1.8;  4.6e-5, 2.0e-4
- *   12 and 18                 3.3 6.6, 0.95 3.5; 8.4e-5, 8.5e-4
+ *   20 along the walk         1.4 0.65, 1.0 0.70; 1.2e-6, 2.9e-5
+ *   12 and 18                 3.3 6.6, 0.95 3.5; 2.7e-3, 4.4e-4
+ *   20 and 10                 3.3 6.6, 1.6 3.5;  2.7e-3, 4.4e-4
  * Those at the edge find what is worst, the others say what is usual. */
-enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 40, MAX_TRAJECTORIES = 3 };
+enum { MIN_SCENES = 10, MAX_SCENES = 30, PERCENT_SPREAD = 67, MAX_TRAJECTORIES = 3 };
 
 static const shard all = {1, 1};
 
@@ -80,7 +81,7 @@ static ehd_status choose(plan *between, const training_set *candidates, const tr
     const size_t num_trajectories = candidates->num_trajectories;
     const size_t count = smaller(larger(trained->num_points / 2, MIN_SCENES), MAX_SCENES);
     const size_t num_spread = count * PERCENT_SPREAD / 100;
-    const size_t num_moved = smaller(trained->num_trajectories / 2, MAX_TRAJECTORIES);
+    const size_t num_moved = smaller(larger(trained->num_trajectories / 2, 1), MAX_TRAJECTORIES);
     bool *chosen = calloc(num_points + num_trajectories + 1, sizeof *chosen);
     bool *keep = calloc(between->num_points + 1, sizeof *keep);
     ehd_status status = chosen && keep ? EHD_OK : no_memory(name, error);

@@ -145,3 +145,31 @@ YAML
     [ ! -e x.h5 ] && [ ! -e x.h5.partial ] && [ ! -e x.h5.unchecked ]
     grep "^deimselect: x.h5: interrupted .*, nothing written$" log
 }
+
+@test "in time: one trajectory is checked with half its swing, and a model never checked in time says so" {
+    sed 's/stationary/transient/' scene.yml >moving.yml
+    cat >>moving.yml <<'YAML'
+transient: {end_time: 1, load: {law: sine, amplitude: 0.1, period: 1}}
+YAML
+    snapgen moving.yml -o s1.h5 --quiet
+    podbuild s1.h5 -o b1.h5
+    snapgen moving.yml --basis b1.h5 -o r1.h5 --quiet
+    run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ ${lines[-1]} == "checked on 1 trajectories between those of the training: central film at most "*" % off, minimum film "*" %" ]]
+    [[ $(h5dump -a settings x.h5) == *"transient.load.amplitude: 0.05"* ]]
+    romrun moving.yml --model x.h5 -o one.h5 --quiet --set transient.load.amplitude=0.07
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('one.h5') as f: assert (f['status'][...] == 0).all()"
+    # it was not checked on stationary scenes
+    run -4 --separate-stderr romrun scene.yml --model x.h5
+    # nor the other one in time
+    run --separate-stderr romrun moving.yml --model m.h5 -o two.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: moving.yml: found a model never checked in time at these sizes, which romrun --calibrate does, and deimselect without --no-check, first at T = 0, expected a result to be trusted"* ]]
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"
+    romrun moving.yml --model m.h5 -o two.h5 --quiet --force --allow-untrusted
+}

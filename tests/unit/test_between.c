@@ -101,6 +101,14 @@ static size_t count_of(const plan *of, double alpha, double M, double L) {
     return count;
 }
 
+static size_t count_chosen(const bool *chosen, size_t length) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < length; i++)
+        count += chosen[i];
+    return count;
+}
+
 /* Three by two points: seven lines between them and one middle a cell. */
 static void test_grid(void **state) {
     sample grid = {0};
@@ -154,7 +162,7 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Those that differ in numbers only, next to one another; a law of its own has no other. */
+/* Those that differ in numbers only, next to one another; one that has no such other by half. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;
@@ -170,7 +178,7 @@ static void test_trajectories(void **state) {
                    "transient.fixed_step: 0.01\n");
     make_set(&moved);
     plan between = middles_of(&moved);
-    assert_int_equal(between.num_points, 2);
+    assert_int_equal(between.num_points, 4);
     for (size_t i = 0; i < 2; i++) {
         const scene *here = &between.points[i].scene;
         count +=
@@ -178,16 +186,21 @@ static void test_trajectories(void **state) {
         check_close(here->transient.vary[VARY_LOAD].amplitude, 0.1, 0, 0);
     }
     assert_int_equal(count, 2);
+    const scene *ramp = &between.points[2].scene, *fixed = &between.points[3].scene;
+    check_close(ramp->transient.vary[VARY_LOAD].from, 1, 0, 0);
+    check_close(ramp->transient.vary[VARY_LOAD].to, 1.5, 0, 0);
+    check_close(fixed->transient.vary[VARY_LOAD].amplitude, 0.05, 0, 0);
+    check_close(fixed->transient.fixed_step, 0.01, 0, 0);
     plan_free(&between);
+
+    // those that have no middle first, but no more than asked for
+    bool chosen[5];
+    const bool expected[] = {true, false, true, false, true};
+    assert_int_equal(between_spread_trajectories(chosen, &moved.set, 3, NULL), EHD_OK);
+    assert_memory_equal(chosen, expected, sizeof chosen);
+    assert_int_equal(between_spread_trajectories(chosen, &moved.set, 1, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 5), 1);
     free_sample(&moved);
-}
-
-static size_t count_chosen(const bool *chosen, size_t length) {
-    size_t count = 0;
-
-    for (size_t i = 0; i < length; i++)
-        count += chosen[i];
-    return count;
 }
 
 /* On a line 0 … 8 in ln M: the first, the last, the middle, the quarters. */
