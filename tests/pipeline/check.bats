@@ -107,6 +107,18 @@ with h5py.File('r.h5', 'r+') as f: f.attrs['settings'] = f.attrs['settings'].dec
     run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --force
     [ "$status" -eq 4 ]
     [[ $stderr == *"r1.h5: found no scene of the trained range half-way between two training points"* ]]
+    # nor those of trajectories whose table is gone
+    printf 'T,F\n0,1\n0.5,1.1\n1,1\n' >t.csv
+    sed 's/stationary/transient/' scene.yml >moving.yml
+    echo 'transient: {end_time: 0.2, load: {law: table, file: t.csv, column: F}}' >>moving.yml
+    snapgen moving.yml -o s2.h5 --quiet
+    podbuild s2.h5 -o b2.h5
+    snapgen moving.yml --basis b2.h5 -o r2.h5 --quiet
+    rm t.csv
+    run --separate-stderr deimselect r2.h5 --basis b2.h5 -o x.h5 --force
+    [ "$status" -eq 4 ]
+    [[ $stderr == "deimselect: x.h5: written, but not checked: "*"t.csv"* ]]
+    deimselect --check x.h5
 }
 
 @test "a training that is too thin is told of, and where" {
