@@ -73,7 +73,20 @@ static void name_place(char name[POINT_NAME], const ehd_contact *contact) {
         snprintf(name, POINT_NAME, "nowhere");
 }
 
-/* Where the model falls short of what holds without --accuracy, and what helps. */
+/* Where the model falls short of what holds without --accuracy, in time. */
+static void warn_in_time(const check_run *self, const trade_position *whole) {
+    const double *worst = whole->worst_in_time;
+
+    if (whole->num_lost == 0 &&
+        fmax(worst[TRADE_CENTRAL_FILM], worst[TRADE_MINIMUM_FILM]) <= ACCURACY)
+        return;
+    program_warn(self->caller,
+                 "%s: found films off by more than %g %% or no solution on trajectories between "
+                 "those of the training, expected less: the training is too thin, add some between",
+                 self->caller->output, 100 * ACCURACY);
+}
+
+/* The same of stationary scenes, and what helps. */
 static ehd_status warn_of(const check_run *self, const trade_position *whole, ehd_error *error) {
     const double central = whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
     const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];
@@ -137,6 +150,7 @@ static ehd_status report(char text[CHECK_REPORT], const check_run *self, ehd_err
 
     describe(self, stream);
     fclose(stream);
+    if (self->scenes.num_recordings > 0) warn_in_time(self, whole);
     return self->scenes.num_scenes > 0 ? warn_of(self, whole, error) : EHD_OK;
 }
 

@@ -140,8 +140,31 @@ static bool are_neighbours(const crowd *self, size_t i, size_t j) {
     return true;
 }
 
+/* Both diagonals of a cell of a grid have the same middle. */
+static bool is_known(const plan *between, const plan_point *added) {
+    for (size_t i = 0; i < between->num_points; i++) {
+        const plan_point *known = &between->points[i];
+        const setting *row = scene_settings();
+        while (row->key && setting_compare(row, &known->scene, &added->scene) == 0)
+            row++;
+        if (!row->key && known->group == added->group) return true;
+    }
+    return false;
+}
+
 static size_t number_at(const crowd *self, size_t i) {
     return self->points ? self->set->numbers[i] : self->set->trajectories[i].number;
+}
+
+/* Room for one more point. */
+static ehd_status reserve(plan *between, size_t *room, const char *name, ehd_error *error) {
+    if (between->num_points < *room) return EHD_OK;
+    const size_t more = 2 * *room + 64;
+    plan_point *grown = realloc(between->points, more * sizeof *grown);
+    if (!grown) return no_memory(name, error);
+    between->points = grown;
+    *room = more;
+    return EHD_OK;
 }
 
 static ehd_status add_middles(plan *between, size_t *room, const plan *of, const crowd *self,
@@ -151,16 +174,51 @@ static ehd_status add_middles(plan *between, size_t *room, const plan *of, const
             const plan_point *left = &of->points[number_at(self, i)];
             const plan_point *right = &of->points[number_at(self, j)];
             if (!are_neighbours(self, i, j)) continue;
-            if (between->num_points == *room) {
-                *room = 2 * *room + 64;
-                plan_point *grown = realloc(between->points, *room * sizeof *grown);
-                if (!grown) return no_memory(name, error);
-                between->points = grown;
-            }
+            ehd_status status = reserve(between, room, name, error);
+            if (status) return status;
             plan_point *added = &between->points[between->num_points];
             added->group = left->group;
-            if (find_middle(&added->scene, &left->scene, &right->scene)) between->num_points++;
+            if (find_middle(&added->scene, &left->scene, &right->scene) &&
+                !is_known(between, added))
+                between->num_points++;
         }
+    return EHD_OK;
+}
+
+/* False where there is nothing to halve, as with tables. */
+static bool halve_swing(scene *of) {
+    bool changed = false;
+
+    for (int i = 0; i < NUM_VARY; i++) {
+        history_settings *history = &of->transient.vary[i];
+        if (history->amplitude != 0 && !isnan(history->amplitude)) {
+            history->amplitude /= 2;
+            changed = true;
+        }
+        if (!isnan(history->from) && !isnan(history->to) && history->from != history->to) {
+            history->to = 0.5 * (history->from + history->to);
+            changed = true;
+        }
+    }
+    return changed && scene_validate(of, "", NULL) == EHD_OK;
+}
+
+/* For trajectories that are alike no other. */
+static ehd_status add_halves(plan *between, size_t *room, const plan *of, const crowd *self,
+                             const char *name, ehd_error *error) {
+    for (size_t i = 0; i < self->count; i++) {
+        const plan_point *point = &of->points[number_at(self, i)];
+        size_t others = 0;
+        for (size_t j = 0; j < self->count; j++)
+            others += j != i && are_alike(&self->set->trajectories[i].scene,
+                                          &self->set->trajectories[j].scene);
+        ehd_status status = others == 0 ? reserve(between, room, name, error) : EHD_OK;
+        if (status) return status;
+        if (others > 0) continue;
+        plan_point *added = &between->points[between->num_points];
+        *added = *point;
+        if (halve_swing(&added->scene)) between->num_points++;
+    }
     return EHD_OK;
 }
 
@@ -177,6 +235,7 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
     if (!status) status = crowd_of_trajectories(&trajectories, trained, error);
     if (!status) status = add_middles(between, &room, of, &points, name, error);
     if (!status) status = add_middles(between, &room, of, &trajectories, name, error);
+    if (!status) status = add_halves(between, &room, of, &trajectories, name, error);
     if (!status) status = plan_write_text(between, name, error);
     crowd_free(&points);
     crowd_free(&trajectories);
@@ -186,8 +245,9 @@ ehd_status between_neighbours(plan *between, const plan *of, const training_set 
 
 // ---- some of them
 
-/* `count` of them at most, but one of each kind. */
+/* `count` of them at most, or of points one of each kind. */
 static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_error *error) {
+    const bool each_kind = self->points != NULL;
     double *nearest = malloc((self->count + 1) * sizeof *nearest); // squared, of those chosen
     if (!nearest) return no_memory("scenes", error);
 
@@ -199,7 +259,7 @@ static ehd_status spread(bool *chosen, const crowd *self, size_t count, ehd_erro
         size_t next = 0;
         for (size_t i = 1; i < self->count; i++)
             if (nearest[i] > nearest[next]) next = i;
-        if (nearest[next] == 0 || (n >= count && !isinf(nearest[next]))) break;
+        if (nearest[next] == 0 || (n >= count && !(each_kind && isinf(nearest[next])))) break;
         chosen[next] = true;
         for (size_t i = 0; i < self->count; i++)
             nearest[i] = fmin(nearest[i], i == next ? 0 : square(self, i, next));
@@ -214,6 +274,20 @@ ehd_status between_spread(bool *chosen, const training_set *set, size_t count, e
 
     if (!status) status = spread(chosen, &points, count, error);
     crowd_free(&points);
+    return status;
+}
+
+ehd_status between_sweep(bool *chosen, const training_set *set, size_t count, ehd_error *error) {
+    size_t *walk = malloc((set->num_points + 1) * sizeof *walk), left = 0;
+    ehd_status status =
+        walk ? tree_walk(walk, set->parent, set->num_points, error) : no_memory("scenes", error);
+
+    for (size_t i = 0; i < set->num_points && !status; i++)
+        if (!chosen[walk[i]]) walk[left++] = walk[i];
+    if (count > left) count = left;
+    for (size_t i = 0; i < count && !status; i++)
+        chosen[walk[(2 * i + 1) * left / (2 * count)]] = true;
+    free(walk);
     return status;
 }
 

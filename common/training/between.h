@@ -9,7 +9,8 @@
  * points: each number in which two scenes differ is in the middle, the geometric mean where both are
  * positive, so that ln M and ln(alpha p_H) of physical scenes are in the middle too. Neighbours are
  * two points, of one lubricant and group, that no third one sees at an obtuse angle (Gabriel's graph),
- * of a grid those along its lines and its diagonals; of trajectories two that differ in numbers only.
+ * of a grid those along its lines and its diagonals, whose common middle counts once; of trajectories two that differ in numbers only;
+ * one that has no such other has half its own swing: half the amplitudes, ramps and steps half-way.
  * Pairs in the order of the plan. May have no points at all. O(num_points^3) at worst. EHD_MEMORY. */
 ehd_status between_neighbours(
     // output:
@@ -29,7 +30,15 @@ ehd_status between_spread(
     // input:
     const training_set *set, size_t count, ehd_error *error);
 
-/* The same of trajectories. */
+/* Chooses so many more points evenly along the walk through the set's tree, as many of a part of the
+ * region as it has: a sample, where those far from one another are mostly at the edge. EHD_MEMORY. */
+ehd_status between_sweep(
+    // in and out:
+    bool *chosen, // [num_points]
+    // input:
+    const training_set *set, size_t count, ehd_error *error);
+
+/* As between_spread, of trajectories, never more than `count`. */
 ehd_status between_spread_trajectories(
     // output:
     bool *chosen, // [num_trajectories]

@@ -7,9 +7,9 @@
 #include "romrun/model/reduced_model.h"
 
 /* Chooses stationary scenes and trajectories half-way between those of the training (between.h),
- * inside of the trained range and none of them trained on, far from one another. Of the stationary
- * ones as many as calibration needs, one of each lubricant and group before; of the trajectories at
- * most half as many as were trained. On the grid of the model. EHD_DATA: the text is of no plan or of
+ * inside of the trained range and none of them trained on: half as many stationary ones as were
+ * trained, but 10 to 30, some far from one another, of each lubricant and group at least one, the
+ * others a sample of the region; trajectories half as many as were trained, 1 to 3. On the grid of the model. EHD_DATA: the text is of no plan or of
  * another grid, or nothing lies between; EHD_NOINPUT: a table of the plan is missing; EHD_MEMORY. */
 ehd_status check_scenes_choose(
     // output:

@@ -24,7 +24,7 @@ setup() {
 unchecked="a model never checked at these sizes, which romrun --calibrate does, and deimselect without --no-check"
 
 @test "a model is checked on scenes between its training's, as romrun --calibrate does" {
-    [[ $(tail -n 1 log) == "checked on 20 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
+    [[ $(tail -n 1 log) == "checked on 10 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
     [ "$(head -n 3 log)" = "$(cat no-check.log)" ]
     [ ! -e m.h5.partial ] && [ ! -e m.h5.unchecked ]
     deimselect --check m.h5
@@ -39,7 +39,7 @@ with h5py.File("m.h5") as m, h5py.File("b.h5") as b:
         if line.startswith("# point") and here: points.append(dict(here))
         if line.startswith("moes."): here[line[:6]] = line[8:]
     points.append(here)
-assert len(points) == 20, points
+assert len(points) == 10, points
 open("points.csv", "w").write("moes.M,moes.L\n" + "".join("%s,%s\n" % (p["moes.M"], p["moes.L"]) for p in points))
 open("again.yml", "w").write("groups:\n  - {scene: base.yml, points: points.csv}\n")
 PYTHON
@@ -107,6 +107,18 @@ with h5py.File('r.h5', 'r+') as f: f.attrs['settings'] = f.attrs['settings'].dec
     run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --force
     [ "$status" -eq 4 ]
     [[ $stderr == *"r1.h5: found no scene of the trained range half-way between two training points"* ]]
+    # nor those of trajectories whose table is gone
+    printf 'T,F\n0,1\n0.5,1.1\n1,1\n' >t.csv
+    sed 's/stationary/transient/' scene.yml >moving.yml
+    echo 'transient: {end_time: 0.2, load: {law: table, file: t.csv, column: F}}' >>moving.yml
+    snapgen moving.yml -o s2.h5 --quiet
+    podbuild s2.h5 -o b2.h5
+    snapgen moving.yml --basis b2.h5 -o r2.h5 --quiet
+    rm t.csv
+    run --separate-stderr deimselect r2.h5 --basis b2.h5 -o x.h5 --force
+    [ "$status" -eq 4 ]
+    [[ $stderr == "deimselect: x.h5: written, but not checked: "*"t.csv"* ]]
+    deimselect --check x.h5
 }
 
 @test "a training that is too thin is told of, and where" {
@@ -131,7 +143,7 @@ YAML
     podbuild s2.h5 -o b2.h5
     snapgen two.yml --basis b2.h5 -o r2.h5 --quiet
     deimselect r2.h5 --basis b2.h5 -o x.h5 --quiet
-    [ "$(romrun --print x.h5 calibration_scenes | tail -n 1)" -eq 20 ]
+    [ "$(romrun --print x.h5 calibration_scenes | tail -n 1)" -eq 10 ]
     text=$(h5dump -a settings x.h5)
     [[ $text == *"alpha: 1.5e-08"* && $text == *"alpha: 2e-08"* ]]
 }
@@ -143,10 +155,39 @@ YAML
     # the sizes are measured in milliseconds, which a busy machine may miss
     for _ in {1..20}; do
         rm -f x.h5
-        stop_when INT exists x.h5.unchecked deimselect r.h5 --basis b.h5 -o x.h5 >log 2>&1
+        stop_when INT exists x.h5 deimselect r.h5 --basis b.h5 -o x.h5 >log 2>&1
         [ "$code" -ne 130 ] || break
     done
     [ "$code" -eq 130 ]
     [ ! -e x.h5 ] && [ ! -e x.h5.partial ] && [ ! -e x.h5.unchecked ]
     grep "^deimselect: x.h5.*interrupted" log
+}
+
+@test "in time: one trajectory is checked with half its swing, and a model never checked in time says so" {
+    sed 's/stationary/transient/' scene.yml >moving.yml
+    cat >>moving.yml <<'YAML'
+transient: {end_time: 1, load: {law: sine, amplitude: 0.1, period: 1}}
+YAML
+    snapgen moving.yml -o s1.h5 --quiet
+    podbuild s1.h5 -o b1.h5
+    snapgen moving.yml --basis b1.h5 -o r1.h5 --quiet
+    run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ ${lines[-1]} == "checked on 1 trajectories between those of the training: central film at most "*" % off, minimum film "*" %" ]]
+    [[ $(h5dump -a settings x.h5) == *"transient.load.amplitude: 0.05"* ]]
+    romrun moving.yml --model x.h5 -o one.h5 --quiet --set transient.load.amplitude=0.07
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('one.h5') as f: assert (f['status'][...] == 0).all()"
+    # it was not checked on stationary scenes
+    run -4 --separate-stderr romrun scene.yml --model x.h5
+    # nor this one in time
+    deimselect r1.h5 --basis b1.h5 -o y.h5 --no-check
+    run --separate-stderr romrun moving.yml --model y.h5 -o two.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: moving.yml: found a model never checked in time at these sizes, which romrun --calibrate does, and deimselect without --no-check, first at T = 0, expected a result to be trusted"* ]]
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"
+    romrun moving.yml --model y.h5 -o two.h5 --quiet --force --allow-untrusted
 }

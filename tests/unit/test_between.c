@@ -101,8 +101,15 @@ static size_t count_of(const plan *of, double alpha, double M, double L) {
     return count;
 }
 
-/* Three by two points: seven lines between them and two diagonals a cell, which are as long as one
- * another in ln M and L. */
+static size_t count_chosen(const bool *chosen, size_t length) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < length; i++)
+        count += chosen[i];
+    return count;
+}
+
+/* Three by two points: seven lines between them and one middle a cell. */
 static void test_grid(void **state) {
     sample grid = {0};
     (void)state;
@@ -112,11 +119,11 @@ static void test_grid(void **state) {
             add_point(&grid.of, 2e-8, 4 * pow(4, i), k ? 8 : 0, 0);
     make_set(&grid);
     plan between = middles_of(&grid);
-    assert_int_equal(between.num_points, 11);
+    assert_int_equal(between.num_points, 9);
     for (int i = 0; i < 2; i++) {
         assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 8), 1);
         assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 0), 1); // of none the mean
-        assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 4), 2);
+        assert_int_equal(count_of(&between, 2e-8, 8 * pow(4, i), 4), 1);
     }
     for (int i = 0; i < 3; i++)
         assert_int_equal(count_of(&between, 2e-8, 4 * pow(4, i), 4), 1);
@@ -155,7 +162,7 @@ static void test_families(void **state) {
     free_sample(&points);
 }
 
-/* Those that differ in numbers only, next to one another; a law of its own has no other. */
+/* Those that differ in numbers only, next to one another; one that has no such other by half. */
 static void test_trajectories(void **state) {
     sample moved = {0};
     size_t count = 0;
@@ -171,7 +178,7 @@ static void test_trajectories(void **state) {
                    "transient.fixed_step: 0.01\n");
     make_set(&moved);
     plan between = middles_of(&moved);
-    assert_int_equal(between.num_points, 2);
+    assert_int_equal(between.num_points, 4);
     for (size_t i = 0; i < 2; i++) {
         const scene *here = &between.points[i].scene;
         count +=
@@ -179,16 +186,21 @@ static void test_trajectories(void **state) {
         check_close(here->transient.vary[VARY_LOAD].amplitude, 0.1, 0, 0);
     }
     assert_int_equal(count, 2);
+    const scene *ramp = &between.points[2].scene, *fixed = &between.points[3].scene;
+    check_close(ramp->transient.vary[VARY_LOAD].from, 1, 0, 0);
+    check_close(ramp->transient.vary[VARY_LOAD].to, 1.5, 0, 0);
+    check_close(fixed->transient.vary[VARY_LOAD].amplitude, 0.05, 0, 0);
+    check_close(fixed->transient.fixed_step, 0.01, 0, 0);
     plan_free(&between);
+
+    // those that have no middle first, but no more than asked for
+    bool chosen[5];
+    const bool expected[] = {true, false, true, false, true};
+    assert_int_equal(between_spread_trajectories(chosen, &moved.set, 3, NULL), EHD_OK);
+    assert_memory_equal(chosen, expected, sizeof chosen);
+    assert_int_equal(between_spread_trajectories(chosen, &moved.set, 1, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 5), 1);
     free_sample(&moved);
-}
-
-static size_t count_chosen(const bool *chosen, size_t length) {
-    size_t count = 0;
-
-    for (size_t i = 0; i < length; i++)
-        count += chosen[i];
-    return count;
 }
 
 /* On a line 0 … 8 in ln M: the first, the last, the middle, the quarters. */
@@ -222,6 +234,28 @@ static void test_spread(void **state) {
     assert_int_equal(count_chosen(chosen, 11), 3);
     assert_true(chosen[9] && chosen[10]);
     free_sample(&several);
+}
+
+/* Nine of which two are chosen: of the seven others the middle one, one each third. */
+static void test_sweep(void **state) {
+    bool chosen[9] = {true, [8] = true};
+    sample line = {0};
+    (void)state;
+
+    for (int i = 0; i < 9; i++)
+        add_point(&line.of, 2e-8, exp(0.1 * i + 3), 5, 0);
+    make_set(&line);
+    assert_int_equal(between_sweep(chosen, &line.set, 1, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 9), 3);
+    assert_true(chosen[4]);
+    chosen[4] = false;
+    assert_int_equal(between_sweep(chosen, &line.set, 3, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 9), 5);
+    assert_true(chosen[2] && chosen[4] && chosen[6]);
+    assert_int_equal(between_sweep(chosen, &line.set, 100, NULL), EHD_OK);
+    assert_int_equal(count_chosen(chosen, 9), 9);
+    assert_int_equal(between_sweep(chosen, &line.set, 1, NULL), EHD_OK);
+    free_sample(&line);
 }
 
 static void test_keep(void **state) {
@@ -266,7 +300,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_grid),         cmocka_unit_test(test_families),
         cmocka_unit_test(test_trajectories), cmocka_unit_test(test_spread),
-        cmocka_unit_test(test_keep),         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_sweep),        cmocka_unit_test(test_keep),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
