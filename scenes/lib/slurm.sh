@@ -3,9 +3,9 @@
 # Runs the targets of training.mk as jobs of Slurm: an array of the pieces of the training, and for each model a job of
 # its basis behind that and one of its rows behind the basis. What a job does is what make does without Slurm.
 #
-#     slurm.sh run    FOLDER MAKE SNAPSHOTS OUT MODELS   submits what is missing and waits for it
-#     slurm.sh status FOLDER SNAPGEN SNAPSHOTS           the state of each task of the last call
-#     slurm.sh task   ...                                what a job runs
+#     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS   submits what is missing and waits for it
+#     slurm.sh status FOLDER SNAPGEN                              the state of each task of the last call
+#     slurm.sh task   ...                                         what a job runs
 #
 # FOLDER gets `jobs` (job, name, target), and for each task NAME.log and NAME.state: its state, exit code, seconds of
 # processor. SBATCH_OPTIONS: more options of sbatch. SNAPSHOTS and MODELS are lists in one argument.
@@ -16,11 +16,11 @@ fail() {
     exit 1
 }
 
-# ---- in a job: task FOLDER NAME MAKEFLAGS MAKE TARGET..., NAME-k and the k-th target in an array
+# ---- in a job: task FOLDER NAME MAKEFLAGS MAKE MAKEFILE TARGET..., NAME-k and the k-th target in an array
 
 task() {
-    local folder=$1 name=$2 flags=$3 make=$4 code=0 state='done' spent
-    shift 4
+    local folder=$1 name=$2 flags=$3 make=$4 makefile=$5 code=0 state='done' spent
+    shift 5
     if [[ -n ${SLURM_ARRAY_TASK_ID-} ]]; then
         name=$name-$SLURM_ARRAY_TASK_ID
         set -- "${@:SLURM_ARRAY_TASK_ID:1}"
@@ -30,7 +30,7 @@ task() {
     echo "running on $(hostname)" >"$folder/$name.state"
     TIMEFORMAT='%U %S'
     exec 3>&1 4>&2
-    spent=$({ time "$make" SLURM= SNAPGEN_JOBS="${SLURM_CPUS_PER_TASK:-1}" "$@" >&3 2>&4; } 2>&1) || code=$?
+    spent=$({ time "$make" -f "$makefile" SLURM= SNAPGEN_JOBS="${SLURM_CPUS_PER_TASK:-1}" "$@" >&3 2>&4; } 2>&1) || code=$?
     ((code == 0)) || state=failed
     echo "$state $code ${spent//$'\n'/ }" >"$folder/$name.state"
     exit "$code"
@@ -48,7 +48,7 @@ submit() {
     done
     shift
     job=$(sbatch --parsable --requeue "${options[@]}" --job-name="$name" --output="$folder/$log.log" --open-mode=append \
-        --kill-on-invalid-dep=yes "${more[@]}" "$0" task "$folder" "$name" "$flags" "$make" "$@") ||
+        --kill-on-invalid-dep=yes "${more[@]}" "$0" task "$folder" "$name" "$flags" "$make" "$makefile" "$@") ||
         fail "sbatch: found exit code $?, expected a job"
     job=${job%%;*}
 }
@@ -109,8 +109,8 @@ report_failures() {
 cause() { grep -v '^make' "$1" | tail -n 1; }
 
 run() {
-    folder=$1 make=$2 out=$4 models=$5
-    read -ra snapshots <<<"$3"
+    folder=$1 make=$2 makefile=$3 out=$5 models=$6
+    read -ra snapshots <<<"$4"
     read -ra options <<<"${SBATCH_OPTIONS-}"
     # of make's flags only the variables: the others are of this call
     flags=
@@ -128,10 +128,10 @@ run() {
 is_made() {
     local model targets=()
     for model in $models; do targets+=("$out/$model.h5"); done
-    MAKEFLAGS=$flags "$make" SLURM= --question "${targets[@]}" >/dev/null 2>&1
+    MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= --question "${targets[@]}" >/dev/null 2>&1
 }
 
-# ---- status FOLDER SNAPGEN
+# ---- state
 
 status() {
     local folder=$1 snapgen=$2 job name target state now number points

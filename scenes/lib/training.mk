@@ -50,11 +50,11 @@ ifneq ($(SLURM),)
 
 $(TRAINED): on-slurm ;
 
-# Not seen as a recursive make: its jobs have their own.
+# Hidden, because make -n would run a line that has it.
 slurm_make = $(MAKE)
 on-slurm:
 	$(file >$(OUT)/shards,$(SHARDS))@SBATCH_OPTIONS='$(SBATCH_OPTIONS)' $(SHARED)slurm.sh run $(OUT)/slurm \
-	    '$(slurm_make)' '$(SNAPSHOTS)' $(OUT) '$(MODELS)'
+	    '$(slurm_make)' '$(firstword $(MAKEFILE_LIST))' '$(SNAPSHOTS)' $(OUT) '$(MODELS)'
 
 .PHONY: on-slurm
 

@@ -20,10 +20,11 @@ YAML
 }
 
 teardown() {
-    local jobs
-    jobs=$(squeue --noheader --format=%A)
-    [ -z "$jobs" ] || scancel --signal=KILL --full $jobs || true
+    squeue --noheader --format=%A | xargs -r scancel --full --signal=KILL || true
+    until_true no_job
 }
+
+no_job() { [ -z "$(squeue --noheader)" ]; }
 
 # Half of the points, on a grid that takes ten times as long.
 slowly() {
@@ -46,6 +47,15 @@ until_true() {
 
 # done_in FILE: points that are solved
 done_in() { snapgen --print "$1" status 2>/dev/null | awk 'NR > 1 && $1 >= 0 { n++ } END { print n + 0 }'; }
+
+# program_of FILE: the process that makes this file of this test
+program_of() {
+    local process
+    for process in $(pgrep -x snapgen); do
+        [ "$(readlink "/proc/$process/cwd")" = "$PWD" ] &&
+            tr '\0' '\n' <"/proc/$process/cmdline" | grep -qxF "$1" && echo "$process"
+    done
+}
 
 # seconds of processor of tasks
 spent() { awk '{ s += $3 + $4 } END { print s }' "$@"; }
@@ -123,21 +133,20 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [ "$(grep -c '^slurm.sh: out/slurm/' <<<"$output")" -eq 1 ]
     [ ! -e out/model-basis.h5 ]
     [ -e out/snapshots-1-of-4.h5 ]
-    [ -z "$(squeue --noheader)" ]
+    no_job
     run make slurm-status
     echo "$output"
     [[ $output =~ "snapshots-4 "\ *"failed, exit code 2" ]]
     [[ $output =~ "model-basis "\ *"not run" ]]
 
     # a killed one
-    kill_one() { local found; found=$(pgrep -f "snapgen plan.yml -o out/snapshots-4-of-4.h5"); [ -n "$found" ] && kill -KILL $found; }
     sed -i 's/14, 0.2/14, 15/' plan.yml
     sed -i 's/step: 0.005/step: 0.001/' scene.yml
     on_slurm >make.txt 2>&1 &
     pid=$!
     some_points() { [ "$(done_in out/snapshots-4-of-4.h5.partial)" -ge 1 ]; }
     until_true some_points
-    until_true kill_one
+    kill -KILL "$(program_of out/snapshots-4-of-4.h5)"
     ! wait $pid || false
     cat make.txt
     grep -q 'slurm.sh: out/slurm/snapshots-4.log: found exit code' make.txt
