@@ -4,6 +4,10 @@
 #   PICTURE  a script that draws it, given the picture's name and both results: pictures.py in-time
 
 SHARED_IN_TIME := $(dir $(lastword $(MAKEFILE_LIST)))
+
+# More pieces are faster on Slurm, but have the bits of one to rounding only.
+SHARDS ?= $(or $(file <$(OUT)/shards),1)
+
 include $(SHARED_IN_TIME)training.mk
 
 PICTURE ?= $(SHARED)pictures.py in-time

@@ -172,3 +172,13 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [ "$(cat out/slurm/jobs)" = "$jobs" ]
     [ "$(grep -c 'points are done' out/slurm/snapshots-2.log)" -eq 0 ]
 }
+
+@test "adaptive training is one task, with the same bits" {
+    sed -i 's/step: 0.005/step: 0.05/' scene.yml
+    make ACCURACY=1e-2 >/dev/null
+    run on_slurm ACCURACY=1e-2 OUT=array
+    echo "$output"
+    [ "$status" -eq 0 ]
+    [ "$(grep -c snapshots array/slurm/jobs)" -eq 1 ]
+    for file in model-basis model-residuals model; do same_data out/$file.h5 array/$file.h5; done
+}
