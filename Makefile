@@ -111,6 +111,13 @@ check: $(PROGRAMS) $(TESTS) ## unit and pipeline tests; last line: N passed, N f
 check-long: $(PROGRAMS) $(LONG_TESTS) ## the tests that take minutes
 	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
 
+# Apart from check, since it installs Slurm.
+check-slurm: $(PROGRAMS) | slurm-deps ## training as jobs of a Slurm that is started for it, on this machine alone
+	@tests/slurm/with-slurm.sh $(MAKE) run-slurm-tests
+
+run-slurm-tests:
+	@$(run_tests) tests/slurm/slurm.bats
+
 run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) tests/run.sh $(BUILD)/test-logs
 
 # Counts of an earlier run do not count.
@@ -199,8 +206,8 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps lint-deps coverage-deps demo demo-point check check-long coverage bench \
-        costs figures examples trade man install format format-check lint clean help FORCE
+.PHONY: all deps lint-deps coverage-deps slurm-deps demo demo-point check check-long check-slurm \
+        run-slurm-tests coverage bench costs figures examples trade man install format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
@@ -211,6 +218,7 @@ PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitespar
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr
+SLURM_PACKAGES    := slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge
 
 deps: ## install the Debian packages that are missing
 	@$(call install_missing,$(PACKAGES))
@@ -220,6 +228,9 @@ lint-deps:
 
 coverage-deps:
 	@$(call install_missing,$(COVERAGE_PACKAGES))
+
+slurm-deps:
+	@$(call install_missing,$(SLURM_PACKAGES))
 
 ifneq ($(DEPS),no)
 define install_missing

@@ -4,6 +4,10 @@
 #   PICTURE  a script that draws it, given the picture's name and both results: pictures.py in-time
 
 SHARED_IN_TIME := $(dir $(lastword $(MAKEFILE_LIST)))
+
+# More pieces are faster on Slurm, but have the bits of one to rounding only.
+SHARDS ?= $(or $(file <$(OUT)/shards),1)
+
 include $(SHARED_IN_TIME)training.mk
 
 PICTURE ?= $(SHARED)pictures.py in-time
@@ -17,13 +21,13 @@ compare: $(OUT)/comparison.txt $(OUT)/picture.png ## train, run the scene full a
 
 # Tables that the scene names.
 TABLES ?=
-$(OUT)/snapshots.h5: $(TABLES)
+$(SNAPSHOTS): $(TABLES)
 
 run_in_time = $(BIN)/$1 scene.yml -o $2 --force --quiet --set output.fields=false $(SET)
 
 # On the grid of the training, to be compared on the same.
-$(OUT)/full.h5: scene.yml $(TABLES) $(OUT)/snapshots.h5 $(BIN)/fullrun $(call options,fullrun,$(SET))
-	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) --grid-of $(OUT)/snapshots.h5 >$(OUT)/full.txt
+$(OUT)/full.h5: scene.yml $(TABLES) $(firstword $(SNAPSHOTS)) $(BIN)/fullrun $(call options,fullrun,$(SET))
+	$(call quiet,fullrun   ,$@)$(call run_in_time,fullrun,$@) --grid-of $(firstword $(SNAPSHOTS)) >$(OUT)/full.txt
 
 # A result that is not to be trusted (exit code 4) is one all the same, and says so.
 $(OUT)/comparison.txt: scene.yml $(TABLES) $(OUT)/$(MODEL).h5 $(OUT)/full.h5 $(BIN)/romrun

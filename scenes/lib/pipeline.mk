@@ -45,10 +45,10 @@ names:
 settings = $(SET) $(settings.$(notdir $*))
 outcome  = >/dev/null || [ $$? -eq 3 -o $$? -eq 4 ]
 
-$(CASES:%=$(OUT)/full/%.h5): $(OUT)/%.h5: scene.yml cases.csv $(OUT)/snapshots.h5 $(BIN)/fullrun \
+$(CASES:%=$(OUT)/full/%.h5): $(OUT)/%.h5: scene.yml cases.csv $(firstword $(SNAPSHOTS)) $(BIN)/fullrun \
                             $(call options,case-fullrun,$(SET))
 	$(call quiet,fullrun   ,$@)mkdir -p $(@D) && $(BIN)/fullrun scene.yml -o $@ --force --quiet \
-	    --grid-of $(OUT)/snapshots.h5 $(settings) $(outcome)
+	    --grid-of $(firstword $(SNAPSHOTS)) $(settings) $(outcome)
 
 $(foreach model,$(MODELS),$(CASES:%=$(OUT)/$(model)/%.h5)): $(OUT)/%.h5: scene.yml cases.csv $(BIN)/romrun \
         $(call options,case-romrun,$(SET) $(REPEAT)) $(OUT)/$$(of_model).h5

@@ -7,6 +7,7 @@
 #   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
 #             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
 #             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY; NAME.CHECK = no: without a check
+#   SLURM     not empty: train on Slurm, with an array of SHARDS tasks (4) and sbatch's SBATCH_OPTIONS (slurm.sh)
 
 include $(dir $(lastword $(MAKEFILE_LIST)))common.mk
 
@@ -19,10 +20,50 @@ MODEL    := $(firstword $(MODELS))
 # Points of the plan that may fail.
 ALLOW_FAILURES ?= 0
 
+# $* is the name of the model, also in what a target needs ($$).
+.SECONDEXPANSION:
+
 models: $(MODELS:%=$(OUT)/%.h5) ## all models
 	@printf '%s\n' $(patsubst %,'model: %',$(abspath $(MODELS:%=$(OUT)/%.h5)))
 .DEFAULT_GOAL := models
 .PHONY: models
+
+# Points at a time; empty: as many as there are processors. Changes no result.
+SNAPGEN_JOBS ?=
+
+# Not empty where the plan has a region, in which points are chosen one after the other.
+chosen := $(shell grep -s '^[^\#]*region:' $(PLAN))
+
+# Pieces of the training, which together have the bits of one: each is a file. What Slurm has trained stays in pieces.
+SLURM  ?=
+SHARDS ?= $(if $(ACCURACY)$(chosen),1,$(or $(file <$(OUT)/shards),$(if $(SLURM),4,1)))
+SBATCH_OPTIONS ?=
+
+SNAPSHOTS := $(if $(filter 1,$(SHARDS)),$(OUT)/snapshots.h5,$(patsubst %,$(OUT)/snapshots-%-of-$(SHARDS).h5,$(shell seq $(SHARDS))))
+shard      = $(if $(filter-out 1,$(SHARDS)),--shard $(word 2,$(subst -, ,$(notdir $@)))/$(SHARDS))
+
+TRAINED := $(SNAPSHOTS) $(foreach model,$(MODELS),$(model:%=$(OUT)/%-basis.h5) $(model:%=$(OUT)/%-residuals.h5) $(model:%=$(OUT)/%.h5))
+
+# ---- On Slurm: the same rules, as jobs
+
+slurm-status: ## state of the training on Slurm (make SLURM=1)
+	@$(SHARED)slurm.sh status $(OUT)/slurm $(BIN)/snapgen
+
+.PHONY: slurm-status
+
+ifneq ($(SLURM),)
+
+$(TRAINED): on-slurm ;
+
+# Hidden, because make -n would run a line that has it.
+slurm_make = $(MAKE)
+on-slurm:
+	$(file >$(OUT)/shards,$(SHARDS))@SBATCH_OPTIONS='$(SBATCH_OPTIONS)' $(SHARED)slurm.sh run $(OUT)/slurm \
+	    '$(slurm_make)' '$(firstword $(MAKEFILE_LIST))' '$(SNAPSHOTS)' $(OUT) '$(MODELS)'
+
+.PHONY: on-slurm
+
+else
 
 # ---- Training and models
 
@@ -30,15 +71,16 @@ adaptive = $(if $(ACCURACY),--adaptive)
 
 # An interrupted training goes on, unless it was one of another plan (65).
 snapgen = $(BIN)/snapgen $(PLAN) -o $@ --force --allow-failures $(ALLOW_FAILURES) \
-          $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(SNAPGEN_OPTIONS) $(SET)
+          $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(shard) $(SNAPGEN_JOBS:%=--jobs %) \
+          $(SNAPGEN_OPTIONS) $(SET)
 snapgen_or_resume = code=65; [ ! -e $@.partial ] || { $(snapgen) --resume; code=$$?; }; \
                     [ $$code -ne 65 ] || { $(snapgen); code=$$?; }; exit $$code
 
 # The files of scenes that the plan names.
 scene_files := $(wildcard $(addprefix $(dir $(PLAN)),$(shell sed -n 's/^[^#]*scene: *\([^ ,}{\#]*\).*/\1/p' $(PLAN))))
 
-$(OUT)/snapshots.h5: $(PLAN) $(scene_files) $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
-                     $(call options,snapshots,$(SET) $(ALLOW_FAILURES) $(ACCURACY))
+$(SNAPSHOTS): $(PLAN) $(scene_files) $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
+              $(call options,snapshots,$(SET) $(ALLOW_FAILURES) $(ACCURACY))
 	$(call quiet,1/4 snapgen   ,$@)$(snapgen_or_resume)
 
 podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
@@ -49,21 +91,20 @@ deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) \
                      $($1.STABILITY:%=--stability %) $($1.WEIGHTS:%=--weights %) \
                      $(if $(filter no,$($1.CHECK)),--no-check)
 
-# $* is the name of the model, also in what a target needs ($$).
-.SECONDEXPANSION:
-
-$(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(OUT)/snapshots.h5 $(BIN)/podbuild \
+$(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(SNAPSHOTS) $(BIN)/podbuild \
                                $$(call options,$$*-basis,$$(call podbuild_options,$$*))
-	$(call quiet,2/4 podbuild  ,$@)$(BIN)/podbuild $< -o $@ --force $(strip $(call podbuild_options,$*))
+	$(call quiet,2/4 podbuild  ,$@)$(BIN)/podbuild $(SNAPSHOTS) -o $@ --force $(strip $(call podbuild_options,$*))
 
-$(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(OUT)/snapshots.h5
-	$(call quiet,3/4 snapgen   ,$@)$(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SET)
+$(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(SNAPSHOTS)
+	$(call quiet,3/4 snapgen   ,$@)$(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SNAPGEN_JOBS:%=--jobs %) $(SET)
 
 # A model with nothing to check it on (exit code 4) is a model all the same, and says so in each run.
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
 	$(call quiet,4/4 deimselect,$@)$(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
 	    $(strip $(call deimselect_options,$*)) || [ $$? -eq 4 ]
+
+endif
 
 # ---- What is made of results
 

@@ -2,6 +2,9 @@
 # Reduced models of a plan of trajectories, and from runs to tables and a picture (trajectories.py). Included by the
 # Makefile of each study whose load oscillates, which says what its models are (training.mk). cases.csv has the periods.
 
+# More pieces are faster on Slurm, but have the bits of one to rounding only.
+SHARDS ?= $(or $(file <$(OUT)/shards),1)
+
 include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
 
 # A tenth of the default tolerance in time: with published rows, with accurate ones.

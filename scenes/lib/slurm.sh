@@ -1,0 +1,165 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Runs the targets of training.mk as jobs of Slurm: an array of the pieces of the training, and for each model a job of
+# its basis behind that and one of its rows behind the basis. What a job does is what make does without Slurm.
+#
+#     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS   submits what is missing and waits for it
+#     slurm.sh status FOLDER SNAPGEN                              the state of each task of the last call
+#     slurm.sh task   ...                                         what a job runs
+#
+# FOLDER gets `jobs` (job, name, target), and for each task NAME.log and NAME.state: its state, exit code, seconds of
+# processor. SBATCH_OPTIONS: more options of sbatch. SNAPSHOTS and MODELS are lists in one argument.
+set -u
+
+fail() {
+    echo "slurm.sh: $*" >&2
+    exit 1
+}
+
+# ---- in a job: task FOLDER NAME MAKEFLAGS MAKE MAKEFILE TARGET..., NAME-k and the k-th target in an array
+
+task() {
+    local folder=$1 name=$2 flags=$3 make=$4 makefile=$5 code=0 state='done' spent
+    shift 5
+    if [[ -n ${SLURM_ARRAY_TASK_ID-} ]]; then
+        name=$name-$SLURM_ARRAY_TASK_ID
+        set -- "${@:SLURM_ARRAY_TASK_ID:1}"
+    fi
+    unset MFLAGS MAKELEVEL
+    export MAKEFLAGS=$flags
+    echo "running on $(hostname)" >"$folder/$name.state"
+    TIMEFORMAT='%U %S'
+    exec 3>&1 4>&2
+    spent=$({ time "$make" -f "$makefile" SLURM= SNAPGEN_JOBS="${SLURM_CPUS_PER_TASK:-1}" "$@" >&3 2>&4; } 2>&1) || code=$?
+    ((code == 0)) || state=failed
+    echo "$state $code ${spent//$'\n'/ }" >"$folder/$name.state"
+    exit "$code"
+}
+
+# ---- submission
+
+# submit NAME LOG MORE_OPTIONS... -- TARGET...: the job's number in `job`.
+submit() {
+    local name=$1 log=$2 more=()
+    shift 2
+    while [[ $1 != -- ]]; do
+        more+=("$1")
+        shift
+    done
+    shift
+    job=$(sbatch --parsable --requeue "${options[@]}" --job-name="$name" --output="$folder/$log.log" --open-mode=append \
+        --kill-on-invalid-dep=yes "${more[@]}" "$0" task "$folder" "$name" "$flags" "$make" "$makefile" "$@") ||
+        fail "sbatch: found exit code $?, expected a job"
+    job=${job%%;*}
+}
+
+submit_all() {
+    local model after number
+    rm -f "$folder"/*.log "$folder"/*.state "$folder/jobs"
+    submit snapshots snapshots-%a --array="1-${#snapshots[@]}" -- "${snapshots[@]}"
+    after=$job
+    for number in "${!snapshots[@]}"; do
+        echo "$job snapshots-$((number + 1)) ${snapshots[number]}" >>"$folder/jobs"
+    done
+    for model in $models; do
+        submit "$model-basis" "$model-basis" --dependency="afterok:$after" -- "$out/$model-basis.h5"
+        echo "$job $model-basis $out/$model-basis.h5" >>"$folder/jobs"
+        submit "$model" "$model" --dependency="afterok:$job" -- "$out/$model.h5"
+        echo "$job $model $out/$model.h5" >>"$folder/jobs"
+    done
+    echo "  slurm      jobs $(cut -d ' ' -f 1 "$folder/jobs" | uniq | tr '\n' ' ')in $folder; make slurm-status" >&2
+}
+
+# ---- waiting
+
+# Lines "job task state reason" of all jobs of the user; fails where Slurm does not answer.
+queue() { squeue --noheader --array --user="$(id -un)" --format='%F %K %T %r'; }
+
+# Whether a job of the last call is on.
+is_on() {
+    local now
+    [[ -e $folder/jobs ]] || return 1
+    until now=$(queue); do sleep 10; done
+    cut -d ' ' -f 1 "$folder/jobs" | grep -qwf - <(cut -d ' ' -f 1 <<<"$now")
+}
+
+wait_for_jobs() {
+    local pause=1
+    trap 'echo "slurm.sh: the jobs go on; the same command waits for them again, make slurm-status shows them" >&2; exit 130' INT
+    while is_on; do
+        sleep "$pause"
+        ((pause < 10)) && ((pause += 1))
+    done
+    trap - INT
+}
+
+# One line for each task that failed, with the last line of its log.
+report_failures() {
+    local name state code rest
+    while read -r _ name _; do
+        read -r state code rest 2>/dev/null <"$folder/$name.state" || continue
+        case $state in
+            failed) echo "slurm.sh: $folder/$name.log: found exit code $code, expected 0: $(cause "$folder/$name.log")" >&2 ;;
+            running) echo "slurm.sh: $folder/$name.log: found an end $code $rest without an exit code, expected one" >&2 ;;
+        esac
+    done <"$folder/jobs"
+}
+
+# The last line that is not make's.
+cause() { grep -v '^make' "$1" | tail -n 1; }
+
+run() {
+    folder=$1 make=$2 makefile=$3 out=$5 models=$6
+    read -ra snapshots <<<"$4"
+    read -ra options <<<"${SBATCH_OPTIONS-}"
+    # of make's flags only the variables: the others are of this call
+    flags=
+    [[ " $MAKEFLAGS" != *' -- '* ]] || flags="-- ${MAKEFLAGS##*-- }"
+    mkdir -p "$folder" || exit
+    wait_for_jobs
+    is_made && return
+    submit_all
+    wait_for_jobs
+    is_made && return
+    report_failures
+    fail "$folder: found a training that did not end, expected all of it; the same command goes on with it"
+}
+
+is_made() {
+    local model targets=()
+    for model in $models; do targets+=("$out/$model.h5"); done
+    MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= --question "${targets[@]}" >/dev/null 2>&1
+}
+
+# ---- state
+
+status() {
+    local folder=$1 snapgen=$2 job name target state now number points
+    [[ -e $folder/jobs ]] || fail "$folder/jobs: found none, expected jobs of make SLURM=1"
+    now=$(queue) || exit
+    printf '%-10s %-20s %-28s %-14s %s\n' job task state points log
+    while read -r job name target; do
+        number=N/A
+        [[ $name == snapshots-* ]] && number=${name#snapshots-}
+        state=$(awk -v job="$job" -v number="$number" '$1 == job && $2 == number { print tolower($3) ($3 == "PENDING" ? " (" $4 ")" : "") }' <<<"$now")
+        [[ -n $state ]] || read -r state _ 2>/dev/null <"$folder/$name.state" || state='not run'
+        case $state in
+            failed) state="failed, exit code $(cut -d ' ' -f 2 "$folder/$name.state")" ;;
+            running) [[ $(queue) == *"$job $number "* ]] || state='ended, not finished' ;;
+        esac
+        points=
+        [[ $name != snapshots-* ]] || points=$(count_points "$snapgen" "$target")
+        printf '%-10s %-20s %-28s %-14s %s\n' "$job" "$name" "$state" "$points" "$folder/$name.log"
+    done <"$folder/jobs"
+}
+
+count_points() {
+    local file=$2
+    [[ -e $file ]] || file=$file.partial
+    [[ ! -e $file ]] || "$1" --print "$file" status 2>/dev/null | awk 'NR > 1 { n++; done += $1 >= 0 } END { if (n) print done " of " n }'
+}
+
+case ${1-} in
+    run | status | task) "$@" ;;
+    *) fail "found ${1:-nothing}, expected run, status or task" ;;
+esac
