@@ -5,6 +5,7 @@
 
 #include "common/output/result.h"
 #include "romrun/calibrate/trade.h"
+#include <stdbool.h>
 
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
@@ -27,5 +28,20 @@ double accuracy_tolerance(double accuracy);
 /* Sets EHD_UNTRUSTED where the central or the minimum film is indicated to deviate by more than the
  * accuracy, 1 % where that is 0: not given. */
 void accuracy_judge(run_result *result, double accuracy);
+
+/* Limits of --accuracy-of, by indicated_quantity; 0: none. */
+typedef struct accuracy_limits {
+    double of[NUM_INDICATED];
+} accuracy_limits;
+
+/* Reads "NAME=X" into one of them. EHD_USAGE: no such name, with those there are; X not between 0
+ * and 1. */
+ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error);
+
+/* Whether there is one. */
+bool accuracy_limits_any(const accuracy_limits *limits);
+
+/* Sets EHD_UNTRUSTED where one of result->indicated is above its limit, or not known. */
+void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
 #endif
