@@ -103,7 +103,7 @@ typedef struct ehdrom_indications {
     double deviation[NUM_INDICATED]; // NaN: not calibrated at these sizes, or there is none
 } ehdrom_indications;
 
-/* Takes as long as a solution, so that it is made only when asked for. `contact`: that of the last
+/* Takes twice as long as a solution, so that it is made only when asked for. `contact`: that of the last
  * ehdrom_solve. A given load is known: what the result has less is its deviation. */
 ehdrom_indications ehdrom_indicate(ehdrom_solver *solver, const ehd_contact *contact);
 

@@ -34,8 +34,8 @@ double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars);
 
 /* Bounds of the others, by indicated_quantity, of the solution that indicator_bound was just called
- * for: as many instructions as a solution, for the fields' sake. Those of the fields are the most at
- * any needed node. NaN where the quantity has none. */
+ * for: for the fields' sake twice as many instructions as a solution. Those of the fields are the most
+ * at the node of any row. NaN where the quantity has none. */
 void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
                             const reduced_state *state, const ehd_contact *contact,
                             const contact_scalars *scalars);

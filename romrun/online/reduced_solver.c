@@ -615,15 +615,16 @@ static void fill_load(double *gradient, const reduced_solver *self, const reduce
     gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
 }
 
-/* The most that P or H moves at a needed node before the exit. */
+/* The most that P or H moves at the node of a row before the exit: all needed nodes are near one. */
 static double largest_field_error(reduced_solver *self, bool of_film, const double *added) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, num_pressure = model->num_pressure;
     double errors[ERROR_BLOCK], largest = 0;
     size_t count = 0;
 
-    for (size_t q = 0; q < model->rows.num_needed; q++) {
-        const bool is_last = q + 1 == model->rows.num_needed;
+    for (size_t r = 0; r < model->rows.num_rows; r++) {
+        const size_t q = model->rows.stencils[r].node[NODE_HERE];
+        const bool is_last = r + 1 == model->rows.num_rows;
         if (self->nodes.pressurised[q]) {
             double *gradient = self->system.functionals + count++ * n;
             memset(gradient, 0, n * sizeof(double));

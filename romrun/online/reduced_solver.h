@@ -154,7 +154,7 @@ double reduced_film_error(
 
 /* How far other quantities of the last stationary solution move by that, and by residuals of other
  * rows: P at X = 0, the exit in half widths (NaN: exits are nodes), the load over the reference, and
- * the most that P and H move at any needed node before the exit. */
+ * the most that P and H move at the node of any row before the exit. */
 typedef struct reduced_errors {
     double central_pressure, exit_position, load, pressure, film;
 } reduced_errors;
