@@ -28,10 +28,11 @@ typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
     ehdrom_sizes sizes;
-    double accuracy;       // of the films, to choose the sizes by; 0: not given
-    ehdrom_sizes fallback; // where the result of `sizes` is not accurate enough
-    const char *distrust;  // why no reduced step is to be trusted; NULL: single ones are not
-    const char *fall_back; // what solves a scene where no size is: "full"; NULL, "none": nothing
+    double accuracy;        // of the films, to choose the sizes by; 0: not given
+    accuracy_limits limits; // of other quantities
+    ehdrom_sizes fallback;  // where the result of `sizes` is not accurate enough
+    const char *distrust;   // why no reduced step is to be trusted; NULL: single ones are not
+    const char *fall_back;  // what solves a scene where no size is: "full"; NULL, "none": nothing
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
@@ -52,6 +53,9 @@ static const program_option own_options[] = {
     {"accuracy", 0, "X", "Use as much of a calibrated model as its central and minimum film need to deviate by at "
      "most X, such as 1e-3, on most scenes (in time the central film), converged to a fiftieth of it; exit with 4 "
      "where they are indicated to deviate by more; without it more than 0.01", OPTION_REAL(accuracy, 1e-15, 1)},
+    {"accuracy-of", 0, "NAME=X", "Exit with 4 where another quantity is indicated to deviate by more than X: "
+     "central_pressure, exit_position (half widths), load, pressure (largest of all nodes, Hertz pressures) or "
+     "film_thickness (largest, of the central film); may be repeated (stationary)", OPTION_READ(limits, accuracy_read_limit)},
     {"against", 0, "RESULT.h5", "Print the deviations from another result of the scene", OPTION_TEXT(against)},
     {"verify", 0, NULL, "Print the residual of the full model at the solution, and what one Newton step of it "
      "would change of the central film (stationary)", OPTION_FLAG(verify)},
@@ -180,6 +184,7 @@ typedef struct attempt {
     ehdrom_model *model;
     ehdrom_solver *solver;
     ehdrom_result solution;
+    ehdrom_indications others;
     double first_seconds; // of an earlier attempt, at the sizes chosen first
 } attempt;
 
@@ -208,6 +213,11 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
     if (status || options->fallback.pressure_modes == 0) return status;
     run_result result = make_result(&self->solution, NULL, NULL);
     accuracy_judge(&result, options->accuracy);
+    if (!result.status && accuracy_limits_any(&options->limits)) {
+        self->others = ehdrom_indicate(self->solver, contact);
+        result.indicated = self->others.deviation;
+        accuracy_judge_others(&result, &options->limits);
+    }
     if (!result.status ||
         memcmp(&options->sizes, &options->fallback, sizeof options->fallback) == 0)
         return EHD_OK;
@@ -287,6 +297,8 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         self->effects = ehdrom_effects(done->model, self->contact);
         self->result.effects = &self->effects;
     }
+    done->others = ehdrom_indicate(done->solver, self->contact);
+    self->result.indicated = done->others.deviation;
     accuracy_judge(&self->result, self->options->accuracy);
     const ehdrom_properties model = ehdrom_describe(done->model);
     const char *unchecked = accuracy_unchecked(&model, false);
@@ -296,6 +308,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     }
     if (unchecked && self->options->allow_untrusted)
         program_note(self->caller, "%s: found %s", self->options->model, unchecked);
+    accuracy_judge_others(&self->result, &self->options->limits);
     return status;
 }
 
@@ -533,6 +546,8 @@ static ehd_status check_usage(const program *self, const romrun_options *options
          options->fall_back || options->allow_untrusted || options->resume || options->repeats > 1))
         return ehd_fail(error, EHD_USAGE,
                         "%s: found with an option for solving a scene, expected none", mode);
+    if (!solves && accuracy_limits_any(&options->limits))
+        return ehd_fail(error, EHD_USAGE, "--accuracy-of: found with %s, expected without", mode);
     if (options->resume && !self->output)
         return ehd_fail(
             error, EHD_USAGE,
@@ -559,6 +574,9 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     if (options->resume && !transient)
         return ehd_fail(error, EHD_USAGE,
                         "--resume: found with a stationary scene, expected a transient one");
+    if (accuracy_limits_any(&options->limits) && transient)
+        return ehd_fail(error, EHD_USAGE,
+                        "--accuracy-of: found with a transient scene, expected a stationary one");
     if (options->verify && transient)
         return ehd_fail(error, EHD_USAGE,
                         "--verify: found with a transient scene, expected a stationary one");

@@ -159,6 +159,22 @@ static const artefact_field result_fields[] = {
          "indicated relative deviation of the central film thickness from the full model", "time"),
     REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
          "the same of the minimum film thickness; stationary", "time"),
+    REAL("indicated_deviation_central_pressure", "1", NEED_OPTIONAL,
+         "the same of the central pressure; stationary", "time"),
+    REAL("indicated_deviation_exit_position", "1", NEED_OPTIONAL,
+         "indicated deviation of the exit position, in half widths; stationary lines whose exit "
+         "lies "
+         "within a node",
+         "time"),
+    REAL("indicated_deviation_load", "1", NEED_OPTIONAL,
+         "indicated deviation of the load, over the reference; stationary", "time"),
+    REAL("indicated_deviation_pressure", "1", NEED_OPTIONAL,
+         "indicated largest deviation of the pressure at any node, in Hertz pressures; stationary",
+         "time"),
+    REAL("indicated_deviation_film", "1", NEED_OPTIONAL,
+         "indicated largest deviation of the film thickness at any node with pressure, over the "
+         "central film thickness; stationary",
+         "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
     INTEGER(
         "by_full_model", NEED_OPTIONAL,
@@ -594,6 +610,19 @@ static const artefact_field model_fields[] = {
          "position"),
     REAL("position_largest_residual", "1", NEED_OPTIONAL,
          "largest residual of the least squares that a scene ended with", "position"),
+    REAL("indicator_factor_central_pressure", "1", NEED_OPTIONAL,
+         "factor of the indicated deviation of the central pressure; here and in the next ones, "
+         "where "
+         "missing or 0, it is not indicated",
+         "position"),
+    REAL("indicator_factor_exit_position", "1", NEED_OPTIONAL, "the same of the exit position",
+         "position"),
+    REAL("indicator_factor_load", "1", NEED_OPTIONAL,
+         "the same of the load, where the approach is given", "position"),
+    REAL("indicator_factor_pressure", "1", NEED_OPTIONAL,
+         "the same of the largest deviation of the pressure at any node", "position"),
+    REAL("indicator_factor_film", "1", NEED_OPTIONAL,
+         "the same of the largest deviation of the film at any node with pressure", "position"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
          "the larger of these deviations; infinite for a scene that was not solved", "position",
          "part"),

@@ -102,6 +102,9 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
     if (!status && !isnan(result->indicated_deviation_minimum))
         status = artefact_put(file, "indicated_deviation_minimum",
                               &result->indicated_deviation_minimum, error);
+    for (int q = 0; q < NUM_INDICATED && result->indicated && !status; q++)
+        if (!isnan(result->indicated[q]))
+            status = artefact_put(file, indicated_entries[q].field, &result->indicated[q], error);
     if (!status) status = artefact_put_integers(file, "newton_iterations", &iterations, error);
     if (!status) status = artefact_put_integers(file, "status", &outcome, error);
     if (!status && result->solved_by != SOLVED_BY_ANY)
@@ -164,6 +167,24 @@ static void print_parts(double model, double step, double inlet) {
     putchar('\n');
 }
 
+/* A line of what is indicated of the others. */
+static void print_indicated(const double *indicated) {
+    const char *separator = "";
+    bool any = false;
+
+    for (int q = 0; q < NUM_INDICATED; q++)
+        any = any || !isnan(indicated[q]);
+    if (!any) return;
+    printf("%-24s", "  of others");
+    for (int q = 0; q < NUM_INDICATED; q++) {
+        if (isnan(indicated[q])) continue;
+        printf("%s%s %.2g%s", separator, indicated_entries[q].text, indicated[q],
+               indicated_entries[q].unit);
+        separator = ", ";
+    }
+    putchar('\n');
+}
+
 void result_print(const run_result *result, const ehd_contact *contact) {
     const double micro = 1e6;
     const double film = contact_film_scale(contact) * micro;
@@ -189,6 +210,7 @@ void result_print(const run_result *result, const ehd_contact *contact) {
     if (!isnan(result->indicated_deviation))
         printf("%-24s%.2g of the central film thickness\n", "indicated deviation",
                result->indicated_deviation);
+    if (result->indicated) print_indicated(result->indicated);
     printf("%-24s%.3g ms\n", "solution", result->seconds * 1e3);
 }
 

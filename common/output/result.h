@@ -5,6 +5,7 @@
 
 #include "common/artefact/artefact.h"
 #include "common/output/film_effects.h"
+#include "common/output/indicated.h"
 #include "common/physics/contact.h"
 #include "common/program/program.h"
 #include "common/program/status.h"
@@ -31,6 +32,7 @@ typedef struct run_result {
     double residual;
     double indicated_deviation;         // of the central film, relative; NaN: no indicator
     double indicated_deviation_minimum; // of the minimum film
+    const double *indicated;            // [NUM_INDICATED] of others, NaN as above; NULL: none
     const film_effects *effects;        // of the grid, NULL: not known
     result_model solved_by;             // SOLVED_BY_ANY: not said
     ehd_status status;                  // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED

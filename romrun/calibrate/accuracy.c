@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 const double accuracy_default = 0.01;
 
@@ -85,4 +87,52 @@ const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time) {
                "deimselect "
                "without --no-check";
     return NULL;
+}
+
+ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error) {
+    accuracy_limits *self = limits;
+    const char *equals = strchr(argument, '=');
+    const size_t length = equals ? (size_t)(equals - argument) : strlen(argument);
+    char names[ACCURACY_NOTE] = "", *end = NULL;
+
+    for (int q = 0; q < NUM_INDICATED; q++) {
+        const char *name = indicated_entries[q].name;
+        if (strlen(name) == length && strncmp(name, argument, length) == 0) {
+            const double limit = equals ? strtod(equals + 1, &end) : NAN;
+            if (!(limit > 0 && limit <= 1) || *end != '\0')
+                return ehd_fail(error, EHD_USAGE,
+                                "--accuracy-of: found %s, expected %s=X with X above 0, at most 1",
+                                argument, name);
+            self->of[q] = limit;
+            return EHD_OK;
+        }
+        snprintf(names + strlen(names), sizeof names - strlen(names), "%s%s", q > 0 ? ", " : "",
+                 name);
+    }
+    return ehd_fail(error, EHD_USAGE,
+                    "--accuracy-of: found %s, expected NAME=X with NAME one of %s", argument,
+                    names);
+}
+
+bool accuracy_limits_any(const accuracy_limits *limits) {
+    for (int q = 0; q < NUM_INDICATED; q++)
+        if (limits->of[q] > 0) return true;
+    return false;
+}
+
+void accuracy_judge_others(run_result *result, const accuracy_limits *limits) {
+    for (int q = 0; q < NUM_INDICATED && !result->status; q++) {
+        const indicated_entry *entry = &indicated_entries[q];
+        const double found = result->indicated ? result->indicated[q] : NAN;
+        if (!(limits->of[q] > 0) || found <= limits->of[q]) continue;
+        result->status = EHD_UNTRUSTED;
+        if (isnan(found))
+            snprintf(result->reason, sizeof result->reason,
+                     "no indicated deviation of the %s, for which --accuracy-of asks", entry->text);
+        else
+            snprintf(
+                result->reason, sizeof result->reason,
+                "an indicated deviation of %.2g%s of the %s, more than the --accuracy-of %s=%g",
+                found, entry->unit, entry->text, entry->name, limits->of[q]);
+    }
 }

@@ -5,6 +5,7 @@
 
 #include "common/output/result.h"
 #include "romrun/calibrate/trade.h"
+#include <stdbool.h>
 
 /* What holds without --accuracy. */
 extern const double accuracy_default;
@@ -34,5 +35,20 @@ void accuracy_judge(run_result *result, double accuracy);
 /* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
  * NULL: it was. */
 const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time);
+
+/* Limits of --accuracy-of, by indicated_quantity; 0: none. */
+typedef struct accuracy_limits {
+    double of[NUM_INDICATED];
+} accuracy_limits;
+
+/* Reads "NAME=X" into one of them. EHD_USAGE: no such name, with those there are; X not between 0
+ * and 1. */
+ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error);
+
+/* Whether there is one. */
+bool accuracy_limits_any(const accuracy_limits *limits);
+
+/* Sets EHD_UNTRUSTED where one of result->indicated is above its limit, or not known. */
+void accuracy_judge_others(run_result *result, const accuracy_limits *limits);
 
 #endif

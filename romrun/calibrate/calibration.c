@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/calibrate/calibration.h"
 
+#include "common/physics/deflection.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
 
@@ -16,10 +17,14 @@ typedef struct samples {
     double *bound, *bound_minimum;           // [count] of the two films'
     double *indicated;                       // [count + failures], the larger one
     double *effectivity;                     // [count], the smaller one
+    double *off[NUM_INDICATED];              // [count] deviations of the other quantities
+    double *other_bound[NUM_INDICATED];      // [count]
     double *seconds;                         // [count * REPEATS]
     double iterations, max_iterations;       // sum and largest
     double largest_residual;
     double *pressure, *film; // [num_nodes]
+    double *full_film;       // [num_nodes]
+    ehd_deflection *deflection;
 } samples;
 
 static void samples_free(samples *self) {
@@ -30,15 +35,32 @@ static void samples_free(samples *self) {
     free(self->indicated);
     free(self->effectivity);
     free(self->seconds);
+    for (int q = 0; q < NUM_INDICATED; q++) {
+        free(self->off[q]);
+        free(self->other_bound[q]);
+    }
     free(self->pressure);
     free(self->film);
+    free(self->full_film);
+    deflection_free(self->deflection);
 }
 
-static ehd_status samples_init(samples *self, size_t num_scenes, size_t num_nodes,
-                               ehd_error *error) {
+static ehd_status samples_init(samples *self, const solved_scene *scenes, size_t num_scenes,
+                               size_t num_nodes, ehd_error *error) {
     bool complete = true;
 
     *self = (samples){0};
+    for (int q = 0; q < NUM_INDICATED; q++) {
+        self->off[q] = malloc((num_scenes + 1) * sizeof(double));
+        self->other_bound[q] = malloc((num_scenes + 1) * sizeof(double));
+        complete = complete && self->off[q] && self->other_bound[q];
+    }
+    self->full_film = malloc(num_nodes * sizeof(double));
+    complete = complete && self->full_film;
+    if (num_scenes > 0) {
+        self->deflection = deflection_create(scenes->contact->kind, &scenes->contact->grid);
+        complete = complete && self->deflection;
+    }
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++) {
         self->deviation[q] = malloc((num_scenes + 1) * sizeof(double));
         complete = complete && self->deviation[q];
@@ -60,6 +82,27 @@ static double relative(double reduced, double full) {
     return fabs(reduced / full - 1);
 }
 
+/* Deviations of the other quantities. Films count where the full model has pressure. */
+static void add_others(samples *self, const contact_scalars *reduced, const solved_scene *solved) {
+    const contact_scalars *full = &solved->scalars;
+    const ehd_grid *grid = &solved->contact->grid;
+    double pressure = 0, film = 0;
+
+    deflection_apply(self->full_film, self->deflection, solved->pressure);
+    for (size_t k = 0; k < grid->num_nodes; k++) {
+        const double there = self->full_film[k] + full->rigid_approach + grid_gap(grid, k);
+        pressure = fmax(pressure, fabs(self->pressure[k] - solved->pressure[k]));
+        if (solved->pressure[k] > 0) film = fmax(film, fabs(self->film[k] - there));
+    }
+    self->off[INDICATED_CENTRAL_PRESSURE][self->count] =
+        relative(reduced->central_pressure, full->central_pressure);
+    self->off[INDICATED_EXIT_POSITION][self->count] =
+        fabs(reduced->exit_position - full->exit_position);
+    self->off[INDICATED_LOAD][self->count] = fabs(reduced->load - full->load);
+    self->off[INDICATED_PRESSURE][self->count] = pressure;
+    self->off[INDICATED_FILM][self->count] = film / full->central_film_thickness;
+}
+
 static void add_sample(samples *self, const ehdrom_result *result, const solved_scene *solved) {
     const contact_scalars *reduced = &result->scalars, *full = &solved->scalars;
     const double deviation[NUM_TRADE_QUANTITIES] = {
@@ -71,10 +114,8 @@ static void add_sample(samples *self, const ehdrom_result *result, const solved_
 
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         self->deviation[q][self->count] = deviation[q];
-    for (size_t k = 0; k < solved->contact->grid.num_nodes; k++)
-        self->deviation[TRADE_PRESSURE][self->count] =
-            fmax(self->deviation[TRADE_PRESSURE][self->count],
-                 fabs(self->pressure[k] - solved->pressure[k]));
+    add_others(self, reduced, solved);
+    self->deviation[TRADE_PRESSURE][self->count] = self->off[INDICATED_PRESSURE][self->count];
     self->bound[self->count] = result->bound;
     self->bound_minimum[self->count] = result->bound_minimum;
     self->iterations += (double)result->iterations;
@@ -98,8 +139,12 @@ static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_
         return EHD_OK;
     }
     if (!status) status = ehdrom_fields(self->pressure, self->film, solver, error);
-    if (!status) add_sample(self, &result, solved);
-    return status;
+    if (status) return status;
+    const ehdrom_indications others = ehdrom_indicate(solver, solved->contact);
+    for (int q = 0; q < NUM_INDICATED; q++)
+        self->other_bound[q][self->count] = others.bound[q];
+    add_sample(self, &result, solved);
+    return EHD_OK;
 }
 
 /* To be called before the deviations are sorted, while they match the bounds. */
@@ -111,6 +156,9 @@ static void fit_indicator(trade_position *position, samples *self) {
     position->indicator_factor = trade_indicator_factor(central, self->bound, self->count);
     position->indicator_factor_minimum =
         trade_indicator_factor(minimum, self->bound_minimum, self->count);
+    for (int q = 0; q < NUM_INDICATED; q++)
+        position->other_factor[q] =
+            trade_indicator_factor(self->off[q], self->other_bound[q], self->count);
     for (size_t i = 0; i < num_scenes; i++)
         self->indicated[i] = INFINITY;
     for (size_t i = 0; i < self->count; i++) {
@@ -146,7 +194,8 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
 
     position->num_failures = 0;
     if (!status)
-        status = samples_init(&measured, num_scenes, ehdrom_describe(model).num_nodes, error);
+        status =
+            samples_init(&measured, scenes, num_scenes, ehdrom_describe(model).num_nodes, error);
     for (size_t i = 0; i < num_scenes && !status; i++)
         status = program_interrupted()
                      ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")

@@ -51,11 +51,20 @@ static const column reals[] = {
     {"position_step_seconds", offsetof(trade_position, step_seconds), NULL, true}};
 
 /* With an indicator; at least 0. Those after the first came later: without its own factor the
- * minimum film takes that of the central one, and without residuals there is no limit to them. */
+ * minimum film takes that of the central one, without residuals there is no limit to them, and
+ * without their factors other quantities are not indicated. */
 static const column of_indicator[] = {
     {"indicator_factor", offsetof(trade_position, indicator_factor), NULL, false},
     {"indicator_factor_minimum", offsetof(trade_position, indicator_factor_minimum), NULL, false},
-    {"position_largest_residual", offsetof(trade_position, largest_residual), NULL, false}};
+    {"position_largest_residual", offsetof(trade_position, largest_residual), NULL, false},
+    {"indicator_factor_central_pressure",
+     offsetof(trade_position, other_factor[INDICATED_CENTRAL_PRESSURE]), NULL, false},
+    {"indicator_factor_exit_position",
+     offsetof(trade_position, other_factor[INDICATED_EXIT_POSITION]), NULL, false},
+    {"indicator_factor_load", offsetof(trade_position, other_factor[INDICATED_LOAD]), NULL, false},
+    {"indicator_factor_pressure", offsetof(trade_position, other_factor[INDICATED_PRESSURE]), NULL,
+     false},
+    {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
 enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };

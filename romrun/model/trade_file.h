@@ -4,6 +4,7 @@
 #define EHD_TRADE_FILE_H
 
 #include "common/artefact/artefact.h"
+#include "common/output/indicated.h"
 #include "romrun/model/sizes.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -33,6 +34,7 @@ typedef struct trade_position {
     double indicated[NUM_TRADE_PARTS];   // larger deviation, over all scenes; infinite: not solved
     double effectivity[NUM_TRADE_PARTS]; // indicated over true deviation, the smaller one
     double largest_residual;             // of the least squares; infinite: not known
+    double other_factor[NUM_INDICATED];  // of the indicators of other quantities; 0: not known
     // on trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean

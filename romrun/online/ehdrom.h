@@ -25,6 +25,7 @@
 #define EHDROM_H
 
 #include "common/output/film_effects.h"
+#include "common/output/indicated.h"
 #include "common/physics/contact.h"
 #include "common/program/status.h"
 #include "common/settings/scene_contact.h"
@@ -102,6 +103,16 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
  * truncated basis leave, or beyond the limit of the viscosity law. */
 void ehdrom_judge_pressure(ehdrom_result *result, const ehd_contact *contact,
                            const double *pressure, size_t num_nodes);
+
+/* What is indicated of other quantities of the last solution. */
+typedef struct ehdrom_indications {
+    double bound[NUM_INDICATED];     // of the deviation, up to a factor
+    double deviation[NUM_INDICATED]; // NaN: not calibrated at these sizes, or there is none
+} ehdrom_indications;
+
+/* Takes twice as long as a solution, so that it is made only when asked for. `contact`: that of the last
+ * ehdrom_solve. A given load is known: what the result has less is its deviation. */
+ehdrom_indications ehdrom_indicate(ehdrom_solver *solver, const ehd_contact *contact);
 
 /* What the grid of the model's training does to the films of a contact, which no solution of the
  * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,

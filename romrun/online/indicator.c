@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct indicator {
     const reduced_model *model;
@@ -20,13 +21,34 @@ struct indicator {
     double *residual;        // [num_rows] of the control rows, weighted
     double *influence;       // [rows of the model] on a film
     size_t *nearest;         // [num_rows] the row of the model whose influence a control row has
-    arena memory;            // of all arrays
+    size_t *nearest_of_all;  // [num_rows] that, but for rows without an influence
+    double *added; // [rows of the model] squares of the control rows' residuals, by nearest
+    arena memory;  // of all arrays
 };
 
 indicator *indicator_free(indicator *self) {
     if (self) arena_free(&self->memory);
     free(self);
     return NULL;
+}
+
+/* The nearest row with an influence, NULL: of all; 0 where there is none. */
+static size_t nearest_row(const indicator *self, size_t node, const double *influence) {
+    const row_set *rows = &self->model->rows;
+    const ehd_grid *grid = &self->model->grid;
+    const double x = grid_x(grid, node), y = grid_y(grid, node);
+    double nearest = INFINITY;
+    size_t row = 0;
+
+    for (size_t r = 0; r < rows->num_rows; r++) {
+        const double along = grid_x(grid, rows->node[r]) - x;
+        const double across = grid_y(grid, rows->node[r]) - y;
+        const double square = along * along + across * across;
+        if (square >= nearest || (influence && influence[r] == 0)) continue;
+        nearest = square;
+        row = r;
+    }
+    return row;
 }
 
 indicator *indicator_create(const reduced_model *model) {
@@ -47,7 +69,12 @@ indicator *indicator_create(const reduced_model *model) {
     self->residual = arena_array(memory, control->num_rows + 1, sizeof(double));
     self->influence = arena_array(memory, model->rows.num_rows, sizeof(double));
     self->nearest = arena_array(memory, control->num_rows + 1, sizeof *self->nearest);
-    return memory->failed ? indicator_free(self) : self;
+    self->nearest_of_all = arena_array(memory, control->num_rows + 1, sizeof *self->nearest_of_all);
+    self->added = arena_array(memory, model->rows.num_rows, sizeof(double));
+    if (memory->failed) return indicator_free(self);
+    for (size_t r = 0; r < control->num_rows; r++)
+        self->nearest_of_all[r] = nearest_row(self, control->node[r], NULL);
+    return self;
 }
 
 /* H at a needed node without the deflection by the exit's runs. */
@@ -122,25 +149,6 @@ const double *indicator_control_residuals(indicator *self, const reduced_state *
     return self->residual;
 }
 
-/* The nearest row with an influence; 0 where there is none. */
-static size_t nearest_row(const indicator *self, size_t node) {
-    const row_set *rows = &self->model->rows;
-    const ehd_grid *grid = &self->model->grid;
-    const double x = grid_x(grid, node), y = grid_y(grid, node);
-    double nearest = INFINITY;
-    size_t row = 0;
-
-    for (size_t r = 0; r < rows->num_rows; r++) {
-        const double along = grid_x(grid, rows->node[r]) - x;
-        const double across = grid_y(grid, rows->node[r]) - y;
-        const double square = along * along + across * across;
-        if (self->influence[r] == 0 || square >= nearest) continue;
-        nearest = square;
-        row = r;
-    }
-    return row;
-}
-
 /* Of the film of which self->influence is, `own_rows` away by what least squares leave. */
 static double bound(const indicator *self, double own_rows, double thickness) {
     double sum = own_rows * own_rows;
@@ -161,7 +169,9 @@ double indicator_bound(indicator *self, reduced_solver *solver, const reduced_st
     indicator_control_residuals(self, state, contact);
     const double own_rows = reduced_film_error(self->influence, solver, REDUCED_CENTRAL_FILM);
     for (size_t r = 0; r < control->num_rows; r++)
-        self->nearest[r] = nearest_row(self, control->node[r]);
+        self->nearest[r] = self->influence[self->nearest_of_all[r]] != 0
+                               ? self->nearest_of_all[r]
+                               : nearest_row(self, control->node[r], self->influence);
     return bound(self, own_rows, scalars->central_film_thickness);
 }
 
@@ -170,4 +180,24 @@ double indicator_bound_minimum(indicator *self, reduced_solver *solver,
     const double own_rows = reduced_film_error(self->influence, solver, REDUCED_MINIMUM_FILM);
 
     return bound(self, own_rows, scalars->minimum_film_thickness);
+}
+
+void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
+                            const reduced_state *state, const ehd_contact *contact,
+                            const contact_scalars *scalars) {
+    const reduced_model *model = self->model;
+
+    memset(self->added, 0, model->rows.num_rows * sizeof *self->added);
+    for (size_t r = 0; r < model->control.num_rows; r++)
+        self->added[self->nearest[r]] += self->residual[r] * self->residual[r];
+    const reduced_errors errors = reduced_other_errors(solver, state, contact, self->added);
+    bounds[INDICATED_CENTRAL_PRESSURE] = errors.central_pressure / scalars->central_pressure;
+    bounds[INDICATED_EXIT_POSITION] = errors.exit_position;
+    bounds[INDICATED_LOAD] = errors.load;
+    bounds[INDICATED_PRESSURE] = errors.pressure;
+    bounds[INDICATED_FILM] = errors.film / scalars->central_film_thickness;
+    for (int q = 0; q < NUM_INDICATED; q++) // as in `bound`
+        if (isnan(bounds[q]) &&
+            (q != INDICATED_EXIT_POSITION || reduced_exit_divides(state, model)))
+            bounds[q] = INFINITY;
 }

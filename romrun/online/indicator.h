@@ -8,6 +8,7 @@
 #ifndef EHD_INDICATOR_H
 #define EHD_INDICATOR_H
 
+#include "common/output/indicated.h"
 #include "romrun/online/reduced_solver.h"
 
 typedef struct indicator indicator;
@@ -31,5 +32,12 @@ double indicator_bound(indicator *self, reduced_solver *solver, const reduced_st
 /* The same of the minimum film, of the solution that indicator_bound was just called for. */
 double indicator_bound_minimum(indicator *self, reduced_solver *solver,
                                const contact_scalars *scalars);
+
+/* Bounds of the others, by indicated_quantity, of the solution that indicator_bound was just called
+ * for: for the fields' sake twice as many instructions as a solution. Those of the fields are the most
+ * at the node of any row. NaN where the quantity has none. */
+void indicator_bound_others(double bounds[NUM_INDICATED], indicator *self, reduced_solver *solver,
+                            const reduced_state *state, const ehd_contact *contact,
+                            const contact_scalars *scalars);
 
 #endif

@@ -182,3 +182,27 @@ void least_squares_dual(double *dual, least_squares *self, const double *functio
     for (size_t j = 0; j < self->num_columns; j++)
         dual[j] = self->scale[j] > 0 || all ? self->right[count++] * self->scale[j] : 0;
 }
+
+/* The functionals times the scales of the columns. */
+static void scale_rows(double *functionals, const least_squares *self, size_t num) {
+    for (size_t k = 0; k < num; k++)
+        for (size_t j = 0; j < self->num_columns; j++)
+            functionals[k * self->num_columns + j] *= self->scale[j];
+}
+
+void least_squares_duals(double *functionals, least_squares *self, size_t num) {
+    const int n = (int)self->num_columns, count = (int)num;
+
+    if (self->factor_size != self->num_columns) { // there are zero columns
+        for (size_t k = 0; k < num; k++)
+            least_squares_dual(functionals + k * self->num_columns, self,
+                               functionals + k * self->num_columns);
+        return;
+    }
+    scale_rows(functionals, self, num);
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, count, 1,
+                self->factor, n, functionals, n);
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, count, 1,
+                self->factor, n, functionals, n);
+    scale_rows(functionals, self, num);
+}

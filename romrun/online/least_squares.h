@@ -48,4 +48,10 @@ void least_squares_dual(
     // input:
     least_squares *workspace, const double *functional); // [num_columns]
 
+/* The same of many functionals at once, in their place. */
+void least_squares_duals(
+    // in and out:
+    double *functionals, // [num, num_columns]
+    least_squares *workspace, size_t num);
+
 #endif

@@ -573,6 +573,7 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     double start = program_seconds();
 
     *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
+    solver->system.remaining = 0;
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
     // in time the values are those that reduced_values_of has, to the last bit
     const bool in_time = squeeze || solver->settings.exit_at_node;
@@ -654,6 +655,89 @@ double reduced_film_error(double *influence, reduced_solver *self, reduced_film 
     else
         nodes_add_film_row(gradient, 1, &self->nodes, lowest);
     return system_film_error(influence, &self->system);
+}
+
+/* dP/dz at X = 0. */
+static void fill_central_pressure(double *gradient, const reduced_solver *self) {
+    const centre_nodes *centre = &self->model->centre;
+    const size_t num_pressure = self->model->num_pressure;
+
+    for (size_t i = 0; i < 4; i++)
+        if (centre->weight[i] != 0 && self->nodes.pressurised[centre->index[i]])
+            nodes_add_row(gradient, centre->weight[i],
+                          self->model->rows.pressure + centre->index[i] * num_pressure,
+                          num_pressure);
+}
+
+/* Derivatives of the load over the reference. */
+static void fill_load(double *gradient, const reduced_solver *self, const reduced_state *state,
+                      const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    const node_state *nodes = &self->nodes;
+    const size_t last = model->cut.num_rows - 1, num_pressure = model->num_pressure;
+    const double unit = 1 / model->kind->load;
+    const double approach = state->coordinates[model->num_unknowns - 1];
+
+    nodes_add_row(gradient, unit, nodes_checkpoint_table(nodes) + last * num_pressure,
+                  num_pressure);
+    for (size_t r = 0; r < nodes->num_runs; r++) {
+        const cut_run *run = &nodes->runs[r];
+        for (size_t k = run->first; k < run->first + run->count; k++)
+            nodes_add_row(gradient,
+                          unit * run->sign * model->cut.left[k * model->cut.num_rows + last],
+                          model->band.pressure + k * num_pressure, num_pressure);
+    }
+    gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
+}
+
+/* The most that P or H moves at the node of a row before the exit: all needed nodes are near one. */
+static double largest_field_error(reduced_solver *self, bool of_film, const double *added) {
+    const reduced_model *model = self->model;
+    const size_t n = model->num_unknowns, num_pressure = model->num_pressure;
+    double errors[ERROR_BLOCK], largest = 0;
+    size_t count = 0;
+
+    for (size_t r = 0; r < model->rows.num_rows; r++) {
+        const size_t q = model->rows.stencils[r].node[NODE_HERE];
+        const bool is_last = r + 1 == model->rows.num_rows;
+        if (self->nodes.pressurised[q]) {
+            double *gradient = self->system.functionals + count++ * n;
+            memset(gradient, 0, n * sizeof(double));
+            if (of_film) {
+                gradient[n - 1] = 1;
+                nodes_add_film_row(gradient, 1, &self->nodes, q);
+            } else {
+                memcpy(gradient, model->rows.pressure + q * num_pressure,
+                       num_pressure * sizeof(double));
+            }
+        }
+        if (count == 0 || (count < ERROR_BLOCK && !is_last)) continue;
+        system_errors(errors, &self->system, count, added);
+        for (size_t k = 0; k < count; k++)
+            if (!(errors[k] <= largest)) largest = errors[k];
+        count = 0;
+    }
+    return largest;
+}
+
+reduced_errors reduced_other_errors(reduced_solver *self, const reduced_state *state,
+                                    const ehd_contact *contact, const double *added) {
+    enum { CENTRAL_PRESSURE, LOAD, EXIT, NUM_SCALARS };
+    row_system *system = &self->system;
+    const size_t n = self->model->num_unknowns;
+    const bool has_cell = system->num_cells > 0;
+    double errors[NUM_SCALARS];
+
+    memset(system->functionals, 0, NUM_SCALARS * n * sizeof(double));
+    fill_central_pressure(system->functionals + CENTRAL_PRESSURE * n, self);
+    fill_load(system->functionals + LOAD * n, self, state, contact);
+    if (has_cell) memcpy(system->functionals + EXIT * n, system->offset, n * sizeof(double));
+    system_errors(errors, system, NUM_SCALARS, added);
+    return (reduced_errors){.central_pressure = errors[CENTRAL_PRESSURE],
+                            .load = errors[LOAD],
+                            .exit_position = has_cell ? self->model->grid.step * errors[EXIT] : NAN,
+                            .pressure = largest_field_error(self, false, added),
+                            .film = largest_field_error(self, true, added)};
 }
 
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {

@@ -154,6 +154,19 @@ double reduced_film_error(
     // in and out:
     reduced_solver *solver, reduced_film film);
 
+/* How far other quantities of the last stationary solution move by that, and by residuals of other
+ * rows: P at X = 0, the exit in half widths (NaN: exits are nodes), the load over the reference, and
+ * the most that P and H move at the node of any row before the exit. */
+typedef struct reduced_errors {
+    double central_pressure, exit_position, load, pressure, film;
+} reduced_errors;
+reduced_errors reduced_other_errors(
+    // in and out:
+    reduced_solver *solver,
+    // input:
+    const reduced_state *state, const ehd_contact *contact,
+    const double *added); // [rows of the model] squares of the residuals that count as one there
+
 /* Values of a state and, identical to the last bit, of the last solution with `exit_at_node`. */
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);

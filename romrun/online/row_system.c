@@ -47,6 +47,8 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->dual = arena_array(memory, model->num_unknowns, sizeof(double));
     self->left = arena_array(memory, max_rows, sizeof(double));
     self->moves = arena_array(memory, max_rows, sizeof(double));
+    self->functionals = arena_array(memory, model->num_unknowns, ERROR_BLOCK * sizeof(double));
+    self->all_moves = arena_array(memory, max_rows, ERROR_BLOCK * sizeof(double));
     self->block = arena_array(memory, coupled ? num_rows + 1 : num_cut + num_pressure,
                               CUT_BLOCK * sizeof(double));
     self->block_right = arena_array(memory, num_pressure, CUT_BLOCK * sizeof(double));
@@ -472,4 +474,25 @@ double system_film_error(double *influence, row_system *self) {
     for (size_t i = 0; i < self->num_active; i++)
         influence[self->active[i]] = self->moves[i];
     return sqrt(sum);
+}
+
+void system_errors(double *errors, row_system *self, size_t num, const double *added) {
+    const size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
+    const int n = (int)self->model->num_unknowns;
+
+    memcpy(self->left, self->right, num_rows * sizeof *self->left);
+    times_matrix(self->left, self, num_rows, self->step);
+    least_squares_duals(self->functionals, self->factors, num);
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num, (int)num_rows, n, 1,
+                self->functionals, n, self->matrix, n, 0, self->all_moves, (int)num_rows);
+    memset(errors, 0, num * sizeof *errors);
+    for (size_t i = 0; i < num_rows; i++) {
+        const double unsolved = self->remaining * (self->left[i] - self->right[i]);
+        const double others = i < self->num_active ? added[self->active[i]] : 0;
+        const double square = pow(self->left[i], 2) + pow(unsolved, 2) + others;
+        for (size_t k = 0; k < num; k++)
+            errors[k] += square * pow(self->all_moves[k * num_rows + i], 2);
+    }
+    for (size_t k = 0; k < num; k++)
+        errors[k] = sqrt(errors[k]);
 }

@@ -9,6 +9,8 @@
 #include "romrun/online/least_squares.h"
 #include "romrun/online/node_state.h"
 
+enum { ERROR_BLOCK = 32 }; // functionals of system_errors at a time
+
 typedef struct row_system {
     const reduced_model *model;
     reynolds_row *rows;      // [rows of the model] at the state
@@ -36,6 +38,8 @@ typedef struct row_system {
     double *block;       // coupled: [rows + 1, CUT_BLOCK] left sides of the active rows;
                          // independent: [CUT_BLOCK, cut rows + num_pressure] work of the cut table
     double *block_right; // [CUT_BLOCK, num_pressure] right sides of those of rows
+    double *functionals; // [ERROR_BLOCK, num_unknowns] of system_errors
+    double *all_moves;   // [ERROR_BLOCK, system_max_rows]
     double *cut;         // independent: [cut rows, num_pressure] the cut table for cut_exit
     size_t *cut_exit;    // [num_lines]; 0: none yet
 } row_system;
@@ -92,5 +96,17 @@ double system_film_error(
         influence, // [rows of the model] change of the film by an error of 1 in D f; 0 if not active
     // in and out:
     row_system *self);
+
+/* The same of the first `num` of self->functionals, with the residuals of other rows. */
+void system_errors(
+    // output:
+    double *errors, // [num]
+    // in and out:
+    row_system *self, // its functionals are lost
+    // input:
+    size_t num, // at most ERROR_BLOCK
+    const double
+        *added); // [rows of the model] sum of the squares of residuals that are to count as
+                 // one in the row
 
 #endif

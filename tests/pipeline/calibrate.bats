@@ -187,6 +187,13 @@ with h5py.File('x.h5', 'r+') as f:
     /usr/bin/python3 -c "
 import h5py
 with h5py.File('x.h5', 'r+') as f:
+    f['indicator_factor_minimum'][...] *= 1e-9"
+    romrun scene.yml --model x.h5 -o least.h5 --quiet
+    [ "$(number least.h5 indicated_deviation_minimum)" = "$(number least.h5 indicated_deviation)" ]
+    cp c.h5 x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('x.h5', 'r+') as f:
     f['indicator_factor_minimum'][...] *= 1e9"
     run --separate-stderr romrun scene.yml --model x.h5 --quiet
     [ "$status" -eq 4 ]
@@ -241,16 +248,66 @@ with h5py.File('x.h5', 'r+') as f, h5py.File('good.h5') as good:
     done
 }
 
+@test "other quantities are indicated, and --accuracy-of is about them" {
+    cat >deviations.py <<'PYTHON'
+import h5py, numpy
+with h5py.File("full.h5") as full, h5py.File("red.h5") as red:
+    def off(name):
+        return numpy.abs(red[name][...] - full[name][...])
+    central = full["central_film_thickness"][0]
+    inside = full["pressure"][0] > 0
+    true = {"central_pressure": off("central_pressure")[0] / full["central_pressure"][0],
+            "exit_position": off("exit_position").max(), "load": off("load")[0],
+            "pressure": off("pressure").max(), "film": off("film_thickness")[0][inside].max() / central}
+    for name, deviation in true.items():
+        indicated = red["indicated_deviation_" + name][0]
+        # a known load is no more than it is
+        least, rounding = (0.99, 1e-8) if name == "load" else (1.9, 0)
+        assert least * deviation - rounding <= indicated < 1e6 * deviation + 1e-9, (name, indicated, deviation)
+PYTHON
+    for M in 10 12; do
+        for L in 3 5; do
+            fullrun scene.yml --set moes.M=$M --set moes.L=$L -o full.h5 --force
+            romrun scene.yml --set moes.M=$M --set moes.L=$L -o red.h5 --force --model c.h5 --set output.fields=true
+            /usr/bin/python3 deviations.py
+        done
+    done
+    run romrun scene.yml --model c.h5
+    [ "$(grep -cE "^  of others             central pressure [0-9.e-]+, exit position [0-9.e-]+ half widths, load [0-9.e-]+, pressure [0-9.e-]+ p_H, film [0-9.e-]+ H_c$" <<<"$output")" -eq 1 ]
+    romrun scene.yml --model c.h5 --quiet --accuracy-of pressure=0.9 --accuracy-of load=0.9
+    for name in central_pressure exit_position load pressure film_thickness; do
+        run --separate-stderr romrun scene.yml --model c.h5 --quiet --accuracy-of $name=1e-15 --accuracy-of pressure=0.9 -o low.h5 --force
+        [ "$name" = pressure ] && continue # the last one holds
+        [ "$status" -eq 4 ]
+        [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*", more than the --accuracy-of $name=1e-15, expected a result to be trusted"* ]]
+        [ "$(number low.h5 status)" = 4.0 ]
+    done
+    romrun scene.yml --model c.h5 --quiet --accuracy-of load=1e-15 --allow-untrusted
+    refuse 64 "--accuracy-of: found presure=1, expected NAME=X with NAME one of central_pressure, exit_position, load, pressure, film_thickness" \
+        romrun scene.yml --model c.h5 --accuracy-of presure=1
+    refuse 64 "--accuracy-of: found load=2, expected load=X with X above 0, at most 1" \
+        romrun scene.yml --model c.h5 --accuracy-of load=2
+    refuse 64 "--accuracy-of: found with --trade, expected without" romrun --trade --model c.h5 --accuracy-of load=1
+    # nothing is promised that is not known
+    run --separate-stderr romrun scene.yml --model m.h5 --quiet --accuracy-of pressure=0.9
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found no indicated deviation of the pressure, for which --accuracy-of asks"* ]]
+}
+
 @test "a calibration of before has one factor for both films, and no limit to residuals" {
     cp c.h5 x.h5
     /usr/bin/python3 -c "
 import h5py
 with h5py.File('x.h5', 'r+') as f:
-    del f['indicator_factor_minimum'], f['position_largest_residual']"
+    del f['indicator_factor_minimum'], f['position_largest_residual']
+    for name in 'central_pressure', 'exit_position', 'load', 'pressure', 'film':
+        del f['indicator_factor_' + name]"
     romrun --check=x.h5
     romrun scene.yml --model c.h5 -o new.h5 --quiet
     romrun scene.yml --model x.h5 -o old.h5 --quiet
     [ "$(number new.h5 indicated_deviation)" = "$(number old.h5 indicated_deviation)" ]
+    h5dump -H new.h5 | grep -q indicated_deviation_pressure
+    ! h5dump -H old.h5 | grep -q indicated_deviation_pressure
     [ "$(number new.h5 indicated_deviation_minimum)" != "$(number old.h5 indicated_deviation_minimum)" ]
 }
 

@@ -2,6 +2,7 @@
 /* Control rows and what is made of them: where they are chosen, what they are left with, the
  * bound. */
 #include "deimselect/control.h"
+#include "romrun/online/fields.h"
 #include "romrun/online/indicator.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
@@ -284,6 +285,102 @@ static void shortest_cause(double *cause, const problem *last, const double *gra
                      0);
 }
 
+/* The deflection's and the pressures' changes with the coordinates, at each node. */
+static void field_gradients(double *gradients, const reduced_model *model,
+                            const reduced_basis *basis, const reduced_state *at) {
+    const size_t num_nodes = model->grid.num_nodes, n = model->num_unknowns;
+    double *fields = malloc(4 * num_nodes * sizeof *fields), *after = fields + 2 * num_nodes;
+
+    assert_non_null(fields);
+    check_ok(reduced_fields(fields, fields + num_nodes, at, model, basis->pressure, &error));
+    for (size_t j = 0; j < n; j++) {
+        at->coordinates[j] += 1;
+        check_ok(reduced_fields(after, after + num_nodes, at, model, basis->pressure, &error));
+        at->coordinates[j] -= 1;
+        for (size_t k = 0; k < 2 * num_nodes; k++)
+            gradients[k * n + j] = after[k] - fields[k];
+    }
+    free(fields);
+}
+
+/* How far what is left in the rows moves a quantity with this gradient. */
+static double moved(const problem *last, const double *left, const double *gradient) {
+    double cause[400], sum = 0;
+
+    shortest_cause(cause, last, gradient);
+    for (size_t r = 0; r < last->num_rows; r++)
+        sum += left[r] * left[r] * cause[r] * cause[r];
+    return sqrt(sum);
+}
+
+/* Of pressures, load and fields as of the central film below; rows add what stands for others. */
+static void other_errors_are_what_each_row_does(void **state) {
+    static problem last;
+    (void)state;
+
+    for (int kind = 0; kind < 2; kind++) {
+        const reduced_settings plain = {.tolerance = 1e-12, .max_iterations = 40};
+        reduced_settings by_qr = plain;
+        reduced_basis basis;
+        reduced_model model;
+        reduced_solver *solver, *other;
+        reduced_state at;
+        reduced_info info;
+        by_qr.solve_linear = keep_problem;
+        by_qr.linear_context = &last;
+        trained_basis(&basis, &training, kind ? DEFORMATION_COUPLED : DEFORMATION_INDEPENDENT, 8,
+                      kind ? 0 : 7);
+        check_ok(reduced_model_build(&model, &basis, NULL, 0, &error));
+        check_ok(reduced_solver_create(&solver, &model, &plain, &error));
+        check_ok(reduced_solver_create(&other, &model, &by_qr, &error));
+        check_ok(reduced_state_init(&at, &model, &error));
+        const size_t n = model.num_unknowns, num_nodes = model.grid.num_nodes;
+        double *gradients = malloc(2 * num_nodes * n * sizeof *gradients);
+        double *added = calloc(model.rows.num_rows, sizeof *added);
+        assert_true(gradients && added);
+        for (size_t s = 1; s < TRAINED_STATES; s += 5) {
+            const ehd_contact *contact = &training.contacts[s];
+            double left[400] = {0}, gradient[40], pressure = 0, film = 0;
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
+            for (size_t r = 0; r < last.num_rows; r++)
+                left[r] = last.right[r] + cblas_ddot((int)n, last.matrix + r * n, 1, last.step, 1);
+            added[30] = s == 1 ? 0 : 1e-6; // of the row at node 31
+            left[30] = sqrt(left[30] * left[30] + added[30]);
+            field_gradients(gradients, &model, &basis, &at);
+            for (size_t k = 1; k < at.exit; k++)
+                pressure = fmax(pressure, moved(&last, left, gradients + k * n));
+
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
+            const reduced_errors found = reduced_other_errors(solver, &at, contact, added);
+            check_close(found.pressure, pressure, 1e-3, 0);
+            size_t centre = 1;
+            while (fabs(grid_x(&model.grid, centre)) > 1e-9)
+                centre++;
+            check_close(found.central_pressure, moved(&last, left, gradients + centre * n), 1e-3,
+                        0);
+            memset(gradient, 0, sizeof gradient);
+            for (size_t k = 0; k < num_nodes; k++)
+                cblas_daxpy((int)n, model.grid.step / model.kind->load, gradients + k * n, 1,
+                            gradient, 1);
+            check_close(found.load, moved(&last, left, gradient), 1e-3, 1e-12);
+            // the film of an independent basis has unknowns of its own
+            for (size_t k = 1; k < at.exit && kind; k++)
+                film = fmax(film, moved(&last, left, gradients + (num_nodes + k) * n));
+            if (kind) check_close(found.film, film, 1e-3, 0);
+            assert_true(found.film > 0 && isfinite(found.exit_position) && found.exit_position > 0);
+        }
+        free(gradients);
+        free(added);
+        reduced_state_free(&at);
+        reduced_solver_free(other);
+        reduced_solver_free(solver);
+        reduced_model_free(&model);
+        reduced_basis_free(&basis);
+    }
+}
+
 /* What least squares leave in each row, times how far the row moves the central film. */
 static void film_error_is_what_each_row_does(void **state) {
     static problem last;
@@ -415,6 +512,7 @@ int main(void) {
         cmocka_unit_test(bound_follows_the_deviation),
         cmocka_unit_test(film_error_is_what_each_row_does),
         cmocka_unit_test(what_the_iteration_leaves_is_indicated),
+        cmocka_unit_test(other_errors_are_what_each_row_does),
         cmocka_unit_test(indicator_survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

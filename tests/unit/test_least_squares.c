@@ -267,6 +267,15 @@ static void check_dual(least_squares *workspace, const double *matrix, const dou
                                    (int)num_columns, shortest, 1),
                      0);
     least_squares_dual(dual, workspace, functional);
+    // many at once
+    double many[3 * COLUMNS];
+    for (int k = 0; k < 3; k++)
+        for (size_t j = 0; j < COLUMNS; j++)
+            many[(size_t)k * COLUMNS + j] = (k - 1) * functional[j];
+    least_squares_duals(many, workspace, 3);
+    for (int k = 0; k < 3; k++)
+        for (size_t j = 0; j < COLUMNS; j++)
+            check_close(many[(size_t)k * COLUMNS + j], (k - 1) * dual[j], 1e-12, 0);
     for (size_t r = 0; r < ROWS; r++)
         check_close(cblas_ddot((int)num_columns, shown + r * COLUMNS, 1, dual, 1), shortest[r],
                     1e-4, 1e-4 * norm(shortest, ROWS));

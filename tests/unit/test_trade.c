@@ -412,6 +412,8 @@ static void a_table_comes_back(void **state) {
     positions[0].indicator_factor = 0.75;
     positions[0].indicator_factor_minimum = 1.5;
     positions[0].largest_residual = 1e-4;
+    for (int q = 0; q < NUM_INDICATED; q++)
+        positions[0].other_factor[q] = 1 + 0.5 * q;
     for (int i = 0; i < NUM_TRADE_PARTS; i++) {
         positions[0].indicated[i] = i < 3 ? 1e-3 * (1 + i) : INFINITY;
         positions[0].effectivity[i] = 2 + i;

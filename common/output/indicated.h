@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Quantities of a stationary result, beside the films, whose deviation from the full model is
+ * indicated. */
+#ifndef EHD_INDICATED_H
+#define EHD_INDICATED_H
+
+typedef enum indicated_quantity {
+    INDICATED_CENTRAL_PRESSURE, // relative
+    INDICATED_EXIT_POSITION,    // half widths; unknown where exits are nodes
+    INDICATED_LOAD,             // over the reference
+    INDICATED_PRESSURE,         // largest of all nodes, Hertz pressures
+    INDICATED_FILM,             // largest of all nodes with pressure, over the central film
+    NUM_INDICATED
+} indicated_quantity;
+
+/* What is indicated of one. */
+typedef struct indicated_entry {
+    const char *name;  // in results and of --accuracy-of: "central_pressure"
+    const char *field; // "indicated_deviation_central_pressure"
+    const char *text;  // "central pressure"
+    const char *unit;  // "half widths", or "" of a ratio
+} indicated_entry;
+
+extern const indicated_entry indicated_entries[NUM_INDICATED];
+
+#endif
