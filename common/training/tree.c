@@ -108,3 +108,33 @@ ehd_status tree_order(size_t *order, const size_t *parent, size_t num_points, eh
     free(heights);
     return EHD_OK;
 }
+
+ehd_status tree_walk(size_t *walk, const size_t *parent, size_t num_points, ehd_error *error) {
+    size_t *first = malloc(num_points * sizeof *first);     // child
+    size_t *sibling = malloc(num_points * sizeof *sibling); // next child of the same parent
+    size_t root = NO_PARENT, length = 0;
+    ehd_status status = first && sibling ? EHD_OK : no_memory(num_points, error);
+    if (status) goto done;
+
+    for (size_t i = 0; i < num_points; i++)
+        first[i] = NO_PARENT;
+    for (size_t i = num_points; i-- > 0;) { // backwards, so that each list ends up forwards
+        size_t *list = parent[i] == NO_PARENT ? &root : &first[parent[i]];
+        sibling[i] = *list;
+        *list = i;
+    }
+    for (size_t here = root; here != NO_PARENT;) {
+        walk[length++] = here;
+        if (first[here] != NO_PARENT) {
+            here = first[here];
+            continue;
+        }
+        while (here != NO_PARENT && sibling[here] == NO_PARENT)
+            here = parent[here];
+        if (here != NO_PARENT) here = sibling[here];
+    }
+done:
+    free(first);
+    free(sibling);
+    return status;
+}

@@ -44,4 +44,12 @@ ehd_status tree_order(
     // input:
     const size_t *parent, size_t num_points, ehd_error *error);
 
+/* Depth first, children in the order of their numbers: a piece of this order is a few connected
+ * branches. EHD_MEMORY. */
+ehd_status tree_walk(
+    // output:
+    size_t *walk, // [num_points]
+    // input:
+    const size_t *parent, size_t num_points, ehd_error *error);
+
 #endif

@@ -22,13 +22,16 @@ static void assert_numbers(const size_t *found, const size_t *expected, size_t c
 static void test_hand_worked(void **state) {
     const size_t expected_parent[] = {1, NO_PARENT, 1, 2, NO_PARENT};
     const size_t expected_order[] = {1, 2, 0, 3, 4}; // heights 1 3 2 1 1
-    size_t parent[NUM_SMALL], order[NUM_SMALL];
+    const size_t expected_walk[] = {1, 0, 2, 3, 4};
+    size_t parent[NUM_SMALL], order[NUM_SMALL], walk[NUM_SMALL];
     (void)state;
 
     assert_int_equal(tree_build(parent, small, NUM_SMALL, NULL), EHD_OK);
     assert_numbers(parent, expected_parent, NUM_SMALL);
     assert_int_equal(tree_order(order, parent, NUM_SMALL, NULL), EHD_OK);
     assert_numbers(order, expected_order, NUM_SMALL);
+    assert_int_equal(tree_walk(walk, parent, NUM_SMALL, NULL), EHD_OK);
+    assert_numbers(walk, expected_walk, NUM_SMALL);
 }
 
 /* The second coordinate counts as much as the first, whatever its unit. */
@@ -106,19 +109,23 @@ static void test_minimal(void **state) {
     assert_int_equal(num_roots, 3);
 }
 
-static void test_order_is_complete(void **state) {
+static void test_orders_are_complete(void **state) {
     tree_point points[NUM_LARGE];
-    size_t parent[NUM_LARGE], order[NUM_LARGE];
-    bool seen[NUM_LARGE] = {false};
+    size_t parent[NUM_LARGE], lists[2][NUM_LARGE];
     (void)state;
 
     make_large(points);
     assert_int_equal(tree_build(parent, points, NUM_LARGE, NULL), EHD_OK);
-    assert_int_equal(tree_order(order, parent, NUM_LARGE, NULL), EHD_OK);
-    for (size_t i = 0; i < NUM_LARGE; i++) {
-        assert_false(seen[order[i]]);
-        assert_true(parent[order[i]] == NO_PARENT || seen[parent[order[i]]]);
-        seen[order[i]] = true;
+    assert_int_equal(tree_order(lists[0], parent, NUM_LARGE, NULL), EHD_OK);
+    assert_int_equal(tree_walk(lists[1], parent, NUM_LARGE, NULL), EHD_OK);
+    for (int list = 0; list < 2; list++) {
+        bool seen[NUM_LARGE] = {false};
+        for (size_t i = 0; i < NUM_LARGE; i++) {
+            size_t point = lists[list][i];
+            assert_false(seen[point]);
+            assert_true(parent[point] == NO_PARENT || seen[parent[point]]);
+            seen[point] = true;
+        }
     }
 }
 
@@ -131,6 +138,9 @@ static void test_no_memory(void **state) {
         allocation_fail_at(call);
         assert_int_equal(tree_build(parent, small, NUM_SMALL, NULL), EHD_MEMORY);
         assert_true(allocation_failed());
+        allocation_fail_at(call);
+        assert_int_equal(tree_walk(other, parent, NUM_SMALL, NULL), EHD_MEMORY);
+        assert_true(allocation_failed());
     }
     allocation_fail_at(0);
     assert_int_equal(tree_order(other, parent, NUM_SMALL, NULL), EHD_MEMORY);
@@ -139,9 +149,12 @@ static void test_no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hand_worked),       cmocka_unit_test(test_scaled),
-        cmocka_unit_test(test_extended),          cmocka_unit_test(test_minimal),
-        cmocka_unit_test(test_order_is_complete), cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_hand_worked),
+        cmocka_unit_test(test_scaled),
+        cmocka_unit_test(test_extended),
+        cmocka_unit_test(test_minimal),
+        cmocka_unit_test(test_orders_are_complete),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
