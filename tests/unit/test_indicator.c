@@ -341,7 +341,7 @@ static void other_errors_are_what_each_row_does(void **state) {
         for (size_t s = 1; s < TRAINED_STATES; s += 5) {
             const ehd_contact *contact = &training.contacts[s];
             double left[400] = {0}, gradient[40], pressure = 0, film = 0;
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
             check_ok(reduced_solve(&info, &at, other, contact, NULL, &error));
             for (size_t r = 0; r < last.num_rows; r++)
                 left[r] = last.right[r] + cblas_ddot((int)n, last.matrix + r * n, 1, last.step, 1);
@@ -351,7 +351,7 @@ static void other_errors_are_what_each_row_does(void **state) {
             for (size_t k = 1; k < at.exit; k++)
                 pressure = fmax(pressure, moved(&last, left, gradients + k * n));
 
-            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H);
+            reduced_guess(&at, &model, contact->moes_M, contact->alpha_p_H, &contact->lubricant);
             check_ok(reduced_solve(&info, &at, solver, contact, NULL, &error));
             const reduced_errors found = reduced_other_errors(solver, &at, contact, added);
             check_close(found.pressure, pressure, 1e-3, 0);
