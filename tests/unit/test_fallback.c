@@ -55,7 +55,6 @@ static void solved_free(solved *self) {
 static void check_fallback(const fallback *found, const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     problem expected;
-    problem_init(&expected, contact, &settings);
     problem_solve_cold(&expected, contact, &settings);
     const size_t num_nodes = contact->grid.num_nodes;
 
