@@ -351,6 +351,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .model = options->model,
                                     .input = options->against,
                                     .solver = ehdrom_march(in_time),
+                                    .accuracy = accuracy_limit(options->accuracy),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,

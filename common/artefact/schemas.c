@@ -148,9 +148,11 @@ static const artefact_field result_fields[] = {
     INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
     REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
-         "indicated relative deviation of the central film thickness from the full model", "time"),
+         "indicated relative deviation of the central film thickness from the full model, in time "
+         "with the same steps; NaN where it cannot be told",
+         "time"),
     REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
-         "the same of the minimum film thickness; stationary", "time"),
+         "the same of the minimum film thickness", "time"),
     INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
     REAL("time_step", "1", NEED_OPTIONAL,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
@@ -223,7 +225,7 @@ static const artefact_attribute result_attributes[] = {
     {0}};
 
 const artefact_schema schema_result = {
-    "ehdrom-result",  1, 8, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
+    "ehdrom-result",  1, 9, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
     result_attributes};
 
 // ---- snapshots
@@ -573,6 +575,10 @@ static const artefact_field model_fields[] = {
          "part"),
     REAL("indicator_effectivity", "1", NEED_OPTIONAL,
          "indicated over true deviation, of the film of which that is less", "position", "part"),
+    REAL("indicator_factor_in_time", "1", NEED_OPTIONAL,
+         "factor of the indicated deviation of the central film thickness in time", "position"),
+    REAL("indicator_factor_in_time_minimum", "1", NEED_OPTIONAL,
+         "factor of the indicated deviation of the minimum film thickness in time", "position"),
     WORST_IN_TIME("central_film_thickness", "central film thickness"),
     WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
     WORST_IN_TIME("central_pressure", "central pressure"),
@@ -623,7 +629,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      2,
+                                      3,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

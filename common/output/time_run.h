@@ -17,6 +17,7 @@ typedef struct time_run_task {
     const char *model; // path of what the solver was made of beside the scene, NULL: nothing
     const char *input; // path of another file that was read, NULL: none
     march_solver solver;
+    double accuracy; // indicated to deviate by more, a step is not to be trusted; 0: it is
     bool with_fields, resume, allow_untrusted;
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */
     void (*effort)(double *rows, double *linear, double *exit, const void *solver);

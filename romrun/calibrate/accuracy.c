@@ -61,12 +61,16 @@ double accuracy_tolerance(double accuracy) {
     return fmax(full_convergence, part * accuracy);
 }
 
+double accuracy_limit(double accuracy) {
+    return accuracy > 0 ? accuracy : DEFAULT_ACCURACY;
+}
+
 void accuracy_judge(run_result *result, double accuracy) {
     const double central = result->indicated_deviation;
     const double minimum = result->indicated_deviation_minimum;
     const bool of_minimum = minimum > central, given = accuracy > 0;
     const double larger = of_minimum ? minimum : central;
-    const double limit = given ? accuracy : DEFAULT_ACCURACY;
+    const double limit = accuracy_limit(accuracy);
 
     if (result->status || isnan(central) || larger <= limit) return;
     result->status = EHD_UNTRUSTED;

@@ -64,21 +64,26 @@ double trade_quantile_of(double *values, size_t count, double quantile) {
     return values[rank > 0 ? rank - 1 : 0];
 }
 
+const double trade_margin = 2;
+
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count) {
-    const double margin = 2; // for kinds of scenes that were not measured
     double largest = 0;
 
     for (size_t i = 0; i < count; i++)
         if (bounds[i] > 0) largest = fmax(largest, deviations[i] / bounds[i]);
-    return margin * largest;
+    return trade_margin * largest;
 }
 
 // ---- choosing
 
 trade_price trade_price_of(const trade_position *position, bool in_time) {
-    if (in_time)
-        return (trade_price){position->worst_in_time[TRADE_CENTRAL_FILM], position->step_seconds,
-                             position->num_lost};
+    if (in_time) {
+        const double *worst = position->worst_in_time;
+        const bool indicated = position->factor_in_time > 0;
+        return (trade_price){indicated ? fmax(worst[TRADE_CENTRAL_FILM], worst[TRADE_MINIMUM_FILM])
+                                       : worst[TRADE_CENTRAL_FILM],
+                             position->step_seconds, position->num_lost};
+    }
     if (position->indicator_factor > 0)
         return (trade_price){position->indicated[PART_90], position->seconds,
                              isfinite(position->indicated[PART_90]) ? 0 : position->num_failures};

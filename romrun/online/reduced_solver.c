@@ -71,6 +71,7 @@ struct reduced_solver {
     row_system system; // the least-squares problem
     exit_search exits; // where the exit line should be
     kept_factors kept; // an earlier Jacobian, in time
+    bool with_kept;    // the last solution was found with it
     reduced_observer *observer;
     void *observer_context;
     double *observed; // [2, rows of the model]
@@ -437,9 +438,11 @@ static bool newton_with_kept(reduced_info *info, reduced_state *state, reduced_s
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
+    self->with_kept = false;
     if (squeeze && self->kept.valid && !self->observer) {
         reduced_state_copy(&self->kept.start, state, self->model);
-        if (newton_with_kept(info, state, self, contact, squeeze)) return EHD_OK;
+        self->with_kept = newton_with_kept(info, state, self, contact, squeeze);
+        if (self->with_kept) return EHD_OK;
         info->status = EHD_NOT_CONVERGED;
         reduced_state_copy(state, &self->kept.start, self->model);
     }
@@ -546,7 +549,11 @@ double reduced_film_error(double *influence, reduced_solver *self, reduced_film 
         add_central_film(gradient, self);
     else
         nodes_add_film_row(gradient, 1, &self->nodes, lowest);
-    return system_film_error(influence, &self->system);
+    row_system *system = &self->system;
+    kept_factors *kept = &self->kept;
+    const step_problem own = {system->matrix, system->factors, system->active, system->num_active};
+    const step_problem earlier = {kept->matrix, kept->factors, kept->row, kept->num_rows};
+    return system_film_error(influence, system, self->with_kept ? &earlier : &own);
 }
 
 void reduced_last_values(reduced_values *values, const reduced_solver *self) {
