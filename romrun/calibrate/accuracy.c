@@ -18,7 +18,8 @@ static void explain(accuracy_choice *choice, const trade_table *table,
     snprintf(choice->note, sizeof choice->note,
              "%s, the fastest of %zu sizes whose %s%s at most so far off: %.3g on %s%zu %s, in "
              "%.3g ms%s",
-             sizes, table->num_positions, in_time ? "central film was" : "films were",
+             sizes, table->num_positions,
+             in_time && !(position->factor_in_time > 0) ? "central film was" : "films were",
              indicated ? " indicated to be" : "", price.deviation, indicated ? "90 % of " : "",
              in_time ? table->num_trajectories : table->num_scenes,
              in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");

@@ -92,14 +92,22 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
+/* Failures that are not held against a size: in time with an indicator, where they are flagged, those
+ * of half of the trajectories. A film that ruptures in the inlet after a jump, where no model has an
+ * exit, every accurate size loses: 5 of 20 random histories (scenes/studies/silent-in-time). */
+static size_t allowed_failures(const trade_table *table, size_t position, bool in_time) {
+    return in_time && table->positions[position].factor_in_time > 0 ? table->num_trajectories / 2
+                                                                    : 0;
+}
+
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time) {
     const trade_price self = trade_price_of(&table->positions[position], in_time);
 
-    if (self.num_failures > 0) return true;
+    if (self.num_failures > allowed_failures(table, position, in_time)) return true;
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price other = trade_price_of(&table->positions[i], in_time);
-        if (other.num_failures == 0 && other.seconds <= self.seconds &&
-            other.deviation <= self.deviation &&
+        if (other.num_failures <= allowed_failures(table, i, in_time) &&
+            other.seconds <= self.seconds && other.deviation <= self.deviation &&
             (other.seconds < self.seconds || other.deviation < self.deviation))
             return true;
     }
@@ -112,7 +120,8 @@ size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) 
 
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > 0 || !(price.deviation <= deviation) || !(price.seconds < seconds))
+        if (price.num_failures > allowed_failures(table, i, in_time) ||
+            !(price.deviation <= deviation) || !(price.seconds < seconds))
             continue;
         best = i;
         seconds = price.seconds;
@@ -126,7 +135,9 @@ size_t trade_most_accurate(const trade_table *table, bool in_time) {
 
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > 0 || !(price.deviation < deviation)) continue;
+        if (price.num_failures > allowed_failures(table, i, in_time) ||
+            !(price.deviation < deviation))
+            continue;
         best = i;
         deviation = price.deviation;
     }

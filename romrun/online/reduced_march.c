@@ -387,13 +387,17 @@ static ehd_status use_base(reduced_march *self, ehd_error *error) {
 
 /* From the errors that the indicator has of the attempt, and what its least squares left. */
 static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact,
-                          bool solved) {
+                          double entrainment) {
     const contact_scalars *scalars = &outcome->scalars;
     const double at = self->model->band.num_lines > 1 ? 0 : scalars->minimum_position;
     const double density =
         lubricant_density(&contact->lubricant, scalars->central_pressure * contact->hertz_pressure);
-    const double own = solved ? reduced_film_error(NULL, self->solver, REDUCED_MINIMUM_FILM) : 0;
-    const double arriving = time_indicator_arriving(&self->indicator, at);
+    const double own = entrainment > 0 || self->formula.rate > 0
+                           ? reduced_film_error(NULL, self->solver, REDUCED_MINIMUM_FILM)
+                           : 0; // a start at rest, not solved
+    const double arriving =
+        time_indicator_arriving(&self->indicator, at) +
+        time_indicator_constriction(&self->indicator, scalars->exit_position, entrainment);
 
     outcome->indicated = self->factor * time_indicator_central(&self->indicator) /
                          (scalars->central_film_thickness * density);
@@ -412,7 +416,7 @@ static void indicate_start(march_step *outcome, reduced_march *self, const ehd_c
     previous_film_prepare(first, self->model, self->splines, &self->reference);
     time_indicator_evaluate(&self->indicator, first, contact, &self->reference, 0, self->splines);
     time_indicator_start(&self->indicator, contact->entrainment);
-    set_indicated(outcome, self, contact, contact->entrainment > 0);
+    set_indicated(outcome, self, contact, contact->entrainment);
 }
 
 static void accept(void *solver);
@@ -453,6 +457,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
         reduced_row_values(self->estimate.pressure, NULL, self->solver, &contact);
         self->last_doubtful = -INFINITY;
         judge(outcome, self, &first->state, &first->frame);
+        self->formula.rate = 0;
         indicate_start(outcome, self, &contact);
     }
     self->formula.rate = 0;
@@ -715,7 +720,7 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
                             self->splines);
     time_indicator_carry(indicator, &state_before(self, 1)->frame, &next->frame, self->entrainment,
                          step);
-    set_indicated(outcome, self, contact, true);
+    set_indicated(outcome, self, contact, self->entrainment);
 }
 
 /* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
