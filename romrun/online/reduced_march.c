@@ -414,7 +414,7 @@ static void indicate_start(march_step *outcome, reduced_march *self, const ehd_c
 
     if (isnan(self->factor)) return;
     previous_film_prepare(first, self->model, self->splines, &self->reference);
-    time_indicator_evaluate(&self->indicator, first, contact, &self->reference, 0, self->splines);
+    time_indicator_evaluate(&self->indicator, first, contact, 0, self->splines);
     time_indicator_start(&self->indicator, contact->entrainment);
     set_indicated(outcome, self, contact, contact->entrainment);
 }
@@ -716,8 +716,7 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
         indicator->previous[i] =
             sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
     }
-    time_indicator_evaluate(indicator, next, contact, &self->reference, self->formula.rate,
-                            self->splines);
+    time_indicator_evaluate(indicator, next, contact, self->formula.rate, self->splines);
     time_indicator_carry(indicator, &state_before(self, 1)->frame, &next->frame, self->entrainment,
                          step);
     set_indicated(outcome, self, contact, self->entrainment);

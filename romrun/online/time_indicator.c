@@ -108,8 +108,7 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
 
 // ---- residuals
 
-static void expand(time_indicator *self, const previous_film *state, const ehd_contact *contact,
-                   const ehd_contact *reference, const film_splines *splines) {
+static void expand(time_indicator *self, const previous_film *state, const film_splines *splines) {
     const reduced_model *model = self->model;
     const size_t *exit = reduced_state_exits(&state->state), num = model->num_pressure;
 
@@ -117,13 +116,10 @@ static void expand(time_indicator *self, const previous_film *state, const ehd_c
         const size_t node = self->needed_node[q];
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
-        double mass;
         self->pressure[q] = before ? cblas_ddot((int)num, splines->pressure_basis + node * num, 1,
                                                 state->state.coordinates, 1)
                                    : 0;
-        previous_film_masses(&mass, &state, 1, node, &state->frame, model, splines, reference);
-        self->film[q] = mass / lubricant_density(&contact->lubricant,
-                                                 self->pressure[q] * contact->hertz_pressure);
+        self->film[q] = previous_film_thickness(state, node, model, splines);
     }
 }
 
@@ -147,14 +143,13 @@ static void find_shares(time_indicator *self) {
 }
 
 void time_indicator_evaluate(time_indicator *self, const previous_film *state,
-                             const ehd_contact *contact, const ehd_contact *reference, double rate,
-                             const film_splines *splines) {
+                             const ehd_contact *contact, double rate, const film_splines *splines) {
     const reduced_model *model = self->model;
     const size_t *exit = reduced_state_exits(&state->state);
     const reynolds_squeeze squeeze = {rate, self->previous};
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, self->num_needed, contact);
 
-    expand(self, state, contact, reference, splines);
+    expand(self, state, splines);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, self->num_needed);
     reynolds_rows(self->rows, &model->grid, contact->entrainment, rate > 0 ? &squeeze : NULL,
                   self->stencils, self->num_nodes, &fluid, self->pressure, self->film);

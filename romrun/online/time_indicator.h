@@ -41,14 +41,14 @@ ehd_status time_indicator_init(
     const reduced_model *model, ehd_error *error);
 void time_indicator_free(time_indicator *self);
 
-/* Evaluates the residuals of a state that has been prepared (previous_film_prepare), for `contact`,
- * `reference` in the state's frame, with the entrainment of its rows; with self->previous where rate > 0. */
+/* Evaluates the residuals of a state that has been prepared (previous_film_prepare), for `contact`
+ * with the entrainment of its rows; with self->previous where rate > 0. */
 void time_indicator_evaluate(
     // in and out:
     time_indicator *self,
     // input:
-    const previous_film *state, const ehd_contact *contact, const ehd_contact *reference,
-    double rate, const film_splines *splines);
+    const previous_film *state, const ehd_contact *contact, double rate,
+    const film_splines *splines);
 
 /* Carries the errors to the frame of the state just evaluated, lets those of the inlet enter at a
  * dimensionless entrainment, and adds what the step leaves out of the films inside. */
