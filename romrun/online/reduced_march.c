@@ -395,9 +395,7 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     const double own = entrainment > 0 || self->formula.rate > 0
                            ? reduced_film_error(NULL, self->solver, REDUCED_MINIMUM_FILM)
                            : 0; // a start at rest, not solved
-    const double arriving =
-        time_indicator_arriving(&self->indicator, at) +
-        time_indicator_constriction(&self->indicator, scalars->exit_position, entrainment);
+    const double arriving = time_indicator_arriving(&self->indicator, at);
 
     outcome->indicated = self->factor * time_indicator_central(&self->indicator) /
                          (scalars->central_film_thickness * density);

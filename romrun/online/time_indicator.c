@@ -1,20 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/time_indicator.h"
 
-#include "common/time/march.h"
 #include "romrun/model/reduced_cut.h"
 
 #include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 
-enum { NUM_INLET = 12, NUM_INSIDE = 12, NUM_CONSTRICTION = 6 };
-enum { MOST_NODES = NUM_INLET + NUM_INSIDE + NUM_CONSTRICTION };
+enum { NUM_INLET = 12, NUM_INSIDE = 12, MOST_NODES = NUM_INLET + NUM_INSIDE };
 
 // X between which films are formed and then carried unchanged, and behind which the constriction
 // settles them anew; denser towards the entry, where a residual enters with a larger share
 static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER = 1.7;
-static const double OUTLET = 0.96;
 static const double CENTRE = 0.1, ARRIVING = 0.3; // of a film's errors the largest that far away
 
 void time_indicator_free(time_indicator *self) {
@@ -43,9 +40,6 @@ static void choose_nodes(time_indicator *self) {
     self->num_inlet = self->num_nodes;
     for (size_t i = 1; i <= NUM_INSIDE; i++)
         add_node(self, ENTRY + (CONSTRICTION - ENTRY) * (double)i / NUM_INSIDE);
-    self->num_carried = self->num_nodes;
-    for (size_t i = 1; i <= NUM_CONSTRICTION; i++)
-        add_node(self, CONSTRICTION + (OUTLET - CONSTRICTION) * (double)i / NUM_CONSTRICTION);
 }
 
 static int compare_indices(const void *a, const void *b) {
@@ -189,9 +183,9 @@ void time_indicator_carry(time_indicator *self, const contact_frame *then, const
 
     film_errors_carry(&self->errors, then, now);
     film_errors_enter(&self->errors, then, now, self->entry, entering(self, entrainment));
-    for (size_t i = first; i < self->num_carried; i++)
+    for (size_t i = first; i < self->num_nodes; i++)
         inside[i] = at_most_all(self, i, step * self->residual[i]);
-    film_errors_add(&self->errors, 1, inside + first, self->x + first, self->num_carried - first);
+    film_errors_add(&self->errors, 1, inside + first, self->x + first, self->num_nodes - first);
 }
 
 void time_indicator_start(time_indicator *self, double entrainment) {
@@ -200,12 +194,12 @@ void time_indicator_start(time_indicator *self, double entrainment) {
 
     film_errors_set(&self->errors, NULL);
     film_errors_enter(&self->errors, NULL, NULL, INFINITY, entering(self, entrainment));
-    for (size_t i = first + 1; i < self->num_carried; i++) {
+    for (size_t i = first + 1; i < self->num_nodes; i++) {
         const double added = (self->x[i] - self->x[i - 1]) / 2 *
                              (self->residual[i] + self->residual[i - 1]) / entrainment;
         inside[i] = at_most_all(self, i, inside[i - 1] + added);
     }
-    film_errors_add(&self->errors, 1, inside + first, self->x + first, self->num_carried - first);
+    film_errors_add(&self->errors, 1, inside + first, self->x + first, self->num_nodes - first);
 }
 
 double time_indicator_central(const time_indicator *self) {
@@ -214,14 +208,4 @@ double time_indicator_central(const time_indicator *self) {
 
 double time_indicator_arriving(const time_indicator *self, double x) {
     return film_errors_largest(&self->errors, x - ARRIVING, x);
-}
-
-double time_indicator_constriction(const time_indicator *self, double exit, double entrainment) {
-    const size_t first = self->num_carried - 1, last = self->num_nodes - 1;
-    double added = 0;
-
-    // nearer to the exit its moves by whole nodes leave what no film has
-    for (size_t i = first + 1; i <= last && self->x[i] < exit - march_exit_margin; i++)
-        added += (self->x[i] - self->x[i - 1]) / 2 * (self->residual[i] + self->residual[i - 1]);
-    return at_most_all(self, first, added / entrainment);
 }

@@ -14,9 +14,8 @@
 
 typedef struct time_indicator {
     const reduced_model *model;
-    // on the central line, ascending: those of the inlet, those inside up to num_carried, and those of
-    // the constriction
-    size_t num_inlet, num_carried, num_nodes;
+    // on the central line, those of the inlet first, ascending
+    size_t num_inlet, num_nodes;
     size_t *node;
     double *x;                  // [num_nodes]
     reynolds_stencil *stencils; // [num_nodes] of indices in needed_node
@@ -61,8 +60,5 @@ void time_indicator_start(time_indicator *self, double entrainment);
 /* Largest error of rho H around the centre, and of the films that arrive at X. */
 double time_indicator_central(const time_indicator *self);
 double time_indicator_arriving(const time_indicator *self, double x);
-
-/* That of the fluid that the constriction's residuals add, before an exit at X. */
-double time_indicator_constriction(const time_indicator *self, double exit, double entrainment);
 
 #endif
