@@ -309,6 +309,8 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
                             .frame = first->frame,
+                            .indicated = NAN,
+                            .indicated_minimum = NAN,
                             .scalars = full_evaluate_scalars(&first->state, &contact),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};
@@ -608,6 +610,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     add_effort(self, &info);
     *outcome = (march_step){.status = info.status,
                             .reason = info.reason,
+                            .indicated = NAN,
+                            .indicated_minimum = NAN,
                             .scalars = full_evaluate_scalars(state, &contact),
                             .iterations = info.newton_iterations,
                             .residual = info.residual};

@@ -464,6 +464,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .input = options->against,
                                     .solver = mixed ? fallback_march_solver(mixed)
                                                     : ehdrom_march(in_time),
+                                    .accuracy = accuracy_limit(options->accuracy),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,

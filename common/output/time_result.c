@@ -28,7 +28,9 @@ static const struct {
     SCALAR(residual_norm, residual),
     SCALAR(time_step, step),
     SCALAR(time_effect, effect),
-    SCALAR(time_effect_minimum, effect_minimum)};
+    SCALAR(time_effect_minimum, effect_minimum),
+    SCALAR(indicated_deviation, indicated),
+    SCALAR(indicated_deviation_minimum, indicated_minimum)};
 
 enum { NUM_REALS = sizeof reals / sizeof *reals };
 

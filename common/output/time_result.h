@@ -26,12 +26,13 @@ typedef struct time_entry {
     const double *exits;       // [lines of the whole grid, GRID_EXITS] as of march_solver
     size_t newton_iterations;
     double residual;
-    ehd_status status;             // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
-    bool by_full_model;            // in a file `with_models`
-    double step;                   // of the integration that led here, 0 at the start
-    double effect, effect_minimum; // of the steps in time on the films, as in march_step
-    const double *pressure;        // [num_nodes] in the current frame, NULL: no field at this time
-    const double *film;            // [num_nodes] in the current frame, NULL: no field at this time
+    ehd_status status;                   // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
+    bool by_full_model;                  // in a file `with_models`
+    double step;                         // of the integration that led here, 0 at the start
+    double effect, effect_minimum;       // of the steps in time on the films, as in march_step
+    double indicated, indicated_minimum; // deviation of the films, as in march_step
+    const double *pressure; // [num_nodes] in the current frame, NULL: no field at this time
+    const double *film;     // [num_nodes] in the current frame, NULL: no field at this time
 } time_entry;
 
 /* What is known at the end of a run. */
@@ -109,6 +110,7 @@ typedef struct time_series {
     double *residual_norm;
     double *time_step;
     double *time_effect, *time_effect_minimum;
+    double *indicated_deviation, *indicated_deviation_minimum;
     int64_t *newton_iterations;
     int64_t *status;
 } time_series;

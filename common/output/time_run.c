@@ -22,6 +22,7 @@ typedef struct run_totals {
     double min_film, max_film;                                  // minimum and central one
     // of the steps on the central film, int effect^2 dT, and on both the largest one
     double effect_squares, max_effect, max_effect_minimum;
+    double max_indicated, max_indicated_minimum; // deviations of both; NaN: not known
 } run_totals;
 
 /* Places in a restart slot. */
@@ -211,6 +212,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .step = step->step,
                               .effect = step->effect,
                               .effect_minimum = step->effect_minimum,
+                              .indicated = step->indicated,
+                              .indicated_minimum = step->indicated_minimum,
                               .pressure = fields ? self->pressure : NULL,
                               .film = fields ? self->film : NULL};
     self->totals.min_film = fmin(self->totals.min_film, entry.minimum_film_thickness);
@@ -219,6 +222,9 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
     self->totals.max_effect = larger(self->totals.max_effect, fabs(entry.effect));
     self->totals.max_effect_minimum =
         larger(self->totals.max_effect_minimum, fabs(entry.effect_minimum));
+    self->totals.max_indicated = larger(entry.indicated, self->totals.max_indicated);
+    self->totals.max_indicated_minimum =
+        larger(entry.indicated_minimum, self->totals.max_indicated_minimum);
     if (!status && self->file) status = write_entry(self, &entry, before, error);
     if (!status && self->trace) status = trace_add(self->trace, &entry, error);
     if (!status && self->file && before - self->last_checkpoint > CHECKPOINT_PAUSE)
@@ -356,6 +362,12 @@ static void report_share(const runner *self) {
                      share.reason, share.since, share.full_steps, num_steps, share.seconds_full);
 }
 
+static void report_indicated(const run_totals *totals) {
+    if (isnan(totals->max_indicated)) return;
+    printf("%-24scentral film %.2g %%, minimum film %.2g %% at most\n", "indicated deviation",
+           100 * totals->max_indicated, 100 * totals->max_indicated_minimum);
+}
+
 static void report(const runner *self, const run_totals *totals, ehd_status outcome) {
     const ehd_contact *contact = self->task->reference;
     const march_state *state = &self->march.state;
@@ -375,6 +387,7 @@ static void report(const runner *self, const run_totals *totals, ehd_status outc
     if (isfinite(scale)) printf("      %.6g µm", totals->max_film * scale);
     printf("\n");
     report_effects(totals, state);
+    report_indicated(totals);
     printf("%-24s%.0f, %.3g a step\n", "Newton iterations", state->num_iterations,
            state->num_iterations / fmax(state->num_steps + state->num_rejected, 1));
     printf("%-24s%.4g s, %.4g ms a step\n", "solution", totals->seconds,
@@ -451,6 +464,7 @@ static ehd_status prepare(runner *self, ehd_histories **histories, ehd_error *er
                 .solver = *solver,
                 .store = store,
                 .sink = self};
+    self->march.settings.accuracy = task->accuracy;
     self->restart = malloc((AT_SOLVER + solver->saved_size(solver->self)) * sizeof(double));
     if (task->with_fields) {
         self->pressure = malloc(num_nodes * sizeof(double));

@@ -26,6 +26,7 @@ typedef struct time_run_task {
     const char *model; // path of what the solver was made of beside the scene, NULL: nothing
     const char *input; // path of another file that was read, NULL: none
     march_solver solver;
+    double accuracy; // indicated to deviate by more, a step is not to be trusted; 0: it is
     bool with_fields, resume, allow_untrusted;
     const char *untrusted; // why no entry is to be trusted; NULL: that is so of single ones only
     /* Seconds that this solver spent on parts of the work so far; NaN: not measured apart. */

@@ -76,6 +76,21 @@ static void watch_trust(march *self, const march_step *outcome) {
     snprintf(self->untrusted, sizeof self->untrusted, "%s", outcome->reason);
 }
 
+/* Marks a solved step by what is indicated of its films. */
+static void judge_accuracy(march *self, march_step *outcome) {
+    const double accuracy = self->settings.accuracy;
+    const bool of_minimum = outcome->indicated_minimum > outcome->indicated;
+    const double larger = of_minimum ? outcome->indicated_minimum : outcome->indicated;
+
+    if (outcome->status || !(accuracy > 0) || isnan(outcome->indicated) || larger <= accuracy)
+        return;
+    snprintf(self->deviation, sizeof self->deviation,
+             "an indicated deviation of %.2g of the %s film, more than %g", larger,
+             of_minimum ? "minimum" : "central", accuracy);
+    outcome->status = EHD_UNTRUSTED;
+    outcome->reason = self->deviation;
+}
+
 ehd_status march_check_start(double speed, bool approach_given, ehd_error *error) {
     if (speed != 0 || !approach_given) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
@@ -111,6 +126,7 @@ ehd_status march_begin(march_step *outcome, march *self, ehd_error *error) {
     self->state = (march_state){.step = settings->first_step, .untrusted_since = NAN};
     self->state.load = outcome->scalars.load * outcome->frame.load;
     outcome->step = 0;
+    judge_accuracy(self, outcome);
     watch_trust(self, outcome);
     return EHD_OK;
 }
@@ -308,7 +324,7 @@ static double first_step_after_jump(const march *self, const march_step *outcome
 }
 
 /* The step counts; it was the solver's last attempt. */
-static void accept(march *self, const march_step *outcome, const next_stop *reached) {
+static void accept(march *self, march_step *outcome, const next_stop *reached) {
     march_state *state = &self->state;
     double load = outcome->scalars.load * outcome->frame.load;
 
@@ -321,6 +337,7 @@ static void accept(march *self, const march_step *outcome, const next_stop *reac
     state->time = outcome->frame.time;
     state->num_steps++;
     state->at_kink = reached->is_kink;
+    judge_accuracy(self, outcome);
     watch_trust(self, outcome);
     state->step = step_after(self, outcome);
     if (reached->is_jump) {

@@ -23,6 +23,8 @@ typedef struct march_step {
     // relative changes of central and minimum film by ever smaller steps in time and, along the
     // path, no filter, estimated (README.md, Errors in time); NaN: cannot be told
     double effect, effect_minimum;
+    // relative deviation of both from the full model with the same steps, indicated; NaN: not known
+    double indicated, indicated_minimum;
     size_t iterations; // Newton
     double residual;
     bool by_full_model; // of a solver that falls back on it; else false
@@ -76,6 +78,7 @@ typedef struct march_solver {
 
 typedef struct march_settings {
     double end_time;
+    double accuracy; // indicated to deviate by more, a step is not to be trusted; 0: whatever it is
     double tolerance;  // on the local error of one step, or on what a film takes up; NaN with a
                        // fixed step
     double fixed_step; // NaN: steps by the local error
@@ -109,6 +112,7 @@ typedef struct march {
     /* Takes an accepted step away; `index` counts from 1, the start being 0. */
     ehd_status (*store)(void *sink, const march_step *step, size_t index, ehd_error *error);
     void *sink;
+    char deviation[MARCH_REASON]; // that of the last step, where it was above the accuracy
     char reason[MARCH_REASON];    // why it ended before end_time, or ""
     char untrusted[MARCH_REASON]; // why the first untrusted step was not to be trusted, or ""
 } march;

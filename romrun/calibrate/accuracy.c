@@ -20,7 +20,8 @@ static void explain(accuracy_choice *choice, const trade_table *table,
     snprintf(choice->note, sizeof choice->note,
              "%s, the fastest of %zu sizes whose %s%s at most so far off: %.3g on %s%zu %s, in "
              "%.3g ms%s",
-             sizes, table->num_positions, in_time ? "central film was" : "films were",
+             sizes, table->num_positions,
+             in_time && !(position->factor_in_time > 0) ? "central film was" : "films were",
              indicated ? " indicated to be" : "", price.deviation, indicated ? "90 % of " : "",
              in_time ? table->num_trajectories : table->num_scenes,
              in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");
@@ -63,12 +64,16 @@ double accuracy_tolerance(double accuracy) {
     return fmax(full_convergence, part * accuracy);
 }
 
+double accuracy_limit(double accuracy) {
+    return accuracy > 0 ? accuracy : accuracy_default;
+}
+
 void accuracy_judge(run_result *result, double accuracy) {
     const double central = result->indicated_deviation;
     const double minimum = result->indicated_deviation_minimum;
     const bool of_minimum = minimum > central, given = accuracy > 0;
     const double larger = of_minimum ? minimum : central;
-    const double limit = given ? accuracy : accuracy_default;
+    const double limit = accuracy_limit(accuracy);
 
     if (result->status || isnan(central) || larger <= limit) return;
     result->status = EHD_UNTRUSTED;

@@ -28,6 +28,9 @@ ehd_status accuracy_choose(
 /* Tolerance for ehdrom_solver_set_tolerance: a fiftieth of the accuracy, at least 1e-8. */
 double accuracy_tolerance(double accuracy);
 
+/* What holds for both films: the accuracy, 1 % where that is 0: not given. */
+double accuracy_limit(double accuracy);
+
 /* Sets EHD_UNTRUSTED where the central or the minimum film is indicated to deviate by more than the
  * accuracy, 1 % where that is 0: not given. */
 void accuracy_judge(run_result *result, double accuracy);

@@ -125,8 +125,9 @@ static void print_best(const trade_table *table, bool in_time) {
     bool indicated = !in_time && position->indicator_factor > 0;
     trade_name(name, &position->sizes);
     printf("most accurate%s: %s, %s%s at most %.2g off%s, %.3g ms%s\n", in_time ? " in time" : "",
-           name, in_time ? "central film" : "films", indicated ? " indicated to be" : "",
-           price.deviation, indicated ? " on 90 % of the scenes" : "", price.seconds * 1e3,
+           name, in_time && !(position->factor_in_time > 0) ? "central film" : "films",
+           indicated ? " indicated to be" : "", price.deviation,
+           indicated ? " on 90 % of the scenes" : "", price.seconds * 1e3,
            in_time ? " a step" : "");
     if (indicated)
         printf("indicated over true deviation there: 5 %% %.2g, median %.2g, 95 %% %.2g\n",

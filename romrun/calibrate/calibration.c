@@ -4,9 +4,11 @@
 #include "common/physics/deflection.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
+#include "romrun/online/reduced_march.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
 
@@ -211,6 +213,7 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
 /* Measurements on the steps of all trajectories. */
 typedef struct repetition {
     double worst[TRADE_PRESSURE];
+    double over_bound[2]; // largest deviation of central and minimum film over its bound
     double iterations, seconds;
     size_t num_steps;
 } repetition;
@@ -227,6 +230,9 @@ static void add_step(repetition *self, const march_step *outcome, const recorded
 
     for (int q = 0; q < TRADE_PRESSURE; q++)
         self->worst[q] = fmax(self->worst[q], deviation[q]);
+    const double bound[] = {outcome->indicated, outcome->indicated_minimum};
+    for (int q = 0; q < 2; q++)
+        if (bound[q] > 0) self->over_bound[q] = fmax(self->over_bound[q], deviation[q] / bound[q]);
 }
 
 /* The start, or a step that is accepted. */
@@ -253,6 +259,7 @@ static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
     if (status) return status;
 
     const march_solver solver = ehdrom_march(in_time);
+    reduced_march_indicate(solver.self, 1, 1); // bounds
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
         double before = program_seconds();
         status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
@@ -266,7 +273,10 @@ static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
         here.num_steps++;
     }
     *lost = outcome.status != EHD_OK;
-    if (!*lost) *sum = here;
+    if (!*lost)
+        *sum = here;
+    else // what it indicated before holds all the same
+        memcpy(sum->over_bound, here.over_bound, sizeof sum->over_bound);
     ehdrom_transient_free(in_time);
     return status;
 }
@@ -285,6 +295,8 @@ ehd_status calibration_measure_in_time(trade_position *position, ehdrom_model *m
     }
     for (int q = 0; q < TRADE_PRESSURE; q++)
         position->worst_in_time[q] = sum.num_steps ? sum.worst[q] : NAN;
+    position->factor_in_time = trade_margin * sum.over_bound[0];
+    position->factor_in_time_minimum = trade_margin * sum.over_bound[1];
     position->step_iterations = sum.num_steps ? sum.iterations / (double)sum.num_steps : NAN;
     position->step_seconds = sum.num_steps ? sum.seconds / (double)sum.num_steps : NAN;
     return status;

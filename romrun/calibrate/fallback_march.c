@@ -24,6 +24,7 @@ _Static_assert(sizeof(standing) == NUM_STANDING * sizeof(double), "these are dou
 
 struct fallback_march {
     ehd_contact reference;
+    double accuracy;      // of the films that a reduced step indicates
     double limit;         // of a reduced film's deviation from the full one, over the central film
     const char *distrust; // why all steps are the full model's; NULL: they are not
     reduced_march *reduced;
@@ -66,6 +67,7 @@ ehd_status fallback_march_create(fallback_march **created, reduced_march *reduce
     *created = NULL;
     if (!self) return ehd_fail(error, EHD_MEMORY, "full model: found no memory");
     self->reference = *reference;
+    self->accuracy = accuracy;
     self->limit = part * accuracy;
     self->distrust = distrust;
     self->now.since = NAN;
@@ -216,6 +218,14 @@ static ehd_status deviation(double *largest, fallback_march *self, double centra
     return status;
 }
 
+/* A step whose films are indicated to deviate by more than the accuracy is not trusted either. */
+static void judge_indicated(march_step *outcome, const fallback_march *self) {
+    if (outcome->status || !(fmax(outcome->indicated, outcome->indicated_minimum) > self->accuracy))
+        return;
+    outcome->status = EHD_UNTRUSTED;
+    outcome->reason = "a film indicated to deviate by more than the accuracy";
+}
+
 /* Whether the reduced model, from the full one's states as its modes have them, solves the step that
  * the full one has just solved, as one to be trusted and with the same film wherever there is
  * pressure: what was in the film that it does not have has then left. */
@@ -229,6 +239,7 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
     ehd_status status = to_reduced(self, &before, error);
     if (!status)
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
+    if (!status) judge_indicated(&outcome, self);
     if (status || outcome.status) return status;
     status = deviation(&largest, self, solved->scalars.central_film_thickness, error);
     self->returns = largest <= self->limit;
@@ -247,6 +258,7 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
     if (!self->distrust) {
         status = self->of_reduced.start(outcome, self->of_reduced.self, frame, error);
         self->now.seconds_reduced += program_seconds() - begun;
+        judge_indicated(outcome, self);
         if (status || !outcome->status) return status;
     }
     begun = program_seconds();
@@ -270,6 +282,7 @@ static ehd_status attempt_reduced(bool *done, march_step *outcome, fallback_marc
         self->of_reduced.attempt(outcome, self->of_reduced.self, frame, step, error);
 
     self->now.seconds_reduced += program_seconds() - begun;
+    judge_indicated(outcome, self);
     *done = status || !outcome->status ||
             (outcome->status == EHD_NOT_CONVERGED && self->now.failed++ == 0);
     self->doubt = outcome->reason;

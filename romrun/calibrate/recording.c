@@ -141,10 +141,9 @@ ehd_status recordings_make(recording *recordings, const program *caller, const t
 const char *recording_check(const recording *self, const trained_range *range) {
     for (size_t i = 0; i < self->num_steps; i++) {
         const contact_frame *now = &self->steps[i].load_frame;
-        double rate = i > 0 ? frame_rate(now, &self->steps[i - 1].load_frame) : 0;
         ehd_contact contact;
         frame_contact(&contact, now, self->reference);
-        const char *reason = trained_range_check(range, contact.moes_M, contact.alpha_p_H, rate);
+        const char *reason = trained_range_check(range, contact.moes_M, contact.alpha_p_H, 0);
         if (reason) return reason;
     }
     return NULL;

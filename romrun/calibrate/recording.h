@@ -36,7 +36,7 @@ ehd_status recordings_make(
     // input:
     const program *caller, const training_set *set, size_t num_workers, ehd_error *error);
 
-/* Why a step lies outside of a model's trained range, or NULL. */
+/* Why a step lies outside of a model's trained range in M and alpha p_H, or NULL. */
 const char *recording_check(const recording *self, const trained_range *range);
 
 #endif

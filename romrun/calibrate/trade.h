@@ -36,8 +36,8 @@ size_t trade_most_accurate(const trade_table *table, bool in_time);
 /* Deviation and time by which these choose. With an indicator, which marks the scenes that deviate
  * by more, it is enough that 90 % of the scenes are solved and indicated to deviate by no more. */
 typedef struct trade_price {
-    // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time of the
-    // central film alone
+    // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time the
+    // worst, without an indicator of the central film alone
     double deviation;
     double seconds;      // of a solution or a step
     size_t num_failures; // with an indicator 0 up to 10 % of the scenes
@@ -47,6 +47,9 @@ trade_price trade_price_of(const trade_position *position, bool in_time);
 /* "80 pressure modes, 120 rows" */
 enum { TRADE_NAME = 96 };
 void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes);
+
+/* What a factor has beyond the scenes that were measured, for kinds that were not: 2. */
+extern const double trade_margin;
 
 /* Factor of a film's indicator (indicator.h) with which each scene is indicated to deviate at least
  * twice as much as it does. 0: no scenes. */

@@ -67,6 +67,13 @@ static const column of_indicator[] = {
     {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
+/* The same in time, which came later: both or none. */
+static const column in_time[] = {
+    {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
+    {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
+     true}};
+enum { NUM_IN_TIME = sizeof in_time / sizeof *in_time };
+
 enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };
 
 static bool is_measured(const column *self, const trade_table *table) {
@@ -112,6 +119,8 @@ static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error 
         if (!is_measured(&reals[c], table)) continue;
         status = put_column(file, values, &reals[c], table, error);
     }
+    for (size_t c = 0; c < NUM_IN_TIME && !status && table->num_trajectories > 0; c++)
+        status = put_column(file, values, &in_time[c], table, error);
     for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
         for (size_t i = 0; i < table->num_positions * NUM_TRADE_QUANTILES; i++)
             values[i] =
@@ -250,6 +259,19 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
     return status;
 }
 
+static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *error) {
+    double *values = malloc(table->num_positions * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+    bool both = table->num_trajectories > 0;
+
+    for (size_t c = 0; c < NUM_IN_TIME; c++)
+        both = both && artefact_has(file, in_time[c].field);
+    for (size_t c = 0; c < NUM_IN_TIME && both && !status; c++)
+        status = get_of_indicator(table, values, &in_time[c], file, error);
+    free(values);
+    return status;
+}
+
 static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error) {
     int64_t num_scenes = 0, num_trajectories = 0;
     ehd_status status = artefact_get_integer(file, "calibration_scenes", &num_scenes, error);
@@ -272,6 +294,7 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
     if (!table->positions) return no_memory(file, error);
     status = get_counts(table, file, error);
     if (!status) status = get_reals(table, file, error);
+    if (!status) status = get_in_time(table, file, error);
     return status ? status : get_indicator(table, file, error);
 }
 

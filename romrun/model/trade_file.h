@@ -38,7 +38,9 @@ typedef struct trade_position {
     // on trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean
-    size_t num_lost;                      // trajectories with a step not converged or not trusted
+    double factor_in_time;         // of the indicator in time, central film; 0: not calibrated
+    double factor_in_time_minimum; // minimum film
+    size_t num_lost;               // trajectories with a step not converged or not trusted
 } trade_position;
 
 typedef struct trade_table {

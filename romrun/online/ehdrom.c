@@ -19,8 +19,9 @@ struct ehdrom_model {
     double indicator_factor_minimum;
     double largest_residual; // of the scenes of the calibration; infinite: not known
     bool checked_in_time;
-    double most_iterations;             // of these; infinite: not known
-    double other_factor[NUM_INDICATED]; // 0: not calibrated
+    double most_iterations;                        // of these; infinite: not known
+    double other_factor[NUM_INDICATED];            // 0: not calibrated
+    double factor_in_time, factor_in_time_minimum; // NaN: not calibrated at these sizes
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;
@@ -46,6 +47,7 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
     ehd_status status = trade_read_optional(&table, &calibrated, path, error);
 
     self->largest_residual = self->most_iterations = INFINITY;
+    self->factor_in_time = self->factor_in_time_minimum = NAN;
     if (status || !calibrated) return status;
     for (size_t i = 0; i < table.num_positions; i++) {
         const trade_position *position = &table.positions[i];
@@ -56,6 +58,9 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
         if (position->indicator_factor > 0) self->largest_residual = position->largest_residual;
         self->checked_in_time = table.num_trajectories > position->num_lost;
         if (position->max_iterations > 0) self->most_iterations = position->max_iterations;
+        if (!(position->factor_in_time > 0)) continue;
+        self->factor_in_time = position->factor_in_time;
+        self->factor_in_time_minimum = position->factor_in_time_minimum;
     }
     trade_free(&table);
     return EHD_OK;
@@ -370,6 +375,8 @@ ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_mo
     contact_take_grid(&self->reference, &model->reduced.grid);
     status = reduced_march_create(&self->march, &model->reduced, &model->splines, &self->reference,
                                   &settings, error);
+    if (!status)
+        reduced_march_indicate(self->march, model->factor_in_time, model->factor_in_time_minimum);
     if (status)
         ehdrom_transient_free(self);
     else
@@ -407,6 +414,8 @@ static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
                                 frame_to_reference(&step->scalars, &step->frame, &self->reference),
                             .half_width = step->frame.half_width,
                             .local_error = step->local_error,
+                            .indicated = step->indicated,
+                            .indicated_minimum = step->indicated_minimum,
                             .iterations = step->iterations,
                             .residual = step->residual};
 }

@@ -166,6 +166,9 @@ typedef struct ehdrom_state {
     contact_scalars scalars; // in the reference frame; load: relative to the reference load
     double half_width;       // of the frame, relative to the reference
     double local_error;      // of this step's film, relative to the central film; 0: not known yet
+    // deviation of the films from the full model with the same steps: carried along with the fluid,
+    // it stays until the film that is off has left the contact. NaN: not calibrated in time
+    double indicated, indicated_minimum;
     size_t iterations;
     double residual;
 } ehdrom_state;

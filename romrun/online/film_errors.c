@@ -2,6 +2,7 @@
 #include "romrun/online/film_errors.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 static double place(size_t i) {
@@ -45,6 +46,17 @@ void film_errors_carry(film_errors *self, const contact_frame *then, const conta
     }
 }
 
+void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
+                       double x, double value) {
+    const double stretch = then ? frame_stretch(now, then) : 1;
+    const double shift = then ? frame_shift(now, then) : 0;
+
+    for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
+        const bool entered = place(i) < x || stretch * place(i) - shift < -1;
+        self->next[i] = entered ? value : fmax(self->next[i], 0); // splines overshoot
+    }
+}
+
 void film_errors_add(film_errors *self, double factor, const double *errors, const double *x,
                      size_t num) {
     size_t k = 0;
@@ -57,6 +69,21 @@ void film_errors_add(film_errors *self, double factor, const double *errors, con
         const double part = (place(i) - x[k]) / (x[k + 1] - x[k]);
         self->next[i] += factor * ((1 - part) * errors[k] + part * errors[k + 1]);
     }
+}
+
+/* The place nearest to X. */
+static size_t nearest_place(double x) {
+    const double last = NUM_ERROR_PLACES - 1;
+
+    return (size_t)round(fmin(fmax((x + 1) * last / 2, 0), last));
+}
+
+double film_errors_largest(const film_errors *self, double from, double to) {
+    double largest = 0;
+
+    for (size_t i = nearest_place(from); i <= nearest_place(to); i++)
+        largest = fmax(largest, self->next[i]);
+    return largest;
 }
 
 double film_errors_at(const film_errors *self, double x) {

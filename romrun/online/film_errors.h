@@ -27,12 +27,20 @@ void film_errors_set(film_errors *self, const double *kept);
 /* Takes the kept ones to where the fluid is now; what was before the dry contact has none. */
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now);
 
+/* Of a bound, which is not negative, once it is carried: what lies before X, and what has entered the
+ * dry contact since the state `then`, has this value. Everything before X alone where that is NULL. */
+void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
+                       double x, double value);
+
 /* Adds to those of the attempt `factor` times errors told at ascending places, linear in between. */
 void film_errors_add(film_errors *self, double factor, const double *errors, const double *x,
                      size_t num);
 
 /* Of the attempt at X; none outside of the dry contact. */
 double film_errors_at(const film_errors *self, double x);
+
+/* Largest of the attempt between two places; that at the dry contact's edge where both are outside. */
+double film_errors_largest(const film_errors *self, double from, double to);
 
 /* The attempt is accepted. */
 void film_errors_keep(film_errors *self);

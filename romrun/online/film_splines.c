@@ -690,6 +690,17 @@ void previous_film_masses(double *mass, const previous_film *const *films, size_
     }
 }
 
+double previous_film_thickness(const previous_film *self, size_t node, const reduced_model *model,
+                               const film_splines *splines) {
+    const ehd_grid *grid = &model->grid;
+    const size_t width = grid_width(grid);
+    const double *deflection = sums_at(&self->film, self, node / width + splines->side,
+                                       node % width + splines->margin, splines);
+
+    return self->state.coordinates[model->num_unknowns - 1] +
+           contact_gap(grid_x(grid, node), grid_y(grid, node)) + deflection[0];
+}
+
 ehd_status path_films_set_base(path_films *self, const previous_film *base,
                                const reduced_model *model, const film_splines *splines,
                                ehd_error *error) {

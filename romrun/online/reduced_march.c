@@ -6,6 +6,7 @@
 #include "common/time/saved_ring.h"
 #include "romrun/online/fields.h"
 #include "romrun/online/film_errors.h"
+#include "romrun/online/time_indicator.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -63,6 +64,11 @@ struct reduced_march {
     double entrainment;                 // of the attempt
     error_estimate estimate;
     film_errors taken_up; // along the path
+    time_indicator indicator;
+    double factor, factor_minimum; // of the indicator; NaN: it is not asked
+    // path of the fluid up to which a film is in the contact that was not to be trusted when it
+    // formed, of the attempt and of the last accepted state
+    double doubtful, last_doubtful;
     factors_origin factors;
     // frames scaled by the load of the solution, of the attempt and of the last accepted state:
     // where the approach is given they differ from the frames solved in
@@ -81,6 +87,7 @@ reduced_march *reduced_march_free(reduced_march *self) {
     previous_film_free(&self->base);
     path_films_free(&self->path);
     film_errors_free(&self->taken_up);
+    time_indicator_free(&self->indicator);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
     free(self);
@@ -197,6 +204,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->reference = *reference;
     if (isnan(reference->smoothing)) self->reference.smoothing = model->carriage.smoothing;
     self->ring = bdf_ring_empty();
+    self->factor = self->factor_minimum = NAN;
     self->range = trained_range_create(model);
     allocate_arrays(self);
     bool whole = self->range && !self->memory.failed;
@@ -207,11 +215,17 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     for (size_t i = 0; i <= BDF_PREVIOUS && !status; i++)
         status = previous_film_init(&self->states[i], model, splines, error);
     if (!status && is_along_path(self)) status = prepare_path(self, error);
+    if (!status) status = time_indicator_init(&self->indicator, model, error);
     if (status)
         reduced_march_free(self);
     else
         *created = self;
     return status;
+}
+
+void reduced_march_indicate(reduced_march *self, double factor, double factor_minimum) {
+    self->factor = factor;
+    self->factor_minimum = factor_minimum;
 }
 
 reduced_solver *reduced_march_inner(reduced_march *self) {
@@ -245,6 +259,20 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     return false;
 }
 
+/* A film that forms in a step that is not to be trusted is in the contact until it has gone from its
+ * edge to the exit, and so long no step is to be trusted. */
+static void judge_films(march_step *outcome, reduced_march *self, const contact_frame *frame) {
+    const double exit = outcome->scalars.exit_position;
+
+    self->doubtful = self->last_doubtful;
+    if (outcome->status == EHD_UNTRUSTED) {
+        self->doubtful = frame->path + frame->half_width * (1 + exit);
+    } else if (frame->path < self->doubtful) {
+        outcome->status = EHD_UNTRUSTED;
+        outcome->reason = "a film that formed in a step that was not to be trusted";
+    }
+}
+
 /* Marks states beyond the model as untrusted: a contact outside of the trained range, an exit at
  * the edge of its range, and a film that ruptures in the inlet, where the model has no exit. */
 static void judge(march_step *outcome, reduced_march *self, const reduced_state *state,
@@ -256,10 +284,12 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     self->load_frame = isnan(frame->approach)
                            ? *frame // the load is given, though met only in the least-squares sense
                            : frame_of_load(self->reference.kind, frame, outcome->scalars.load);
+    if (outcome->status == EHD_UNTRUSTED) judge_films(outcome, self, frame);
     if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
-    double rate =
-        self->ring.num_previous > 0 ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
+    // what is indicated tells more than how fast the contacts of the training changed
+    const bool fast_matters = isnan(self->factor) && self->ring.num_previous > 0;
+    const double rate = fast_matters ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
     outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
     if (!outcome->reason) outcome->reason = "";
@@ -272,6 +302,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
             outcome->status = EHD_UNTRUSTED;
             outcome->reason = "a negative pressure before the contact";
         }
+    judge_films(outcome, self, frame);
 }
 
 // ---- the start
@@ -339,6 +370,8 @@ static ehd_status use_base(reduced_march *self, ehd_error *error) {
     if (status) return status;
     for (size_t r = 0; r < model->rows.num_rows; r++)
         self->entrained[r] = entrain(self, model->rows.node[r]);
+    for (size_t i = 0; i < self->indicator.num_nodes; i++)
+        self->indicator.entrained[i] = entrain(self, self->indicator.node[i]);
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
         if (!grid_is_inner_line(grid, l)) continue;
@@ -348,6 +381,40 @@ static ehd_status use_base(reduced_march *self, ehd_error *error) {
                     entrain(self, l * grid_width(grid) + c);
     }
     return EHD_OK;
+}
+
+// ---- what is indicated of the films
+
+/* From the errors that the indicator has of the attempt, and what its least squares left. */
+static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact,
+                          double entrainment) {
+    const contact_scalars *scalars = &outcome->scalars;
+    const double at = self->model->band.num_lines > 1 ? 0 : scalars->minimum_position;
+    const double density =
+        lubricant_density(&contact->lubricant, scalars->central_pressure * contact->hertz_pressure);
+    const double own = entrainment > 0 || self->formula.rate > 0
+                           ? reduced_film_error(NULL, self->solver, REDUCED_MINIMUM_FILM)
+                           : 0; // a start at rest, not solved
+    const double arriving = time_indicator_arriving(&self->indicator, at);
+
+    outcome->indicated = self->factor * time_indicator_central(&self->indicator) /
+                         (scalars->central_film_thickness * density);
+    outcome->indicated_minimum =
+        self->factor_minimum * (arriving / density + own) / scalars->minimum_film_thickness;
+    // no node has pressure, or an iterate was beyond the end of the viscosity law
+    if (isnan(outcome->indicated)) outcome->indicated = INFINITY;
+    if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;
+}
+
+/* Of the start, solved for `contact`, or at rest the dry contact. */
+static void indicate_start(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
+    previous_film *first = state_before(self, 0);
+
+    if (isnan(self->factor)) return;
+    previous_film_prepare(first, self->model, self->splines, &self->reference);
+    time_indicator_evaluate(&self->indicator, first, contact, 0, self->splines);
+    time_indicator_start(&self->indicator, contact->entrainment);
+    set_indicated(outcome, self, contact, contact->entrainment);
 }
 
 static void accept(void *solver);
@@ -379,13 +446,18 @@ static ehd_status start(march_step *outcome, void *solver, const contact_frame *
                             .scalars = info.scalars,
                             .effect = is_along_path(self) ? 0 : NAN,
                             .effect_minimum = tells_minimum(self) ? 0 : NAN,
+                            .indicated = NAN,
+                            .indicated_minimum = NAN,
                             .iterations = info.iterations,
                             .residual = info.residual};
     self->ring.num_previous = 0;
     if (info.status != EHD_NOT_CONVERGED) {
         frame_contact(&contact, &first->frame, &self->reference);
         reduced_row_values(self->estimate.pressure, NULL, self->solver, &contact);
+        self->last_doubtful = -INFINITY;
         judge(outcome, self, &first->state, &first->frame);
+        self->formula.rate = 0;
+        indicate_start(outcome, self, &contact);
     }
     self->formula.rate = 0;
     drop_factors(self);
@@ -464,17 +536,16 @@ static void carry_over(reduced_march *self, const contact_frame *frame) {
     self->effort.seconds_previous += program_seconds() - start;
 }
 
-/* The weighted sum of previous rho H at a node of the band. */
-static double sum_at(reduced_march *self, size_t node) {
-    const contact_frame *now = &state_before(self, 0)->frame;
+/* The weighted sum of previous rho H at a node. */
+static double sum_at(const reduced_march *self, size_t node) {
+    const contact_frame *now = &self->states[self->ring.place[0]].frame;
     const previous_film *films[BDF_PREVIOUS];
     double mass[BDF_PREVIOUS];
     size_t order = self->formula.order;
 
     list_previous(films, self);
     masses_at(mass, films, order, node, now, self);
-    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1) +
-           self->entrainment * self->band_entrained[reduced_model_band_index(self->model, node)];
+    return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
 }
 
 /* The same, evaluated once an attempt. */
@@ -483,7 +554,8 @@ static double previous_at(void *solver, size_t node) {
     size_t index = reduced_model_band_index(self->model, node);
 
     if (self->previous.band_attempt[index] != self->previous.attempt) {
-        self->previous.band_sum[index] = sum_at(self, node);
+        self->previous.band_sum[index] =
+            sum_at(self, node) + self->entrainment * self->band_entrained[index];
         self->previous.band_attempt[index] = self->previous.attempt;
     }
     return self->previous.band_sum[index];
@@ -563,11 +635,10 @@ static double hertz_density(const ehd_contact *contact, double x) {
                              contact->hertz_pressure * sqrt(fmax(1 - x * x, 0)));
 }
 
-/* Finds them at the places on the way to the centre. */
+/* Finds them at the places on the way to the centre; the attempt's state is prepared. */
 static void miss_on_the_way(reduced_march *self) {
     error_estimate *estimate = &self->estimate;
 
-    previous_film_prepare(state_before(self, 0), self->model, self->splines, &self->reference);
     for (size_t i = 0; i < estimate->num_way; i++) {
         const size_t node = estimate->way[i], r = estimate->way_row[i];
         estimate->missed[i] = !is_before_exit(self, node) ? 0
@@ -634,6 +705,22 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
         (scalars->minimum_film_thickness * hertz_density(contact, scalars->minimum_position));
 }
 
+/* Of an attempt whose state is prepared, `contact` with the entrainment of its rows. */
+static void indicate(march_step *outcome, reduced_march *self, const ehd_contact *contact,
+                     double step) {
+    time_indicator *indicator = &self->indicator;
+    const previous_film *next = state_before(self, 0);
+
+    for (size_t i = 0; i < indicator->num_nodes; i++) {
+        indicator->previous[i] =
+            sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
+    }
+    time_indicator_evaluate(indicator, next, contact, self->formula.rate, self->splines);
+    time_indicator_carry(indicator, &state_before(self, 1)->frame, &next->frame, self->entrainment,
+                         step);
+    set_indicated(outcome, self, contact, self->entrainment);
+}
+
 /* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
  * already much shorter than the step before. */
 static bool shorter_may_settle(const reduced_march *self, double step) {
@@ -683,6 +770,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
                             .scalars = info.scalars,
                             .effect = NAN,
                             .effect_minimum = NAN,
+                            .indicated = NAN,
+                            .indicated_minimum = NAN,
                             .iterations = info.iterations,
                             .residual = info.residual};
     if (info.status != EHD_NOT_CONVERGED) {
@@ -691,10 +780,14 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
             outcome->status = EHD_NOT_CONVERGED;
             outcome->reason = "a film far from its prediction";
         } else {
+            const bool indicates = !isnan(self->factor);
+            if (indicates || (is_along_path(self) && self->formula.error > 0))
+                previous_film_prepare(next, self->model, self->splines, &self->reference);
             if (self->formula.error > 0)
                 outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
             set_effects(outcome, self, &contact, step);
             judge(outcome, self, &next->state, frame);
+            if (indicates) indicate(outcome, self, &contact, step);
         }
     }
     self->effort.seconds += program_seconds() - start;
@@ -777,8 +870,10 @@ static void accept(void *solver) {
     if (self->formula.rate > 0) renew_factors(self, solved);
     prepare_film(solved, self);
     if (is_along_path(self)) keep_errors(self, solved);
+    if (!isnan(self->factor)) film_errors_keep(&self->indicator.errors);
     bdf_ring_accept(&self->ring, solved->frame.time);
     self->last_load_frame = self->load_frame;
+    self->last_doubtful = self->doubtful;
     self->effort.seconds += program_seconds() - start;
 }
 
@@ -881,7 +976,12 @@ void reduced_march_take(reduced_march *self, size_t steps, const handed_state *s
     prepare_film(taken, self);
     self->ring.time[place] = state->frame.time;
     self->ring.num_previous = steps;
-    if (steps == 1) self->last_load_frame = *load_frame;
+    if (steps == 1) {
+        self->last_load_frame = *load_frame;
+        // films that somebody else has solved have nothing of what this model misses
+        self->last_doubtful = -INFINITY;
+        film_errors_set(&self->indicator.errors, NULL);
+    }
     drop_factors(self);
 }
 
@@ -959,10 +1059,11 @@ static saved_states saved_states_of(const reduced_march *self) {
         .size = saved_state_size(self->model), .save = save_previous, .restore = restore_previous};
 }
 
-/* Saved after the accepted states: the last load frame, whether there are kept factors, and rate
- * and frame of these; their state follows. */
+/* Saved after the accepted states: the last load frame, up to where films are doubtful, whether there
+ * are kept factors, and rate and frame of these; their state follows, and the indicator's errors. */
 typedef struct saved_rest {
     contact_frame load_frame;
+    double doubtful;
     double valid, rate;
     contact_frame frame;
 } saved_rest;
@@ -980,7 +1081,7 @@ static size_t saved_size(const void *solver) {
     const saved_states states = saved_states_of(self);
 
     return saved_base_size(self) + ring_saved_size(&states) + NUM_REST +
-           saved_state_size(self->model);
+           saved_state_size(self->model) + NUM_ERROR_PLACES;
 }
 
 static void save(double *saved, const void *solver) {
@@ -988,6 +1089,7 @@ static void save(double *saved, const void *solver) {
     const saved_states states = saved_states_of(self);
     double *ring = saved + saved_base_size(self), *behind = ring + ring_saved_size(&states);
     saved_rest rest = {.load_frame = self->last_load_frame,
+                       .doubtful = self->last_doubtful,
                        .valid = self->factors.valid ? 1 : 0,
                        .rate = self->factors.rate};
 
@@ -1003,6 +1105,8 @@ static void save(double *saved, const void *solver) {
         save_state(behind + NUM_REST, &self->factors.state, self->model);
     }
     memcpy(behind, &rest, sizeof rest);
+    memcpy(behind + NUM_REST + saved_state_size(self->model), self->indicator.errors.kept,
+           sizeof self->indicator.errors.kept);
 }
 
 static ehd_status restore_base(reduced_march *self, const double *saved, ehd_error *error) {
@@ -1024,7 +1128,9 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     if (!status) status = ring_restore(&self->ring, self, ring, &states, error);
     if (status) return status;
     memcpy(&rest, behind, sizeof rest);
+    film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
     self->last_load_frame = rest.load_frame;
+    self->last_doubtful = rest.doubtful;
     drop_factors(self);
     if (rest.valid != 1) return EHD_OK;
     status = restore_state(&self->factors.state, behind + NUM_REST, self->model, error);

@@ -19,6 +19,10 @@ ehd_status reduced_march_create(
     const reduced_settings *settings, ehd_error *error);
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
+/* Has each step indicate how far its films are off, times these factors; NaN, the default: it does
+ * not, and how fast the contact changes is held against its training. Before the start. */
+void reduced_march_indicate(reduced_march *self, double factor, double factor_minimum);
+
 /* The solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 

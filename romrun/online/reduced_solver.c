@@ -67,11 +67,12 @@ void reduced_values_free(reduced_values *values) {
 struct reduced_solver {
     const reduced_model *model;
     reduced_settings settings;
-    node_state nodes;  // the state at nodes
-    row_system system; // the least-squares problem
-    exit_search exits; // where the exit line should be
-    kept_factors kept; // an earlier Jacobian, in time
-    kept_factors near; // one near the present solution
+    node_state nodes;         // the state at nodes
+    row_system system;        // the least-squares problem
+    exit_search exits;        // where the exit line should be
+    kept_factors kept;        // an earlier Jacobian, in time
+    kept_factors near;        // one near the present solution
+    const kept_factors *used; // by the last solution; NULL: its own Jacobian
     reduced_observer *observer;
     void *observer_context;
     double *observed; // [2, rows of the model]
@@ -356,6 +357,7 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
             return fail(info, "iteration limit reached");
 
         // step = argmin |D f + D J step| (eq. 28), and the damped step
+        self->used = NULL;
         if (solve_step(self, num_rows))
             return fail(info, num_rows < self->model->num_unknowns
                                   ? "fewer rows before the exit than unknowns"
@@ -427,6 +429,7 @@ const reduced_state *reduced_take_factors(reduced_solver *self) {
 
     self->near = self->kept;
     self->kept = taken;
+    if (self->used) self->used = self->used == &self->near ? &self->kept : &self->near;
     return &self->kept.start;
 }
 
@@ -499,7 +502,10 @@ static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state
                         reduced_solver *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     reduced_state_copy(&factors->start, state, self->model);
-    if (iterate_with(factors, info, state, self, contact, squeeze)) return true;
+    if (iterate_with(factors, info, state, self, contact, squeeze)) {
+        self->used = factors;
+        return true;
+    }
     info->status = EHD_NOT_CONVERGED;
     reduced_state_copy(state, &factors->start, self->model);
     return false;
@@ -523,6 +529,8 @@ static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solve
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
                         ehd_error *error) {
+    self->used = NULL;
+    self->system.remaining = 0;
     if (squeeze && self->kept.valid && !self->observer &&
         newton_with(&self->kept, info, state, self, contact, squeeze))
         return EHD_OK;
@@ -654,7 +662,11 @@ double reduced_film_error(double *influence, reduced_solver *self, reduced_film 
         add_central_film(gradient, self);
     else
         nodes_add_film_row(gradient, 1, &self->nodes, lowest);
-    return system_film_error(influence, &self->system);
+    row_system *system = &self->system;
+    const kept_factors *used = self->used;
+    step_problem problem = {system->matrix, system->factors, system->active, system->num_active};
+    if (used) problem = (step_problem){used->matrix, used->factors, used->row, used->num_rows};
+    return system_film_error(influence, system, &problem);
 }
 
 /* dP/dz at X = 0. */

@@ -144,13 +144,13 @@ typedef enum reduced_film {
     REDUCED_MINIMUM_FILM // at the lowest needed node with pressure
 } reduced_film;
 
-/* How far a film of the last stationary solution moves by what its last least squares left in the
+/* How far a film of the last solution moves by what its last least squares left in the
  * rows, D f + D J dz: the root of the sum of the squares of what each row does, as if these had
  * nothing to do with each other. NaN: no node has pressure. */
 double reduced_film_error(
     // output:
     double *influence, // [rows of the model] change of the film by an error of 1 in a weighted row;
-                       // 0 where it was not part of the least squares
+                       // 0 where it was not part of the least squares; NULL: not wanted
     // in and out:
     reduced_solver *solver, reduced_film film);
 

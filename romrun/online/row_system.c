@@ -449,30 +449,32 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
 }
 
 /* product += J times a vector. */
-static void times_matrix(double *product, const row_system *self, size_t num_rows,
-                         const double *vector) {
-    const int n = (int)self->model->num_unknowns;
+static void times_matrix(double *product, const double *matrix, size_t num_rows,
+                         size_t num_unknowns, const double *vector) {
+    const int n = (int)num_unknowns;
 
-    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)num_rows, n, 1, self->matrix, n, vector, 1, 1,
-                product, 1);
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, (int)num_rows, n, 1, matrix, n, vector, 1, 1, product,
+                1);
 }
 
-double system_film_error(double *influence, row_system *self) {
-    const size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
+double system_film_error(double *influence, row_system *self, const step_problem *problem) {
+    const size_t n = self->model->num_unknowns;
+    const size_t num_rows = problem->num_rows + self->model->num_deformation + 1 + self->num_cells;
     double sum = 0;
 
-    least_squares_dual(self->dual, self->factors, self->gradient);
+    least_squares_dual(self->dual, problem->factors, self->gradient);
     memcpy(self->left, self->right, num_rows * sizeof *self->left);
-    times_matrix(self->left, self, num_rows, self->step);
+    times_matrix(self->left, problem->matrix, num_rows, n, self->step);
     memset(self->moves, 0, num_rows * sizeof *self->moves);
-    times_matrix(self->moves, self, num_rows, self->dual);
+    times_matrix(self->moves, problem->matrix, num_rows, n, self->dual);
     for (size_t i = 0; i < num_rows; i++) {
         const double unsolved = self->remaining * (self->left[i] - self->right[i]);
         sum += (pow(self->left[i], 2) + pow(unsolved, 2)) * pow(self->moves[i], 2);
     }
+    if (!influence) return sqrt(sum);
     memset(influence, 0, self->model->rows.num_rows * sizeof *influence);
-    for (size_t i = 0; i < self->num_active; i++)
-        influence[self->active[i]] = self->moves[i];
+    for (size_t i = 0; i < problem->num_rows; i++)
+        influence[problem->row[i]] = self->moves[i];
     return sqrt(sum);
 }
 
@@ -481,7 +483,7 @@ void system_errors(double *errors, row_system *self, size_t num, const double *a
     const int n = (int)self->model->num_unknowns;
 
     memcpy(self->left, self->right, num_rows * sizeof *self->left);
-    times_matrix(self->left, self, num_rows, self->step);
+    times_matrix(self->left, self->matrix, num_rows, self->model->num_unknowns, self->step);
     least_squares_duals(self->functionals, self->factors, num);
     cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num, (int)num_rows, n, 1,
                 self->functionals, n, self->matrix, n, 0, self->all_moves, (int)num_rows);

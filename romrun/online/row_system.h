@@ -87,15 +87,25 @@ void system_fill_matrix(row_system *self, const node_state *nodes, double closur
 /* Weight of the closure, 1 + rate: rows grow as 1 / time step. */
 double system_closure_weight(const reduced_squeeze *squeeze);
 
+/* The least-squares problem of a step: the system's own, or one kept of an earlier step. */
+typedef struct step_problem {
+    const double *matrix; // [num_rows + num_deformation + 1 + self->num_cells, num_unknowns]
+    least_squares *factors;
+    const size_t *row; // [num_rows] of the model
+    size_t num_rows;   // Reynolds rows
+} step_problem;
+
 /* How far what the last step leaves in the rows, D f + D J step and as much of D J step as it was
  * too long or too short, moves the film of self->gradient, by the root of the sum of the squares
  * of what each row does. */
 double system_film_error(
     // output:
-    double *
-        influence, // [rows of the model] change of the film by an error of 1 in D f; 0 if not active
+    double *influence, // [rows of the model] change of the film by an error of 1 in D f; 0 if not
+                       // active. NULL: not wanted
     // in and out:
-    row_system *self);
+    row_system *self,
+    // input:
+    const step_problem *problem);
 
 /* The same of the first `num` of self->functionals, with the residuals of other rows. */
 void system_errors(

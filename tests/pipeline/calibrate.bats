@@ -435,6 +435,66 @@ YAML
     [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
 }
 
+@test "in time what is indicated decides the exit code, step by step" {
+    cat >moving.yml <<'YAML'
+contact: line
+regime: transient
+moes: {M: 12, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
+grid: {step: 0.05}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 2, fixed_step: 0.02}
+YAML
+    for plan in 'train [0.7, 1.3] 0.1' 'check [0.6, 1.1] 0.095'; do
+        read -r name rest <<<"$plan"
+        cat >"$name-time.yml" <<YAML
+groups:
+  - scene: moving.yml
+    vary: {transient.load.period: ${rest% *}, transient.load.amplitude: [${rest##* }]}
+YAML
+    done
+    snapgen train-time.yml -o ts.h5 --quiet
+    podbuild ts.h5 -o tb.h5 --pressure-modes 40
+    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
+    deimselect tr.h5 --basis tb.h5 -o tm.h5
+    romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
+    # faster than the training, at which a model that is not calibrated stops
+    fast="--set transient.load.period=0.5"
+    run --separate-stderr romrun moving.yml --model tm.h5 $fast --quiet
+    [ "$status" -eq 4 ]
+    fullrun moving.yml $fast -o full.h5 --quiet
+    run --separate-stderr romrun moving.yml --model tc.h5 $fast -o good.h5 --quiet
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ $output == *"indicated deviation     central film "*" %, minimum film "*" % at most"* ]]
+    # too few modes: 3 % of the minimum film, and the central one later, when its film is there
+    run --separate-stderr romrun moving.yml --model tc.h5 $fast --pressure-modes 10 --rows 20 \
+        -o bad.h5 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == "romrun: moving.yml: found an indicated deviation of "*" film, more than 0.01, first at T = "* ]]
+    romrun moving.yml --model tc.h5 $fast --pressure-modes 10 --rows 20 --allow-untrusted --quiet
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+full = h5py.File("full.h5")
+assert numpy.isnan(full["indicated_deviation"][...]).all()
+for name, most in [("good", 0.01), ("bad", 1)]:
+    with h5py.File(name + ".h5") as file:
+        numpy.testing.assert_allclose(file["time"][...], full["time"][...], rtol=1e-12)
+        above = numpy.zeros(len(file["time"]), bool)
+        for film, indicated in [("central_film_thickness", "indicated_deviation"),
+                                ("minimum_film_thickness", "indicated_deviation_minimum")]:
+            off = abs(file[film][...] / full[film][...] - 1)
+            # the minimum film's while an exit moves faster than in training: of the run, not each step
+            central = film == "central_film_thickness"
+            assert (file[indicated][...] >= off).all() if central else (file[indicated][...].max() >= off.max())
+            assert file[indicated][...].max() < most
+            above |= file[indicated][...] > 0.01
+        assert ((file["status"][...] == 4) == above).all() and above.any() == (name == "bad")
+PYTHON
+    # --accuracy is about each step of both films
+    run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-4 --quiet
+    [ "$status" -eq 4 ]
+    [[ $stderr == *"found an indicated deviation of "*" of the minimum film, more than 0.0001, first at T = "* ]]
+}
+
 @test "Ctrl-C leaves nothing" {
     cat >slow.yml <<'YAML'
 groups:

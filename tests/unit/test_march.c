@@ -25,6 +25,7 @@ typedef struct follower {
     double fails_after;     // no step beyond this time converges
     size_t fails_at;        // number of the attempt that does not
     size_t untrusted_at;    // and of the one that is not to be trusted
+    double indicated_after; // attempts, each indicates so much more of the minimum film; 0: none
     double noise;           // in each step's error, whatever its length
     double longest_step;    // above it the local error is too large; 0: as it is
     double hardest_step;    // and above this it does not converge; 0: it does
@@ -57,6 +58,8 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
                             .local_error = formula.error * fabs(value - prediction),
                             .iterations = 3};
     if (formula.error > 0) outcome->local_error += self->noise;
+    outcome->indicated_minimum = self->indicated_after * (double)self->num_attempts;
+    outcome->indicated = outcome->indicated_minimum / 2;
     if (self->longest_step > 0 && step > self->longest_step) outcome->local_error = 1;
     self->least_step = fmin(self->least_step, step);
     self->num_attempts++;
@@ -743,6 +746,28 @@ static void expected_load_is_bounded(void **state) {
     check_close(march_expected_load(3, -100, 1), 1.5, 0, 0);
 }
 
+/* A step is not to be trusted where more is indicated than asked for, of either film. */
+static void indicated_deviations_are_held_against_the_accuracy(void **state) {
+    (void)state;
+    const double accuracy[] = {1, 0.0035, 0};
+
+    for (size_t i = 0; i < 3; i++) {
+        run_begin(&first, "end_time: 1, fixed_step: 0.1");
+        first.follower.indicated_after = 1e-3;
+        first.march.settings.accuracy = accuracy[i];
+        assert_int_equal(run_on(&first), EHD_OK);
+        if (i == 1) {
+            check_close(first.march.state.untrusted_since, 0.5, 1e-12, 0);
+            assert_string_equal(
+                first.march.untrusted,
+                "an indicated deviation of 0.004 of the minimum film, more than 0.0035");
+        } else {
+            assert_true(isnan(first.march.state.untrusted_since) != 0);
+        }
+        run_end(&first);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fixed_steps_are_of_second_order),
@@ -770,6 +795,7 @@ int main(void) {
         cmocka_unit_test(crawling_ends),
         cmocka_unit_test(errors_end_the_march),
         cmocka_unit_test(first_untrusted_step_is_kept),
+        cmocka_unit_test(indicated_deviations_are_held_against_the_accuracy),
         cmocka_unit_test(march_goes_on_from_its_state),
         cmocka_unit_test(approach_scales_by_the_load),
         cmocka_unit_test(expected_load_is_bounded),

@@ -116,7 +116,9 @@ static time_entry entry_at(size_t index) {
                         .status = index % 5 == 4 ? EHD_NOT_CONVERGED : EHD_OK,
                         .step = index > 0 ? 0.25 : 0,
                         .effect = i + 0.8,
-                        .effect_minimum = i + 0.9};
+                        .effect_minimum = i + 0.9,
+                        .indicated = i + 0.11,
+                        .indicated_minimum = i + 0.12};
     return entry;
 }
 
@@ -191,6 +193,8 @@ static void check_series(const time_series *series, size_t num_times) {
         check_close(series->time_step[i], entry.step, 0, 0);
         check_close(series->time_effect[i], entry.effect, 0, 0);
         check_close(series->time_effect_minimum[i], entry.effect_minimum, 0, 0);
+        check_close(series->indicated_deviation[i], entry.indicated, 0, 0);
+        check_close(series->indicated_deviation_minimum[i], entry.indicated_minimum, 0, 0);
         assert_int_equal(series->newton_iterations[i], entry.newton_iterations);
         assert_int_equal(series->status[i], entry.status == EHD_NOT_CONVERGED);
     }
@@ -319,7 +323,7 @@ static void unwritten_fields_take_no_space(void **state) {
         check_ok(append(file, i, i == 0 || i + 1 == num_times - 1));
     finish(&file, num_times);
     assert_int_equal(stat(path, &found), 0);
-    size_t scalars = 13 * (num_times + 512) * sizeof(double);
+    size_t scalars = 15 * (num_times + 512) * sizeof(double);
     assert_true((size_t)found.st_size < scalars + 4 * field_bytes + 65536);
 }
 
