@@ -51,7 +51,7 @@ $(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(OUT)/snapshots.h5 $(BIN)/pod
 	$(call quiet,podbuild  ,$@)$(BIN)/podbuild $< -o $@ --force $(strip $(call podbuild_options,$*))
 
 $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(OUT)/snapshots.h5
-	$(call quiet,snapgen   ,$@)$(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SET)
+	$(call quiet,snapgen   ,$@)$(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force --allow-failures $(ALLOW_FAILURES) $(SET)
 
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
