@@ -255,6 +255,44 @@ static void what_is_indicated_comes_with_the_fluid(void **state) {
     marching_free(&self);
 }
 
+/* A load that comes back into the trained range: no step is to be trusted before the last film of
+ * outside has gone from the edge of the contact to the exit. */
+static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
+    (void)state;
+    enum { MIDDLE = 7 }; // of the training: M = 15, L = 4
+    const problem *of = &problems[LINE];
+    ehd_contact contact = of->training.contacts[MIDDLE];
+    double last_outside = 0, first_trusted = NAN, farthest = 0;
+    marching self;
+
+    contact.transport = TRANSPORT_PATH;
+    contact.smoothing = 2 * contact.grid.step;
+    const contact_frame start = frame_at(contact.kind, 0, (double[]){1.4, 1, 1, 1}, NAN);
+    marching_start(&self, &contact, &of->basis, &start);
+    assert_int_equal(self.last.status, EHD_UNTRUSTED); // M = 21, of 20
+    reduced_march_indicate(self.march, 1, 1);          // lest the rate be held against it
+    check_ok(self.solver.start(&self.last, self.solver.self, &start, &error));
+    for (size_t i = 1; i <= 160; i++) {
+        const double time = (double)i * STEP, load = 1.4 - 0.2 * fmin(time / 0.4, 1);
+        contact_frame frame = frame_at(contact.kind, time, (double[]){load, 1, 1, 1}, NAN);
+        frame.path = time;
+        step_on(&self.last, &self.solver, &frame, STEP);
+        if (15 * load > 20) {
+            last_outside = time;
+            farthest = frame.half_width * (1 + self.last.scalars.exit_position);
+            assert_string_equal(self.last.reason,
+                                "outside of the trained range of M and alpha p_H");
+        }
+        if (isnan(first_trusted) && self.last.status == EHD_OK) first_trusted = time;
+        if (self.last.status && 15 * load <= 20)
+            assert_string_equal(self.last.reason,
+                                "a film that formed in a step that was not to be trusted");
+    }
+    assert_true(last_outside > 0 && farthest > 2);
+    check_close(first_trusted, last_outside + farthest, 0, 1.01 * STEP);
+    marching_free(&self);
+}
+
 /* A step repeated, or taken after one of another length, and a march restored into another object
  * have the same bits. */
 static void check_same_bits(const problem *of) {
@@ -313,6 +351,7 @@ int main(void) {
         cmocka_unit_test(so_does_a_point),
         cmocka_unit_test(few_rows_tell_the_error_of_all),
         cmocka_unit_test(what_is_indicated_comes_with_the_fluid),
+        cmocka_unit_test(a_doubtful_film_is_doubtful_until_it_has_left),
         cmocka_unit_test(repeated_and_restored_steps_have_the_same_bits),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Does a reduced model in time know when it is wrong (README.md)?
+
+    study.py draw FOLDER SEED COUNT [plan]      random histories of load and speed: FOLDER/NUMBER.yml or, to calibrate
+                                                on, without tables, FOLDER/plan.yml
+    study.py run FOLDER MODEL.h5 PROMISE...     solves them with the full model, and with a calibrated one once a
+                                                promise: FOLDER/runs.csv
+    study.py table RUNS.csv SEED                counts; exit code 1 where a run ended otherwise
+
+A history is a sine, a ramp, a step or a table, or nothing varies; one of load and speed does at least. Two thirds of
+the histories keep within what the plan of the training spans, a third may go beyond.
+"""
+import os
+import re
+import sys
+
+import numpy as np
+
+import results
+
+END = 2.5
+LOAD, SPEED = (0.87, 1.13), (0.75, 1.25)  # factors inside; of the training 0.85 to 1.15 and 0.7 to 1.3
+BEYOND = 2  # times as wide
+RUN = ["number", "where", "promise", "code", "common", "central", "minimum", "load", "speed"]
+
+
+# ---- Histories
+
+
+def history(random, bounds, kinds, table):
+    """A history between bounds as settings of one, or None; a table is written to the file named."""
+    low, high = bounds
+    kind = random.choice(kinds)
+    first, second = random.uniform(low, high, 2)
+    if kind == "none":
+        return None
+    if kind == "sine":
+        amplitude = random.uniform(0.2, 1) * (high - low) / 2
+        return {"law": kind, "mean": random.uniform(low + amplitude, high - amplitude), "amplitude": amplitude,
+                "period": random.uniform(0.8, 3), "phase": random.uniform(0, 2 * np.pi)}
+    if kind == "ramp":
+        return {"law": kind, "from": first, "to": second, "start": random.uniform(0, 1),
+                "duration": random.uniform(0.3, 1.5)}
+    if kind == "step":
+        return {"law": kind, "from": first, "to": second, "at": random.uniform(0.1, 1)}
+    times = np.linspace(0, END, random.integers(4, 9))
+    interpolation = random.choice(["linear", "spline"])
+    middle, part = (low + high) / 2, 0.7 if interpolation == "spline" else 1  # splines overshoot
+    factors = middle + part * (random.uniform(low, high, len(times)) - middle)
+    results.write_csv(table, ["T", "factor"], zip(times, factors))
+    return {"law": kind, "file": os.path.basename(table), "column": "factor", "interpolation": interpolation}
+
+
+def flow(settings):
+    return "{" + ", ".join(f"{key}: {value}" for key, value in settings.items()) + "}"
+
+
+def draw(folder, seed, count, plan=""):
+    """Scenes of random histories with fixed steps, as compare with those of the full model."""
+    with open("scene.yml") as source:
+        scene = re.sub(r"^transient:.*(\n .*)*\n", "", source.read(), flags=re.M)
+    random = np.random.default_rng(int(seed))
+    kinds = ["sine", "ramp", "step", "none"] + ([] if plan else ["table"])
+    os.makedirs(folder, exist_ok=True)
+    text = "groups:\n"
+    for i in range(int(count)):
+        outside = not plan and i % 3 == 2
+        varies = {}
+        while not varies:
+            for name, bounds in (("load", LOAD), ("speed", SPEED)):
+                middle, half = sum(bounds) / 2, (bounds[1] - bounds[0]) / 2 * (BEYOND if outside else 1)
+                drawn = history(random, (middle - half, middle + half), kinds, f"{folder}/{i}-{name}.csv")
+                if drawn:
+                    varies[name] = drawn
+        lines = scene + "transient:\n" + "".join(f"  {line}\n" for line in (
+            f"end_time: {END}", "fixed_step: 0.02", "smoothing: 0.014",
+            *(f"{name}: {flow(settings)}" for name, settings in varies.items())))
+        if plan:
+            text += "  - scene:\n" + re.sub("^", " " * 6, lines, flags=re.M).rstrip() + \
+                    f"\n    vary: {{transient.end_time: [{END}]}}\n"
+        else:
+            results.write_changed(f"{folder}/{i}.yml", f"# {'outside' if outside else 'inside'}\n{lines}")
+    if plan:
+        results.write_changed(f"{folder}/plan.yml", text)
+    else:
+        results.write_changed(f"{folder}/count", str(count))
+
+
+# ---- Runs
+
+
+def solved(program, scene, out, *options):
+    """Exit code, and times with central and minimum film of a run."""
+    code = results.run(program, scene, "-o", out, "--force", "--quiet", "--set", "output.fields=false", *options,
+                       outcomes=range(-255, 256)).returncode
+    if code not in (results.SOLVED, results.NOT_TRUSTED):
+        return code, None
+    return code, np.array(list(results.printed(out, "time", "central_film_thickness",
+                                               "minimum_film_thickness").values()))
+
+
+def run(folder, model, *promises):
+    """Runs all scenes with promises; none: 1 % holds."""
+    with open(f"{folder}/count") as source:
+        count = int(source.read())
+    runs = []
+    for i in range(count):
+        scene = f"{folder}/{i}.yml"
+        with open(scene) as source:
+            lines = source.read()
+        where = lines.split()[1]
+        laws = [(re.search(rf"^  {name}: {{law: (\w+)", lines, re.M) or [0, "none"])[1] for name in ("load", "speed")]
+        code, full = solved("fullrun", scene, f"{folder}/full.h5", "--grid-of", model)
+        if full is None or code:
+            runs.append([i, where, "", "", 0, "", "", *laws])
+            continue
+        for promise in promises:
+            asked = [] if promise == "none" else ["--accuracy", promise]
+            code, reduced = solved("romrun", scene, f"{folder}/reduced.h5", "--model", model, *asked)
+            off, common = ["", ""], 0
+            if reduced is not None:
+                times, of_full, of_reduced = np.intersect1d(np.round(full[0], 9), np.round(reduced[0], 9),
+                                                            return_indices=True)
+                common = len(times) / len(full[0])
+                off = [np.abs(reduced[q][of_reduced] / full[q][of_full] - 1).max() for q in (1, 2)]
+            runs.append([i, where, promise, code, common, *off, *laws])
+    results.write_csv(f"{folder}/runs.csv", RUN, runs)
+
+
+# ---- Table
+
+
+def outcome(run):
+    """What a run is, and by how much the worse of its films is off."""
+    if not run["promise"]:
+        return "no reference", 0
+    code = int(run["code"])
+    if code == results.NOT_CONVERGED:
+        return "not solved", 0
+    if code not in (results.SOLVED, results.NOT_TRUSTED):
+        return "error", 0
+    off = max(float(run["central"]), float(run["minimum"]))
+    promise = 0.01 if run["promise"] == "none" else float(run["promise"])
+    flagged = "flagged" if code == results.NOT_TRUSTED else "not flagged"
+    return f"{'good' if off <= promise else 'bad'} {flagged}", off
+
+
+def table(file, seed):
+    """What was flagged and what was not."""
+    runs = [(run["promise"], run["where"], *outcome(run)) for run in results.read_csv(file)]
+    print(f"seed {seed}\n")
+    layout = "{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10}"
+    print(layout.format("", "good,", "good,", "of the good", "bad, not", "bad,", "not"))
+    print(layout.format("", "quiet", "flagged", "flagged", "flagged: silent", "flagged", "solved"))
+    for promise in dict.fromkeys(run[0] for run in runs if run[0]):
+        print("no promise asked for" if promise == "none" else f"promise {float(promise):g}")
+        for where in ("inside", "outside"):
+            mine = [run[2] for run in runs if run[0] == promise and run[1] == where]
+            quiet, loud, *others = (mine.count(what) for what in (
+                "good not flagged", "good flagged", "bad not flagged", "bad flagged", "not solved"))
+            print(layout.format(f"  {where}", quiet, loud, f"{100 * loud / max(quiet + loud, 1):.1f} %", *others))
+    silent = [off for *_, what, off in runs if what == "bad not flagged"]
+    errors = sum(what == "error" for *_, what, _ in runs)
+    print(f"\nthe full model did not end: {sum(what == 'no reference' for *_, what, _ in runs)}")
+    print(f"silent failures: {len(silent)}" + (f", the worst {max(silent):.2g} off" if silent else ""))
+    if errors:
+        print(f"found {errors} runs that ended otherwise, expected none")
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    results.commands(draw, run, table)
