@@ -66,13 +66,6 @@ static ehd_status write_draft(check_run *self, const reduced_model *model,
 
 // ---- what the model is worth
 
-static void name_place(char name[POINT_NAME], const ehd_contact *contact) {
-    if (contact)
-        training_point_name(name, contact);
-    else
-        snprintf(name, POINT_NAME, "nowhere");
-}
-
 /* Where the model falls short of what holds without --accuracy, in time. */
 static void warn_in_time(const check_run *self, const trade_position *whole) {
     const double *worst = whole->worst_in_time;
@@ -91,12 +84,12 @@ static ehd_status warn_of(const check_run *self, const trade_position *whole, eh
     const double central = whole->deviation[TRADE_CENTRAL_FILM][TRADE_WORST];
     const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];
     const ehd_contact *worst = NULL;
-    char place[POINT_NAME];
+    char place[POINT_NAME] = "them";
     if (whole->num_failures == 0 && fmax(central, minimum) <= ACCURACY) return EHD_OK;
 
     ehd_status status = validation_worst(&worst, &self->scenes, self->draft, error);
     if (status) return status;
-    name_place(place, worst);
+    if (worst) training_point_name(place, worst);
     program_warn(self->caller,
                  "%s: found films off by more than %g %% or no solution between training points, "
                  "expected less: the training is too thin, add points around %s",

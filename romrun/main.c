@@ -62,7 +62,8 @@ static const program_option own_options[] = {
     {"fallback", 0, "MODEL", "\"full\": what the reduced model does not solve well enough the full one solves, starting "
      "from it, and both is said; the exit code is then 0. \"none\", the default: the exit code tells", OPTION_TEXT(fall_back)},
     {"allow-untrusted", 0, NULL, "Exit with 0 although the scene lies outside of the trained range, or is "
-     "indicated to deviate by more than --accuracy, or 0.01, or the model was never checked at these sizes", OPTION_FLAG(allow_untrusted)},
+     "indicated to deviate by more than --accuracy, or 0.01, or the model was never checked at these sizes",
+     OPTION_FLAG(allow_untrusted)},
     {"repeat", 0, "N", "Solve N times and report the median time; default 1 (stationary)",
      OPTION_COUNT(repeats, 1, 1000000)},
     {"resume", 0, NULL, "Continue an interrupted run of the same scene, where there is one (transient)",

@@ -26,8 +26,9 @@ teardown() {
 
 no_job() { [ -z "$(squeue --noheader)" ]; }
 
-# Half of the points, on a grid that takes ten times as long.
+# Half of the points, on a grid that takes ten times as long; the model is not checked, which takes longest there.
 slowly() {
+    echo 'model.CHECK = no' >>Makefile
     sed -i 's/step: 0.005/step: 0.0005/' scene.yml
     sed -i 's/8, 9, 10, 11, 12, 13, 14, 15/8, 10, 12, 14/' plan.yml
 }
@@ -87,7 +88,8 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [ "$status" -eq 0 ]
     [ "$(cat array/slurm/jobs)" = "$before" ]
     run make OUT=array
-    [[ $output == *"Nothing to be done"* ]]
+    [ "$status" -eq 0 ]
+    [[ ! $output =~ (snapgen|podbuild|deimselect) ]]
     run make slurm-status OUT=array
     echo "$output"
     [ "$(grep -c ' done ' <<<"$output")" -eq 6 ]
@@ -124,6 +126,7 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
 }
 
 @test "a failed task stops what follows, make says where, and goes on when it is called again" {
+    echo 'model.CHECK = no' >>Makefile
     # points without a solution in the last quarter
     sed -i 's/14, 15/14, 0.2/' plan.yml
     run on_slurm SET='--set grid.x_max=1.2'
