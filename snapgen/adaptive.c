@@ -13,12 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How far candidates may lie outside of the hull of the corners, in parts of their extent: all of
- * the corners of a curved edge would be more points than training there needs. From 1e-9 to 0.02
- * the plans of both examples and both stationary-line studies are trained on 55 to 58, 24, 71 to 74
- * and 70 to 76 points, and with 0.1 on 58, 24, 82 and 79. */
-static const double CORNER_TOLERANCE = 1.0 / 200;
-
 enum { MIN_BATCH = 4 };
 
 typedef struct adaptive {
@@ -246,8 +240,7 @@ static void normalise(double (*places)[2], const training_set *set) {
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
 
     for (size_t i = 0; i < set->num_points; i++) {
-        places[i][0] = set->contacts[i].moes_M;
-        places[i][1] = set->contacts[i].alpha_p_H;
+        trained_place(places[i], set->contacts[i].moes_M, set->contacts[i].alpha_p_H);
         for (int axis = 0; axis < 2; axis++) {
             low[axis] = fmin(low[axis], places[i][axis]);
             high[axis] = fmax(high[axis], places[i][axis]);
@@ -263,6 +256,7 @@ static void normalise(double (*places)[2], const training_set *set) {
 static void add_corners_of(adaptive *self, size_t family, const double (*places)[2],
                            double (*here)[2], size_t *numbers, size_t *corners) {
     const trial_verdict unknown = {{NAN, NAN}, {NAN, NAN}};
+    const double rounding = 1e-9; // the slack of trained_range_check, of which none is outside
     size_t count = 0;
 
     for (size_t i = 0; i < self->set->num_points; i++) {
@@ -270,7 +264,7 @@ static void add_corners_of(adaptive *self, size_t family, const double (*places)
         memcpy(here[count], places[i], sizeof *here);
         numbers[count++] = i;
     }
-    count = point_choice_corners(corners, (const double(*)[2])here, count, CORNER_TOLERANCE);
+    count = point_choice_corners(corners, (const double(*)[2])here, count, rounding);
     for (size_t i = 0; i < count && self->num_states < self->settings->max_points; i++)
         add_point(self, numbers[corners[i]], &unknown);
 }

@@ -291,6 +291,13 @@ film_effects reduced_effects(const reduced_model *model, double moes_M, double a
 
 // ---- trained range
 
+void trained_place(double place[2], double moes_M, double alpha_p_H) {
+    const double least = 1e-3; // below, the viscosity rises by less than a thousandth
+
+    place[0] = log(moes_M);
+    place[1] = log(fmax(alpha_p_H, least));
+}
+
 typedef struct point {
     double M, pressure;
 } point;
@@ -334,6 +341,8 @@ typedef struct hull_edge {
 struct trained_range {
     hull_edge *edges; // [count], counter-clockwise, in units of `extent`
     size_t count;
+    point low, high; // of all points, in units of `extent`: rounding makes slivers of lines, which
+                     // have no end
     point extent;
     double slack; // how far outside of the hull still counts as inside, in units of the extent
     double max_rate;
@@ -347,21 +356,34 @@ trained_range *trained_range_free(trained_range *self) {
     return NULL;
 }
 
+static point place_of(double moes_M, double alpha_p_H) {
+    double place[2];
+
+    trained_place(place, moes_M, alpha_p_H);
+    return (point){place[0], place[1]};
+}
+
+static point in_units(point place, const trained_range *self) {
+    return (point){place.M / self->extent.M, place.pressure / self->extent.pressure};
+}
+
 static void find_extent(trained_range *self, const reduced_states *states) {
     point low = {INFINITY, INFINITY}, high = {-INFINITY, -INFINITY};
     bool stationary = true;
 
     for (size_t s = 0; s < states->num_states; s++) {
-        low.M = fmin(low.M, states->moes_M[s]);
-        high.M = fmax(high.M, states->moes_M[s]);
-        low.pressure = fmin(low.pressure, states->alpha_p_H[s]);
-        high.pressure = fmax(high.pressure, states->alpha_p_H[s]);
+        const point here = place_of(states->moes_M[s], states->alpha_p_H[s]);
+        low.M = fmin(low.M, here.M);
+        high.M = fmax(high.M, here.M);
+        low.pressure = fmin(low.pressure, here.pressure);
+        high.pressure = fmax(high.pressure, here.pressure);
         self->max_rate = fmax(self->max_rate, states->rate[s]);
         stationary = stationary && states->stationary[s];
     }
-    self->extent.M = high.M > low.M ? high.M - low.M : high.M;
-    self->extent.pressure =
-        high.pressure > low.pressure ? high.pressure - low.pressure : fmax(high.pressure, 1);
+    self->extent.M = high.M > low.M ? high.M - low.M : 1;
+    self->extent.pressure = high.pressure > low.pressure ? high.pressure - low.pressure : 1;
+    self->low = in_units(low, self);
+    self->high = in_units(high, self);
     // training points count as inside, and so does what lies between the few states that are kept
     // of a trajectory, which is a curve
     self->slack = stationary ? 1e-9 : 2e-3;
@@ -383,8 +405,7 @@ trained_range *trained_range_create(const reduced_model *model) {
     if (self && self->edges && points && hull) {
         find_extent(self, states);
         for (size_t s = 0; s < num; s++)
-            points[s] = (point){states->moes_M[s] / self->extent.M,
-                                states->alpha_p_H[s] / self->extent.pressure};
+            points[s] = in_units(place_of(states->moes_M[s], states->alpha_p_H[s]), self);
         self->count = num ? convex_hull(hull, points, num) : 0;
         for (size_t i = 0; i < self->count; i++)
             self->edges[i] = edge_between(hull[i], hull[(i + 1) % self->count]);
@@ -408,10 +429,13 @@ static double outside_edge(const hull_edge *edge, point wanted, bool line) {
 const char *trained_range_check(const trained_range *self, double moes_M, double alpha_p_H,
                                 double rate) {
     const double rate_slack = 1.05, min_rate = 1e-3;
-    const point wanted = {moes_M / self->extent.M, alpha_p_H / self->extent.pressure};
-    bool line = self->count <= 2, of_trajectories = self->slack > 1e-6;
-    double outside = line && !(of_trajectories && self->count == 2) ? INFINITY : -INFINITY;
+    const point wanted = in_units(place_of(moes_M, alpha_p_H), self), low = self->low,
+                high = self->high;
+    bool line = self->count <= 2;
+    double outside = fmax(fmax(low.M - wanted.M, wanted.M - high.M),
+                          fmax(low.pressure - wanted.pressure, wanted.pressure - high.pressure));
 
+    if (self->count < 2) outside = INFINITY;
     for (size_t i = 0; i < self->count; i++) {
         double here = outside_edge(&self->edges[i], wanted, line);
         outside = here > outside ? here : outside;

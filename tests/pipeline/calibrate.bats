@@ -415,7 +415,7 @@ YAML
     romrun --check tc.h5
     # what --against finds for the whole model, which takes the same steps, as they are fixed
     fullrun moving.yml --set transient.load.period=0.75 -o full.h5 --quiet
-    romrun moving.yml --set transient.load.period=0.75 --model tm.h5 --against full.h5 --quiet >red.txt
+    romrun moving.yml --set transient.load.period=0.75 --model tm.h5 --against full.h5 --quiet --allow-untrusted >red.txt
     worst=$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' red.txt)
     awk -v a="$worst" -v b="$(entry tc.h5 worst_in_time_central_film_thickness -1)" \
         'BEGIN { exit !(a / (100 * b) > 0.95 && a / (100 * b) < 1.05) }'

@@ -175,10 +175,9 @@ YAML
     [ "$status" -eq 0 ] && [ -z "$stderr" ]
     [[ ${lines[-1]} == "checked on 1 trajectories between those of the training: central film at most "*" % off, minimum film "*" %" ]]
     [[ $(h5dump -a settings x.h5) == *"transient.load.amplitude: 0.05"* ]]
-    romrun moving.yml --model x.h5 -o one.h5 --quiet --set transient.load.amplitude=0.07
-    /usr/bin/python3 -c "
-import h5py
-with h5py.File('one.h5') as f: assert (f['status'][...] == 0).all()"
+    # its minimum film is indicated to be 13 % off, not never checked
+    run --separate-stderr romrun moving.yml --model x.h5 -o one.h5 --quiet --set transient.load.amplitude=0.07
+    [[ $status -eq 4 && $stderr == "romrun: moving.yml: found an indicated deviation of "*" of the minimum film, more than 0.01, "* ]]
     # it was not checked on stationary scenes
     run -4 --separate-stderr romrun scene.yml --model x.h5
     # nor this one in time

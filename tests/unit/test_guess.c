@@ -328,10 +328,10 @@ static void trained_range_is_the_hull(void **state) {
     const struct {
         double M, alpha_p_H;
         int inside;
-    } points[] = {{15, 3, 1},    {10, 1, 1},    {20, 6, 1},     {15, 5.5, 1},   {15, 1.5, 1},
-                  {10, 3, 1},    {20, 4, 1},    {15, 5.501, 0}, {15, 1.499, 0}, {9.99, 3, 0},
-                  {20.01, 4, 0}, {10, 0.99, 0}, {20, 6.01, 0},  {1e6, 3, 0},    {15, 0, 0},
-                  {12, 1.3, 1},  {12, 5.1, 1},  {12, 5.3, 0},   {12, 1.1, 0}};
+    } points[] = {{15, 3, 1},    {10, 1, 1},    {20, 6, 1},    {15, 5.56, 1},  {15, 1.5, 1},
+                  {10, 3, 1},    {20, 4, 1},    {15, 5.57, 0}, {15, 1.499, 0}, {9.99, 3, 0},
+                  {20.01, 4, 0}, {10, 0.99, 0}, {20, 6.01, 0}, {1e6, 3, 0},    {15, 0, 0},
+                  {12, 1.3, 1},  {12, 5.1, 1},  {12, 5.3, 0},  {12, 1.1, 0}};
 
     for (size_t i = 0; i < sizeof points / sizeof *points; i++)
         if (is_trained(&model, points[i].M, points[i].alpha_p_H, 0) != points[i].inside)
@@ -343,18 +343,35 @@ static void trained_range_is_the_hull(void **state) {
     rate[3] = 0.1;
     assert_true(is_trained(&model, 15, 3, 0.1));
     assert_false(is_trained(&model, 15, 3, 0.11));
-    // points on a line, a single point and none have no inside
-    double line[] = {1, 2, 3, 4, 5, 6};
+    // what lies between points on a line, as where the load alone varies: M goes with alpha p_H squared
+    double line[] = {1, 2, 3, 4, 5, 6}, squares[] = {1, 4, 9, 16, 25, 36};
     model.states.alpha_p_H = line;
+    model.states.moes_M = squares;
+    assert_true(is_trained(&model, 2.5 * 2.5, 2.5, 0));
+    assert_false(is_trained(&model, 2.5 * 2.5, 2.5001, 0));
+    assert_false(is_trained(&model, 6.001 * 6.001, 6.001, 0));
+    assert_false(is_trained(&model, 0.999 * 0.999, 0.999, 0));
+    // also where rounding sets them off it
+    double loads[6], off[6];
+    for (int i = 0; i < 6; i++) {
+        loads[i] = 12 * (0.9 + 0.04 * i);
+        off[i] = 5.53 * sqrt(0.9 + 0.04 * i) * (1 + (i % 2) * 3e-16);
+    }
+    model.states.moes_M = loads;
+    model.states.alpha_p_H = off;
+    assert_true(is_trained(&model, 12, 5.53, 0));
+    assert_false(is_trained(&model, 12 * 1.2, 5.53 * sqrt(1.2), 0));
+    assert_false(is_trained(&model, 12 * 0.8, 5.53 * sqrt(0.8), 0));
+    model.states.alpha_p_H = line;
+    // a trajectory is a curve, of which a few states are kept
     model.states.moes_M = line;
-    assert_false(is_trained(&model, 2.5, 2.5, 0));
-    // but those of a trajectory do: it is a curve
     stationary[4] = false;
     assert_true(is_trained(&model, 2.5, 2.5, 0));
     assert_true(is_trained(&model, 6.005, 6.005, 0));
     assert_false(is_trained(&model, 6.1, 6.1, 0));
     assert_false(is_trained(&model, 2.5, 2.6, 0));
     assert_false(is_trained(&model, 2.6, 2.5, 0));
+    // a single point and none have no inside
     model.states.num_states = 1;
     assert_false(is_trained(&model, 1, 1, 0));
     model.states.num_states = 0;

@@ -6,7 +6,7 @@
     study.py run FOLDER MODEL.h5 SETTINGS PROMISE...            solves them with a calibrated model: FOLDER/runs.csv
     study.py table RUNS.csv SEED CALIBRATION_SEED               counts; exit code 1 where a run ended otherwise
 
-Half of the scenes lie inside of the hull of the training points in M and alpha p_H, half outside but within a rectangle
+Half of the scenes lie inside of the hull of the training points in ln M and ln(alpha p_H), half outside but within a rectangle
 of twice its extent; with `own` all are inside and of the lubricant that the model was trained with. Kind of contact,
 grid and the lubricant called its own are those of the scene that was trained on.
 """
@@ -70,7 +70,7 @@ def draw(folder, seed, count, model, scene_file, own=""):
     contact, grid, viscosity = read_scene(scene_file)
     laws = list(laws_of(viscosity).items())
     trained = np.array(list(results.printed(model, "state_moes_M", "state_alpha_p_H").values())).T
-    edges = hull_edges(trained)
+    edges = hull_edges(np.log(trained))
     middle, extent = (trained.min(axis=0) + trained.max(axis=0)) / 2, np.ptp(trained, axis=0)
     random = np.random.default_rng(int(seed))
 
@@ -80,8 +80,8 @@ def draw(folder, seed, count, model, scene_file, own=""):
     def place(inside):
         while True:
             M, alpha_p_H = middle + (0.5 if inside else 1) * extent * random.uniform(-1, 1, 2)
-            if (M >= 1 and alpha_p_H >= 0 and moes_L(M, alpha_p_H) <= MOST_L
-                    and is_inside(edges, (M, alpha_p_H)) == inside):
+            if (M >= 1 and alpha_p_H > 0 and moes_L(M, alpha_p_H) <= MOST_L
+                    and is_inside(edges, np.log((M, alpha_p_H))) == inside):
                 return M, alpha_p_H
 
     groups = {}
