@@ -64,17 +64,24 @@ static bool place_state(neighbour *place, const reduced_states *states, size_t s
 
 enum { ANY_EFFECT = -1 }; // also of states of which no effect of the grid is known
 
+/* Of the contact's own lubricant, or one that is not known. */
+static bool is_own(const neighbour *self) {
+    const double same = 1e-9;
+
+    return fabs(self->away[ALONG_VISCOSITY]) < same && fabs(self->away[ALONG_DENSITY]) < same;
+}
+
 /* Lists the nearest stationary states farther away than `beyond`, of those of which an effect of
- * the grid is known; returns their number. */
+ * the grid is known, or of the contact's own lubricant; returns their number. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states,
-                             const wanted_place *here, double beyond, int effect) {
+                             const wanted_place *here, double beyond, int effect, bool own) {
     size_t count = 0;
 
     for (size_t s = 0; s < states->num_states; s++) {
         neighbour fresh;
         if (!states->stationary[s]) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
-        if (!place_state(&fresh, states, s, here)) continue;
+        if (!place_state(&fresh, states, s, here) || (own && !is_own(&fresh))) continue;
         if (!(fresh.distance > beyond) ||
             (count == NUM_NEIGHBOURS && fresh.distance >= nearest[count - 1].distance))
             continue;
@@ -206,8 +213,12 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
     double weights[NUM_NEIGHBOURS];
     size_t states[NUM_NEIGHBOURS];
 
-    size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT);
-    count = best_weights(weights, nearest, count);
+    // of its own lubricant first: how others differ is more than linear
+    size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, true);
+    if (!fit_weights(weights, nearest, count, &FITS[0], (const bool[NUM_COORDINATES]){false})) {
+        count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, false);
+        count = best_weights(weights, nearest, count);
+    }
     combine_states(state, model, nearest, weights, count);
     for (size_t i = 0; i < count; i++)
         states[i] = nearest[i].state;
@@ -220,7 +231,8 @@ static bool start_from_state(reduced_state *state, const reduced_model *model,
     neighbour nearest[NUM_NEIGHBOURS];
     double one = 1;
 
-    if (skipped >= nearest_states(nearest, &model->states, here, -1, ANY_EFFECT)) return false;
+    if (skipped >= nearest_states(nearest, &model->states, here, -1, ANY_EFFECT, false))
+        return false;
     combine_states(state, model, &nearest[skipped], &one, 1);
     return true;
 }
@@ -250,7 +262,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, double 
     neighbour nearest[NUM_NEIGHBOURS];
     double one = 1;
 
-    if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT) > 0)
+    if (nearest_states(nearest, &model->states, &here, same, ANY_EFFECT, false) > 0)
         combine_states(state, model, nearest, &one, 1);
     else
         reduced_guess(state, model, moes_M, alpha_p_H, lubricant);
@@ -265,7 +277,7 @@ static double effect_at(const reduced_states *states, const wanted_place *here, 
     const double rounding = 1e-12; // of a film
     neighbour nearest[NUM_NEIGHBOURS];
     double weights[NUM_NEIGHBOURS], log_size = 0;
-    size_t count = nearest_states(nearest, states, here, -1, effect), finite = 0;
+    size_t count = nearest_states(nearest, states, here, -1, effect, false), finite = 0;
 
     if (count == 0) return NAN;
     const double closest = states->effects[nearest[0].state].of[effect];
