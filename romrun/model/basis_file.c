@@ -130,61 +130,53 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     return status;
 }
 
-/* What the grid does to the films, where it is known of any state. */
-static ehd_status put_effects(artefact *file, const reduced_states *states, double *work,
-                              ehd_error *error) {
+/* Numbers that need not be known of a state, in columns of their own: what the grid does to the
+ * films, and the lubricants. */
+typedef struct optional_columns {
+    const char *const *names; // [num]
+    size_t num;
+    double *values; // [num_states, num], NaN: not known
+} optional_columns;
+
+enum { NUM_OPTIONAL = 2 };
+
+static void list_optional(optional_columns columns[NUM_OPTIONAL], const reduced_states *states) {
+    columns[0] = (optional_columns){film_effect_state_names, NUM_EFFECTS, states->effects->of};
+    columns[1] = (optional_columns){lubricant_rise_state_names, NUM_RISES, states->rises->of};
+}
+
+/* Those that are known of any state. */
+static ehd_status put_optional(artefact *file, const reduced_states *states, double *work,
+                               ehd_error *error) {
+    optional_columns columns[NUM_OPTIONAL];
     ehd_status status = EHD_OK;
 
-    for (int e = 0; e < NUM_EFFECTS && !status; e++) {
-        bool any = false;
-        for (size_t s = 0; s < states->num_states; s++) {
-            work[s] = states->effects[s].of[e];
-            any = any || !isnan(work[s]);
+    list_optional(columns, states);
+    for (const optional_columns *of = columns; of < columns + NUM_OPTIONAL; of++)
+        for (size_t c = 0; c < of->num && !status; c++) {
+            bool any = false;
+            for (size_t s = 0; s < states->num_states; s++) {
+                work[s] = of->values[s * of->num + c];
+                any = any || !isnan(work[s]);
+            }
+            if (any) status = artefact_put(file, of->names[c], work, error);
         }
-        if (any) status = artefact_put(file, film_effect_state_names[e], work, error);
-    }
     return status;
 }
 
-static ehd_status get_effects(reduced_states *states, artefact *file, double *work,
-                              ehd_error *error) {
+static ehd_status get_optional(reduced_states *states, artefact *file, double *work,
+                               ehd_error *error) {
+    optional_columns columns[NUM_OPTIONAL];
     ehd_status status = EHD_OK;
 
-    for (int e = 0; e < NUM_EFFECTS && !status; e++) {
-        if (!artefact_has(file, film_effect_state_names[e])) continue;
-        status = artefact_get(file, film_effect_state_names[e], work, error);
-        for (size_t s = 0; s < states->num_states && !status; s++)
-            states->effects[s].of[e] = work[s];
-    }
-    return status;
-}
-
-/* The lubricants, where they are known of any state. */
-static ehd_status put_rises(artefact *file, const reduced_states *states, double *work,
-                            ehd_error *error) {
-    ehd_status status = EHD_OK;
-
-    for (int r = 0; r < NUM_RISES && !status; r++) {
-        bool any = false;
-        for (size_t s = 0; s < states->num_states; s++) {
-            work[s] = states->rises[s].of[r];
-            any = any || !isnan(work[s]);
+    list_optional(columns, states);
+    for (const optional_columns *of = columns; of < columns + NUM_OPTIONAL; of++)
+        for (size_t c = 0; c < of->num && !status; c++) {
+            if (!artefact_has(file, of->names[c])) continue;
+            status = artefact_get(file, of->names[c], work, error);
+            for (size_t s = 0; s < states->num_states && !status; s++)
+                of->values[s * of->num + c] = work[s];
         }
-        if (any) status = artefact_put(file, lubricant_rise_state_names[r], work, error);
-    }
-    return status;
-}
-
-static ehd_status get_rises(reduced_states *states, artefact *file, double *work,
-                            ehd_error *error) {
-    ehd_status status = EHD_OK;
-
-    for (int r = 0; r < NUM_RISES && !status; r++) {
-        if (!artefact_has(file, lubricant_rise_state_names[r])) continue;
-        status = artefact_get(file, lubricant_rise_state_names[r], work, error);
-        for (size_t s = 0; s < states->num_states && !status; s++)
-            states->rises[s].of[r] = work[s];
-    }
     return status;
 }
 
@@ -221,8 +213,7 @@ ehd_status states_write(artefact *file, const reduced_states *states, size_t num
         status = artefact_put(file, "state_central_film_thickness", states->central_film_thickness,
                               error);
     if (!status) status = put_trajectory_marks(file, states, exits, error);
-    if (!status) status = put_rises(file, states, part, error);
-    if (!status) status = put_effects(file, states, part, error);
+    if (!status) status = put_optional(file, states, part, error);
     free(exits);
     free(part);
     return status;
@@ -274,8 +265,7 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         for (size_t i = 0; i < num_states && !status; i++)
             states->central_film_thickness[i] = NAN; // a foreign file need not have it
     if (!status) status = get_trajectory_marks(states, file, exits, error);
-    if (!status) status = get_rises(states, file, part, error);
-    if (!status) status = get_effects(states, file, part, error);
+    if (!status) status = get_optional(states, file, part, error);
     free(exits);
     free(part);
     return status;
