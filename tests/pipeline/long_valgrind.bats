@@ -31,8 +31,7 @@ checked() {
 far_outside() {
     local M
     for M in 1 2 4 300; do
-        run --separate-stderr valgrind -q --error-exitcode=99 romrun --allow-untrusted scene.yml --model m.h5 \
-            --set moes.M=$M
+        run --separate-stderr valgrind -q --error-exitcode=99 romrun scene.yml --model m.h5 --set moes.M=$M
         echo "M=$M: $status $stderr"
         [[ $status == [34] && $stderr != *"=="* ]] || return
     done
