@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deimselect/checked_model.h"
 
+#include "romrun/calibrate/accuracy.h"
 #include "romrun/calibrate/calibrate.h"
 #include "romrun/calibrate/check_scenes.h"
 #include "romrun/calibrate/validation.h"
@@ -9,9 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <unistd.h>
-
-/* Above it, a result without --accuracy is not to be trusted. */
-static const double ACCURACY = 0.01;
 
 typedef struct check_run {
     const program *caller;
@@ -71,12 +69,12 @@ static void warn_in_time(const check_run *self, const trade_position *whole) {
     const double *worst = whole->worst_in_time;
 
     if (whole->num_lost == 0 &&
-        fmax(worst[TRADE_CENTRAL_FILM], worst[TRADE_MINIMUM_FILM]) <= ACCURACY)
+        fmax(worst[TRADE_CENTRAL_FILM], worst[TRADE_MINIMUM_FILM]) <= accuracy_limit(0))
         return;
     program_warn(self->caller,
                  "%s: found films off by more than %g %% or no solution on trajectories between "
                  "those of the training, expected less: the training is too thin, add some between",
-                 self->caller->output, 100 * ACCURACY);
+                 self->caller->output, 100 * accuracy_limit(0));
 }
 
 /* The same of stationary scenes, and what helps. */
@@ -85,7 +83,7 @@ static ehd_status warn_of(const check_run *self, const trade_position *whole, eh
     const double minimum = whole->deviation[TRADE_MINIMUM_FILM][TRADE_WORST];
     const ehd_contact *worst = NULL;
     char place[POINT_NAME] = "them";
-    if (whole->num_failures == 0 && fmax(central, minimum) <= ACCURACY) return EHD_OK;
+    if (whole->num_failures == 0 && fmax(central, minimum) <= accuracy_limit(0)) return EHD_OK;
 
     ehd_status status = validation_worst(&worst, &self->scenes, self->draft, error);
     if (status) return status;
@@ -93,7 +91,7 @@ static ehd_status warn_of(const check_run *self, const trade_position *whole, eh
     program_warn(self->caller,
                  "%s: found films off by more than %g %% or no solution between training points, "
                  "expected less: the training is too thin, add points around %s",
-                 self->caller->output, 100 * ACCURACY, place);
+                 self->caller->output, 100 * accuracy_limit(0), place);
     return EHD_OK;
 }
 

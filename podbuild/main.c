@@ -6,6 +6,7 @@
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
 #include "podbuild/test_weight.h"
+#include "romrun/calibrate/accuracy.h"
 #include "romrun/model/basis_file.h"
 
 #include <stddef.h>
@@ -96,7 +97,7 @@ static int compare_doubles(const void *a, const void *b) {
  * told by the others. A warning where that is worse than what results are promised to be. */
 static void report_thinness(const program *self, const pod_basis *pressure,
                             const snapshot_set *set) {
-    const double promised = 0.01;
+    const double promised = accuracy_limit(0);
     const size_t num = set->num_states;
     double *distance = malloc((num + 1) * sizeof *distance);
 

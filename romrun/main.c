@@ -420,7 +420,7 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
                                   ehdrom_transient *in_time, const scene *given,
                                   const char *distrust, ehd_error *error) {
     if (!falls_back(options)) return EHD_OK;
-    const double accuracy = options->accuracy > 0 ? options->accuracy : accuracy_default;
+    const double accuracy = accuracy_limit(options->accuracy);
     ehd_status status =
         grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
 

@@ -3,6 +3,7 @@
 
 #include "romrun/calibrate/trade.h"
 #include "romrun/online/indicator.h"
+#include "romrun/online/trained_range.h"
 #include "snapgen/adaptive_file.h"
 #include "snapgen/point_choice.h"
 #include "snapgen/snapshots.h"

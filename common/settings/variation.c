@@ -196,12 +196,8 @@ static ehd_status read_candidates(variation *self, const tree_node *node, const 
     const size_t fewest = (size_t)2 << self->num_ranges;
     char shown[SHOWN_TEXT];
     double wanted = DEFAULT_CANDIDATES;
-    if (!node) {
-        self->num_candidates = DEFAULT_CANDIDATES;
-        return EHD_OK;
-    }
-    if (node->kind != TREE_SCALAR || !number_read(&wanted, node->value) ||
-        !(wanted >= (double)fewest && wanted <= MAX_POINTS) || wanted != floor(wanted))
+    if (node && (node->kind != TREE_SCALAR || !number_read(&wanted, node->value) ||
+                 !(wanted >= (double)fewest && wanted <= MAX_POINTS) || wanted != floor(wanted)))
         return place_fail(error, (place){path, node->line},
                           "candidates: found %s, expected a number from %zu to %d",
                           tree_show(shown, node), fewest, MAX_POINTS);

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const double accuracy_default = 0.01;
+static const double DEFAULT_ACCURACY = 0.01;
 
 /* Describes the chosen sizes and their measured accuracy. */
 static void explain(accuracy_choice *choice, const trade_table *table,
@@ -65,7 +65,7 @@ double accuracy_tolerance(double accuracy) {
 }
 
 double accuracy_limit(double accuracy) {
-    return accuracy > 0 ? accuracy : accuracy_default;
+    return accuracy > 0 ? accuracy : DEFAULT_ACCURACY;
 }
 
 void accuracy_judge(run_result *result, double accuracy) {
@@ -84,14 +84,11 @@ void accuracy_judge(run_result *result, double accuracy) {
 }
 
 const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time) {
-    if (in_time && !model->checked_in_time)
-        return "a model never checked in time at these sizes, which romrun --calibrate does, and "
-               "deimselect without --no-check";
-    if (!in_time && !model->checked)
-        return "a model never checked at these sizes, which romrun --calibrate does, and "
-               "deimselect "
-               "without --no-check";
-    return NULL;
+#define WHO_CHECKS                                                                                 \
+    " at these sizes, which romrun --calibrate does, and deimselect without --no-check"
+    if (in_time) return model->checked_in_time ? NULL : "a model never checked in time" WHO_CHECKS;
+    return model->checked ? NULL : "a model never checked" WHO_CHECKS;
+#undef WHO_CHECKS
 }
 
 ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error) {

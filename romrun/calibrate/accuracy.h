@@ -7,9 +7,6 @@
 #include "romrun/calibrate/trade.h"
 #include <stdbool.h>
 
-/* What holds without --accuracy. */
-extern const double accuracy_default;
-
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
     ehdrom_sizes fastest;       // of those measured to be accurate enough

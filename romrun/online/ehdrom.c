@@ -6,6 +6,7 @@
 #include "romrun/online/fields.h"
 #include "romrun/online/indicator.h"
 #include "romrun/online/reduced_march.h"
+#include "romrun/online/trained_range.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,6 +7,7 @@
 #include "romrun/online/fields.h"
 #include "romrun/online/film_errors.h"
 #include "romrun/online/time_indicator.h"
+#include "romrun/online/trained_range.h"
 
 #include <cblas.h>
 #include <math.h>

@@ -429,7 +429,7 @@ const reduced_state *reduced_take_factors(reduced_solver *self) {
 
     self->near = self->kept;
     self->kept = taken;
-    if (self->used) self->used = self->used == &self->near ? &self->kept : &self->near;
+    self->used = NULL; // they have changed places
     return &self->kept.start;
 }
 
@@ -581,7 +581,6 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     double start = program_seconds();
 
     *info = (reduced_info){.status = EHD_NOT_CONVERGED, .reason = ""};
-    solver->system.remaining = 0;
     ehd_status status = solve(info, state, solver, contact, squeeze, error);
     // in time the values are those that reduced_values_of has, to the last bit
     const bool in_time = squeeze || solver->settings.exit_at_node;

@@ -3,6 +3,7 @@
  * around, what is affine wherever it spans a plane, and otherwise the nearest one is taken. */
 #include "common/settings/scene.h"
 #include "romrun/online/reduced_solver.h"
+#include "romrun/online/trained_range.h"
 #include "tests/unit/check.h"
 #include "tests/unit/reduced_problem.h"
 

@@ -21,6 +21,7 @@
 #include "romrun/online/least_squares.h"
 #include "romrun/online/reduced_solver.h"
 #include "romrun/online/row_system.h"
+#include "romrun/online/trained_range.h"
 
 #include <cblas.h>
 #include <lapacke.h>
