@@ -286,7 +286,7 @@ void reduced_neighbour(reduced_state *state, const reduced_model *model, double 
 static double effect_at(const reduced_states *states, const neighbour *nearest, size_t count,
                         int effect) {
     const double rounding = 1e-12; // of a film
-    neighbour finite[NUM_NEIGHBOURS];
+    neighbour finite[NUM_NEIGHBOURS] = {0};
     double weights[NUM_NEIGHBOURS], log_size = 0;
     size_t num_finite = 0;
 
