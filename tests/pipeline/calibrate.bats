@@ -4,21 +4,9 @@
 
 load common
 
-# A model of 121 nodes trained on plan.yml, and check.yml: four scenes between its points.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
-    common_setup_small
-    sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
-    cat >check.yml <<'YAML'
-groups:
-  - scene: base.yml
-    vary: {moes.M: [10, 12], moes.L: [3, 5]}
-YAML
-    snapgen train.yml -o s.h5 --quiet
-    podbuild s.h5 -o b.h5 --pressure-modes 12
-    snapgen train.yml --basis b.h5 -o r.h5 --quiet
-    deimselect r.h5 --basis b.h5 -o m.h5 --no-check
-    romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
+    small_model
 }
 
 setup() {
@@ -389,26 +377,11 @@ PYTHON
 }
 
 @test "trajectories, with the steps of the full model" {
-    cat >moving.yml <<'YAML'
-contact: line
-regime: transient
-moes: {M: 12, L: 4}
-lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
-grid: {step: 0.05}
-transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.5, fixed_step: 0.01}
-YAML
-    for plan in 'train [0.5, 1] 0.1' 'check [0.75] 0.1' 'wide [0.75] 0.4'; do
-        read -r name periods <<<"$plan"
-        cat >"$name-time.yml" <<YAML
-groups:
-  - scene: moving.yml
-    vary: {transient.load.period: ${periods% *}, transient.load.amplitude: [${periods##* }]}
-YAML
-    done
-    snapgen train-time.yml -o ts.h5 --quiet
-    podbuild ts.h5 -o tb.h5 --pressure-modes 14
-    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
-    deimselect tr.h5 --basis tb.h5 -o tm.h5
+    moving_scene "step: 0.05" "end_time: 0.5, fixed_step: 0.01"
+    time_plan train "0.5, 1" 0.1
+    time_plan check 0.75 0.1
+    time_plan wide 0.75 0.4
+    model_in_time 14
     run --separate-stderr romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
     [ "$status" -eq 0 ] && [ -z "$stderr" ]
     [[ $output == "0 scenes, 1 trajectories, "* ]]
@@ -440,31 +413,16 @@ YAML
 }
 
 @test "in time what is indicated decides the exit code, step by step" {
-    cat >moving.yml <<'YAML'
-contact: line
-regime: transient
-moes: {M: 12, L: 4}
-lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
-grid: {step: 0.05}
-transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 2, fixed_step: 0.02}
-YAML
-    for plan in 'train [0.7, 1.3] 0.1' 'check [0.6, 1.1] 0.095'; do
-        read -r name rest <<<"$plan"
-        cat >"$name-time.yml" <<YAML
-groups:
-  - scene: moving.yml
-    vary: {transient.load.period: ${rest% *}, transient.load.amplitude: [${rest##* }]}
-YAML
-    done
-    snapgen train-time.yml -o ts.h5 --quiet
-    podbuild ts.h5 -o tb.h5 --pressure-modes 40
-    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
-    deimselect tr.h5 --basis tb.h5 -o tm.h5
+    moving_scene "step: 0.05" "end_time: 2, fixed_step: 0.02"
+    time_plan train "0.7, 1.3" 0.1
+    time_plan check "0.6, 1.1" 0.095
+    model_in_time 40 --no-check
     romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
-    # faster than the training, at which a model that is not calibrated stops
+    # faster than the training; a model that was never checked says so of any history
     fast="--set transient.load.period=0.5"
     run --separate-stderr romrun moving.yml --model tm.h5 $fast --quiet
     [ "$status" -eq 4 ]
+    [[ $stderr == *"a model never checked in time at these sizes"* ]]
     fullrun moving.yml $fast -o full.h5 --quiet
     run --separate-stderr romrun moving.yml --model tc.h5 $fast -o good.h5 --quiet
     [ "$status" -eq 0 ] && [ -z "$stderr" ]

@@ -55,6 +55,52 @@ groups:
 YAML
 }
 
+# m.h5, a model trained on that plan and two more M, never checked; c.h5, calibrated on check.yml, four scenes
+# between its points; in the present folder.
+small_model() {
+    common_setup_small
+    sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
+    cat >check.yml <<'YAML'
+groups:
+  - scene: base.yml
+    vary: {moes.M: [10, 12], moes.L: [3, 5]}
+YAML
+    snapgen train.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 12
+    snapgen train.yml --basis b.h5 -o r.h5 --quiet
+    deimselect r.h5 --basis b.h5 -o m.h5 --no-check
+    romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
+}
+
+# moving_scene GRID TIME: moving.yml, a line contact under a load of +-10 % and period 1.
+moving_scene() {
+    cat >moving.yml <<YAML
+contact: line
+regime: transient
+moes: {M: 12, L: 4}
+lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
+grid: {$1}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, $2}
+YAML
+}
+
+# time_plan NAME PERIODS AMPLITUDE: NAME-time.yml, loads of moving.yml.
+time_plan() {
+    cat >"$1-time.yml" <<YAML
+groups:
+  - scene: moving.yml
+    vary: {transient.load.period: [$2], transient.load.amplitude: [$3]}
+YAML
+}
+
+# model_in_time MODES [OPTION...]: tm.h5, trained on train-time.yml, with deimselect's options.
+model_in_time() {
+    snapgen train-time.yml -o ts.h5 --quiet
+    podbuild ts.h5 -o tb.h5 --pressure-modes "$1"
+    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
+    deimselect tr.h5 --basis tb.h5 -o tm.h5 "${@:2}"
+}
+
 # point_scene M X_MIN: the scene of a point contact with 33 nodes across, in the present folder.
 point_scene() {
     cat >scene.yml <<YAML

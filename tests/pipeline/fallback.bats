@@ -4,40 +4,14 @@
 
 load common
 
-# A model of 121 nodes trained on plan.yml, m.h5, and calibrated on four scenes between its points, c.h5.
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
-    common_setup_small
+    small_model
     echo "output: {fields: true}" >>scene.yml
-    sed 's/\[8, 11, 15\]/[8, 9.5, 11, 13, 15]/' plan.yml >train.yml
-    cat >check.yml <<'YAML'
-groups:
-  - scene: base.yml
-    vary: {moes.M: [10, 12], moes.L: [3, 5]}
-YAML
-    snapgen train.yml -o s.h5 --quiet
-    podbuild s.h5 -o b.h5 --pressure-modes 12
-    snapgen train.yml --basis b.h5 -o r.h5 --quiet
-    deimselect r.h5 --basis b.h5 -o m.h5 --no-check
-    romrun --calibrate check.yml --model m.h5 -o c.h5 --quiet
     # tm.h5: in time, under loads of +-10 %
-    cat >moving.yml <<'YAML'
-contact: line
-regime: transient
-moes: {M: 12, L: 4}
-lubricant: {viscosity: {law: barus, alpha: 2.0e-8}}
-grid: {x_min: -4, x_max: 2, step: 0.05}
-transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 1, fixed_step: 0.01}
-YAML
-    cat >train-time.yml <<'YAML'
-groups:
-  - scene: moving.yml
-    vary: {transient.load.period: [0.5, 1], transient.load.amplitude: [0.1]}
-YAML
-    snapgen train-time.yml -o ts.h5 --quiet
-    podbuild ts.h5 -o tb.h5 --pressure-modes 40
-    snapgen train-time.yml --basis tb.h5 -o tr.h5 --quiet
-    deimselect tr.h5 --basis tb.h5 -o tm.h5
+    moving_scene "x_min: -4, x_max: 2, step: 0.05" "end_time: 1, fixed_step: 0.01"
+    time_plan train "0.5, 1" 0.1
+    model_in_time 40
 }
 
 setup() {

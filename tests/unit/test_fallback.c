@@ -51,8 +51,8 @@ static void solved_free(solved *self) {
     ehdrom_close(self->model);
 }
 
-/* What it comes to is the full model's own solution. */
-static void check_fallback(const fallback *found, const ehd_contact *contact) {
+/* What it comes to is the full model's own solution, from where it is expected to start. */
+static void check_solution(const fallback *found, const ehd_contact *contact) {
     const full_settings settings = full_default_settings();
     problem expected;
     problem_solve_cold(&expected, contact, &settings);
@@ -73,20 +73,29 @@ static void check_fallback(const fallback *found, const ehd_contact *contact) {
     problem_free(&expected);
 }
 
+/* Solves with the full model after the reduced one; returns the iterations. */
+static size_t check_fallback(const solved *run, const ehd_contact *contact, size_t repetitions,
+                             bool from_reduced) {
+    fallback found;
+
+    check_ok(fallback_solve(&found, run->solver, &run->result, contact, repetitions, &error));
+    assert_int_equal(found.from_reduced, from_reduced);
+    check_solution(&found, contact);
+    const size_t iterations = found.info.newton_iterations;
+    fallback_free(&found);
+    return iterations;
+}
+
 static void from_a_reduced_solution(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
         ehd_contact contact = training.contacts[4];
-        fallback found;
         solved run;
         contact_set_moes(&contact, 25, 7); // outside of the training
         rows_model_write(&bases[kind], rows, FEW_ROWS, path);
         solve(&run, &contact);
         assert_int_equal(run.result.status, EHD_UNTRUSTED);
-        check_ok(fallback_solve(&found, run.solver, &run.result, &contact, 1, &error));
-        assert_true(found.from_reduced);
-        check_fallback(&found, &contact);
-        fallback_free(&found);
+        check_fallback(&run, &contact, 1, true);
         solved_free(&run);
     }
 }
@@ -95,34 +104,26 @@ static void from_a_reduced_solution(void **state) {
 static void from_a_good_solution_it_takes_little(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];
-    fallback found;
     solved run;
 
     contact_set_moes(&contact, 12, 3);
     whole_model_write(&bases[1], path);
     solve(&run, &contact);
     assert_int_equal(run.result.status, EHD_OK);
-    check_ok(fallback_solve(&found, run.solver, &run.result, &contact, 3, &error));
-    assert_true(found.from_reduced && found.info.newton_iterations <= 3);
-    check_fallback(&found, &contact);
-    fallback_free(&found);
+    assert_true(check_fallback(&run, &contact, 3, true) <= 3);
     solved_free(&run);
 }
 
 static void of_a_point_contact(void **state) {
     (void)state;
     ehd_contact contact = point_training.contacts[4];
-    fallback found;
     solved run;
 
     contact_set_moes(&contact, 23, 5);
     whole_model_write(&point_basis, path);
     solve(&run, &contact);
     assert_int_equal(run.result.status, EHD_UNTRUSTED);
-    check_ok(fallback_solve(&found, run.solver, &run.result, &contact, 1, &error));
-    assert_true(found.from_reduced);
-    check_fallback(&found, &contact);
-    fallback_free(&found);
+    check_fallback(&run, &contact, 1, true);
     solved_free(&run);
 }
 
@@ -130,24 +131,17 @@ static void of_a_point_contact(void **state) {
 static void it_starts_cold_where_there_is_no_solution_to_start_from(void **state) {
     (void)state;
     ehd_contact contact = training.contacts[4];
-    fallback found;
     solved run;
 
     contact_set_moes(&contact, 12, 3);
     rows_model_write(&bases[1], rows, FEW_ROWS, path);
     solve(&run, &contact);
     run.result.status = EHD_NOT_CONVERGED;
-    check_ok(fallback_solve(&found, run.solver, &run.result, &contact, 1, &error));
-    assert_false(found.from_reduced);
-    check_fallback(&found, &contact);
-    fallback_free(&found);
+    check_fallback(&run, &contact, 1, false);
 
     run.result.status = EHD_UNTRUSTED;
     run.result.scalars.rigid_approach = NAN;
-    check_ok(fallback_solve(&found, run.solver, &run.result, &contact, 1, &error));
-    assert_false(found.from_reduced);
-    check_fallback(&found, &contact);
-    fallback_free(&found);
+    check_fallback(&run, &contact, 1, false);
     solved_free(&run);
 }
 
