@@ -521,6 +521,17 @@ static void take_up_errors(full_march *self, const bdf_formula *formula, const f
     }
 }
 
+/* Largest of them on the way to the centre, relative to the film there. */
+static double largest_taken_up(const full_march *self, const full_state *state,
+                               const ehd_contact *contact, double entrainment) {
+    double largest = 0;
+
+    for (size_t k = 0; k < contact->grid.num_nodes; k++)
+        if (self->taken_up[k] != 0 && grid_x(&contact->grid, k) * entrainment <= 0)
+            largest = fmax(largest, fabs(self->taken_up[k] / mass_at(state, contact, k)));
+    return largest;
+}
+
 /* What ever smaller steps would change of the film, relative. */
 static void set_effects(march_step *outcome, const full_march *self, const full_state *state,
                         const ehd_contact *contact) {
@@ -629,6 +640,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
         local_error(self, &formula, state, &contact, entrainment, step, central_film);
     list_exits(outcome, self, &contact, &squeeze, backwards);
     take_up_errors(self, &formula, state, &contact, frame, step);
+    outcome->taken_up = largest_taken_up(self, state, &contact, entrainment);
     set_effects(outcome, self, state, &contact);
     const char *doubt = why_not_to_trust(state, &contact.grid, backwards);
     if (doubt) {

@@ -23,6 +23,9 @@ typedef struct march_step {
     // relative changes of central and minimum film by ever smaller steps in time and, along the
     // path, no filter, estimated (README.md, Errors in time); NaN: cannot be told
     double effect, effect_minimum;
+    // largest error of rho H that a film on its way to the centre has taken up so far, in this step
+    // and those before, relative; 0: none is told
+    double taken_up;
     // relative deviation of both from the full model with the same steps, indicated; NaN: not known
     double indicated, indicated_minimum;
     size_t iterations; // Newton

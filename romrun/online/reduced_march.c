@@ -36,6 +36,7 @@ typedef struct error_estimate {
     // [num_way] what the attempt misses of rho H there, but for the formula's factor; once it is
     // accepted what the filter changes
     double *missed;
+    double *way_mass; // [num_way] rho H there; infinite where no error is told
 } error_estimate;
 
 static const size_t NO_ROW = SIZE_MAX;
@@ -150,6 +151,7 @@ static bool find_way(reduced_march *self) {
     estimate->way_row = arena_array(&self->memory, grid_width(grid), sizeof *estimate->way_row);
     estimate->x = arena_array(&self->memory, grid_width(grid), sizeof(double));
     estimate->missed = arena_array(&self->memory, grid_width(grid), sizeof(double));
+    estimate->way_mass = arena_array(&self->memory, grid_width(grid), sizeof(double));
     if (!row_of || self->memory.failed) {
         free(row_of);
         return false;
@@ -617,17 +619,17 @@ static double largest_error(const reduced_march *self) {
     return largest;
 }
 
-/* The same at any node, of the state of the attempt, prepared. */
-static double missed_at(const reduced_march *self, size_t node) {
+/* The same at any node, of the state of the attempt, prepared, whose rho H there is `mass`. */
+static double missed_at(double *mass, const reduced_march *self, size_t node) {
     const previous_film *films[BDF_PREVIOUS];
     const previous_film *next = &self->states[self->ring.place[0]];
-    double mass, before[BDF_PREVIOUS];
+    double before[BDF_PREVIOUS];
 
     list_previous(films, self);
-    previous_film_masses(&mass, &next, 1, node, &next->frame, self->model, self->splines,
+    previous_film_masses(mass, &next, 1, node, &next->frame, self->model, self->splines,
                          &self->reference);
     masses_at(before, films, self->ring.num_previous, node, &next->frame, self);
-    return mass - cblas_ddot((int)self->ring.num_previous, self->formula.predictor, 1, before, 1);
+    return *mass - cblas_ddot((int)self->ring.num_previous, self->formula.predictor, 1, before, 1);
 }
 
 /* Density below the pressure of the dry contact. */
@@ -642,9 +644,15 @@ static void miss_on_the_way(reduced_march *self) {
 
     for (size_t i = 0; i < estimate->num_way; i++) {
         const size_t node = estimate->way[i], r = estimate->way_row[i];
-        estimate->missed[i] = !is_before_exit(self, node) ? 0
-                              : r == NO_ROW               ? missed_at(self, node)
-                                                          : missed_mass(self, r);
+        estimate->missed[i] = 0;
+        estimate->way_mass[i] = INFINITY;
+        if (!is_before_exit(self, node)) continue;
+        if (r == NO_ROW) {
+            estimate->missed[i] = missed_at(&estimate->way_mass[i], self, node);
+        } else {
+            estimate->missed[i] = missed_mass(self, r);
+            estimate->way_mass[i] = estimate->mass[r];
+        }
     }
 }
 
@@ -686,6 +694,17 @@ static double local_error(reduced_march *self, double central_film, double step)
            central_film;
 }
 
+/* Largest of the errors of films on their way, relative to the film there. */
+static double largest_taken_up(const reduced_march *self) {
+    const error_estimate *estimate = &self->estimate;
+    double largest = 0;
+
+    for (size_t i = 0; i < estimate->num_way; i++)
+        largest = fmax(largest, fabs(film_errors_at(&self->taken_up, estimate->x[i])) /
+                                    estimate->way_mass[i]);
+    return largest;
+}
+
 /* Carries the errors of the films along and adds those of the attempt; sets what ever smaller steps
  * would change of the films, relative, as in the full model. By the rows it is not told. */
 static void set_effects(march_step *outcome, reduced_march *self, const ehd_contact *contact,
@@ -698,6 +717,7 @@ static void set_effects(march_step *outcome, reduced_march *self, const ehd_cont
     if (self->formula.error > 0)
         film_errors_add(&self->taken_up, self->formula.rate * step * self->formula.error,
                         self->estimate.missed, self->estimate.x, self->estimate.num_way);
+    outcome->taken_up = largest_taken_up(self);
     outcome->effect = -film_errors_at(&self->taken_up, 0) /
                       (scalars->central_film_thickness * hertz_density(contact, 0));
     if (!tells_minimum(self)) return;

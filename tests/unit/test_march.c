@@ -27,6 +27,7 @@ typedef struct follower {
     size_t untrusted_at;    // and of the one that is not to be trusted
     double indicated_after; // attempts, each indicates so much more of the minimum film; 0: none
     double noise;           // in each step's error, whatever its length
+    double taken_up;        // by films, after each step
     double longest_step;    // above it the local error is too large; 0: as it is
     double hardest_step;    // and above this it does not converge; 0: it does
     ehd_status breaks_with; // from attempt fails_at on, an error
@@ -58,6 +59,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
                             .local_error = formula.error * fabs(value - prediction),
                             .iterations = 3};
     if (formula.error > 0) outcome->local_error += self->noise;
+    outcome->taken_up = self->taken_up;
     outcome->indicated_minimum = self->indicated_after * (double)self->num_attempts;
     outcome->indicated = outcome->indicated_minimum / 2;
     if (self->longest_step > 0 && step > self->longest_step) outcome->local_error = 1;
@@ -598,6 +600,33 @@ static void steps_along_the_path_stay_at_the_shortest(void **state) {
     run_end(&first);
 }
 
+/* Errors that films have taken up make later steps shorter where they are more than eight tolerances:
+ * of four times as much each counts fourfold, and steps of an error of third order are 4^(1/3) times
+ * shorter. Nothing is known of them where films do not go along the path. */
+static void what_films_have_taken_up_shortens_steps(void **state) {
+    (void)state;
+    static const double tolerances[] = {0, 7.9, 32, 32};
+    double num_steps[4];
+    static ehd_contact line = {.kind = &contact_line, .approach_length = 1, .grid = {.step = 1e-6}};
+
+    for (size_t i = 0; i < 4; i++) {
+        run_begin(&first,
+                  "end_time: 40, tolerance: 1e-4, load: {law: sine, amplitude: 0.5, period: 1}");
+        line.transport = i < 3 ? TRANSPORT_PATH : TRANSPORT_UPWIND;
+        first.march.reference = &line;
+        first.follower.delay = 0.02;
+        first.follower.taken_up = tolerances[i] * first.march.settings.tolerance;
+        assert_int_equal(run_on(&first), EHD_OK);
+        num_steps[i] = (double)first.march.state.num_steps;
+        for (size_t k = 1; k < first.count; k++)
+            assert_true(first.local_error[k] <= first.march.settings.tolerance);
+        run_end(&first);
+    }
+    check_close(num_steps[1], num_steps[0], 0, 0);
+    check_close(num_steps[2] / num_steps[0], pow(4, 1. / 3), 0.05, 0);
+    check_close(num_steps[3], num_steps[0], 0.15, 0); // by another order of the tolerance
+}
+
 /* After a jump along the path the first step is one of the shortest; without one they are longer. */
 static void the_step_after_a_jump_along_the_path_is_short(void **state) {
     (void)state;
@@ -791,6 +820,7 @@ int main(void) {
         cmocka_unit_test(noise_underflows),
         cmocka_unit_test(steps_stand_above_noise),
         cmocka_unit_test(steps_along_the_path_stay_at_the_shortest),
+        cmocka_unit_test(what_films_have_taken_up_shortens_steps),
         cmocka_unit_test(the_step_after_a_jump_along_the_path_is_short),
         cmocka_unit_test(crawling_ends),
         cmocka_unit_test(errors_end_the_march),

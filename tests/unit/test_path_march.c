@@ -158,6 +158,9 @@ static void march_as_the_full_model(const problem *of, bool compressible, size_t
         assert_true(self.last.local_error >= 0.2 * step.local_error);
         // no row is left anything
         assert_true(self.last.indicated < bound);
+        // behind the reduced model's margin at the exit nothing is told
+        assert_true(self.last.taken_up <= 1.5 * step.taken_up);
+        assert_true(self.last.taken_up >= 0.6 * step.taken_up);
         effects += step.effect * step.effect;
         off += pow(self.last.effect - step.effect, 2);
         least = fmin(least, film);
