@@ -24,11 +24,12 @@ MARCH ?= $(eval MARCH := $$(if $$(filter x86_64%,$$(shell $(CC) -dumpmachine)),x
 CFLAGS_release := -O3 -g
 CFLAGS_debug   := -O0 -g3
 CFLAGS_san     := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover
+CFLAGS_tsan    := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
 CFLAGS_cov     := -O1 -g --coverage -fprofile-update=atomic
 CFLAGS         ?= $(CFLAGS_$(VARIANT))
 
-ifeq ($(filter $(VARIANT),release debug san cov),)
-  $(error VARIANT: found "$(VARIANT)", expected release, debug, san or cov)
+ifeq ($(filter $(VARIANT),release debug san tsan cov),)
+  $(error VARIANT: found "$(VARIANT)", expected release, debug, san, tsan or cov)
 endif
 
 BUILD := build/$(VARIANT)
@@ -61,6 +62,15 @@ BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)))
 LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats))
+
+# The thread sanitizer looks at tests with threads: unit tests that begin some, and what the pipelines say of --jobs.
+# Those of OpenBLAS are its own affair (test_threads), and the programs have it work in one.
+ifeq ($(VARIANT),tsan)
+  TESTS     := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(shell grep -lE 'pthread_create|pool_run' tests/unit/test_*.c))
+  PIPELINES := $(shell grep -l '@test.*--jobs' $(PIPELINES))
+  FILTER    := [-]-jobs
+endif
+
 STUDIES      := $(patsubst %/Makefile,%,$(wildcard scenes/studies/*/Makefile))
 EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
@@ -118,7 +128,7 @@ check-slurm: $(PROGRAMS) | slurm-deps ## training as jobs of a Slurm that is sta
 run-slurm-tests:
 	@$(run_tests) tests/slurm/slurm.bats
 
-run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) tests/run.sh $(BUILD)/test-logs
+run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) $(FILTER:%=FILTER='%') tests/run.sh $(BUILD)/test-logs
 
 # Counts of an earlier run do not count.
 coverage: | deps coverage-deps ## lines and branches that `make check` runs, a folder; files below 90 % of lines
@@ -200,7 +210,7 @@ clean: ## remove build/
 help: ## this list
 	@echo 'Targets:'
 	@sed -n 's/^\([a-z-]*\):.* ## \(.*\)/  \1\t\2/p' Makefile | expand -t 16
-	@echo 'Settings: VARIANT=release|debug|san|cov  V=1 (show commands)  DEPS=no (install nothing)'
+	@echo 'Settings: VARIANT=release|debug|san|tsan|cov  V=1 (show commands)  DEPS=no (install nothing)'
 	@echo '          CC= CFLAGS= MARCH= JOBS=2 (tests at a time)  PREFIX=/usr/local  DESTDIR='
 
 print-%:

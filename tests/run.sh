@@ -4,6 +4,8 @@
 # "N passed, N failed" over all test cases. Fails also when nothing was run.
 #
 #     tests/run.sh LOG_FOLDER TEST...
+#
+# FILTER: of pipelines only the tests whose names match it.
 set -u
 
 # Runs one test: its TAP output goes to LOG_FOLDER/NAME.tap, its counts to LOG_FOLDER/NAME.count, and
@@ -14,7 +16,7 @@ run_one() {
     name=$(basename "$test")
     log=$logs/$name.tap
     command=("$test")
-    [[ $test == *.bats ]] && command=(bats --tap "$test")
+    [[ $test == *.bats ]] && command=(bats --tap ${FILTER:+--filter "$FILTER"} "$test")
 
     CMOCKA_MESSAGE_OUTPUT=TAP timeout "${TIMEOUT:-1200}" "${command[@]}" >"$log" 2>&1 </dev/null
     code=$?
