@@ -2,7 +2,8 @@
 /* Artefacts: the HDF5 files that link the programs. The only place that speaks HDF5.
  *
  * HDF5 as Debian builds it is not thread-safe: of all functions here, only one may run at a time in
- * a process, whatever files they work on. HDF5 prints nothing, and is not shut down at exit.
+ * a process, whatever files they work on. HDF5 prints nothing, loads no filter plugins, and is not
+ * shut down at exit.
  *
  * A field is declared once in a schema table (schemas.c); reader, writer and the pages in schemas/
  * all use that declaration. */

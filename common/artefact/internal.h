@@ -27,8 +27,8 @@ struct artefact {
 
 // ---- hdf5.c: the library's manners and attributes
 
-/* To be called before anything else of HDF5: it prints nothing, and does nothing at exit, where it
- * would try again to write what could not be written. */
+/* To be called before anything else of HDF5: it prints nothing, loads no plugins, and does nothing
+ * at exit, where it would try again to write what could not be written. */
 void hdf5_start(void);
 
 /* The innermost message of the last failed HDF5 call; call it before any other HDF5 function. */
@@ -75,6 +75,15 @@ bool hdf5_has_dataset(hid_t root, const char *name);
 bool hdf5_has_attribute(hid_t object, const char *name);
 /* Visits the names of all attributes of an object, in the order of their names. */
 void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *data), void *data);
+
+// ---- own_data.c
+
+/* What of a dataset, which exists, is not read: a link that is not hard, data that lie in other
+ * files, a filter beside gzip, shuffle and Fletcher-32. NULL: nothing. To be asked before anything
+ * else of the dataset. `name` may lead through groups. */
+const char *hdf5_find_foreign(hid_t root, const char *name);
+/* EHD_DATA where there is such; `path` is that of the file, for the message. */
+ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error);
 
 // ---- provenance.c
 
@@ -142,6 +151,9 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
                     size_t count, void *read_into, const void *write_from, ehd_error *error);
 
 // ---- read.c
+
+/* EHD_NOINPUT where there is no regular file that can be read, EHD_DATA where it is empty. */
+ehd_status check_readable(const char *path, ehd_error *error);
 
 /* Recognises the schema and version of an open HDF5 file, checks attributes and fields, and learns
  * the axis lengths. */

@@ -11,9 +11,9 @@
 
 // ---- opening
 
-static ehd_status check_readable(const char *path, ehd_error *error) {
+ehd_status check_readable(const char *path, ehd_error *error) {
     struct stat found;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a FIFO is not waited for
     if (descriptor < 0) {
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));
@@ -299,6 +299,18 @@ static void learn_optional_axes(artefact *file) {
     }
 }
 
+/* Comes before all that opens a dataset. */
+static ehd_status check_all_own(const artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++)
+        if (hdf5_has_dataset(file->id, axis->name))
+            status = hdf5_check_own(file->id, shown_name(file), axis->name, error);
+    for (const artefact_field *field = file->schema->fields; field->name && !status; field++)
+        if (hdf5_has_dataset(file->id, field->name))
+            status = hdf5_check_own(file->id, shown_name(file), field->name, error);
+    return status;
+}
+
 static ehd_status check_fields(artefact *file, ehd_error *error) {
     learn_optional_axes(file);
     for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
@@ -326,6 +338,7 @@ const char *find_growing(const artefact *file) {
     const char *growing = NULL;
     for (const artefact_axis *axis = file->schema->axes; axis->name && !growing; axis++) {
         if (!hdf5_has_dataset(file->id, axis->name)) continue;
+        if (hdf5_find_foreign(file->id, axis->name)) continue;
         hsize_t max_dims[H5S_MAX_RANK] = {0};
         hid_t dataset = H5Dopen2(file->id, axis->name, H5P_DEFAULT);
         hid_t space = H5Dget_space(dataset);
@@ -352,6 +365,7 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
                         shown_name(file));
     }
     status = check_attributes(file, error);
+    if (status == EHD_OK) status = check_all_own(file, error);
     if (status == EHD_OK) status = check_fields(file, error);
     return status;
 }
