@@ -24,12 +24,12 @@ typedef struct adaptive {
     size_t num_workers;
     double started; // program_seconds
 
-    artefact *file;
+    artefact *file; // what is written: the training, or a piece of a round
     training points;
     tree_point *places;         // [num_points]
     double (*films)[NUM_FILMS]; // [num_points] by the full model, of those solved
     bool *trained;              // [num_points]
-    size_t *state_of_point;     // [num_points] of the trained points
+    size_t *state_of_point;     // [num_points] of the trained points, in the file
     trial_verdict *verdicts;    // [num_points] of the others, by the present model
     double *indicated;          // [num_points] of the others; infinite before the first model
 
@@ -37,6 +37,7 @@ typedef struct adaptive {
     adaptive_state *states; // [num_states]
     size_t num_rounds;      // judged
     adaptive_round *rounds; // [num_rounds]
+    bool ended;
 } adaptive;
 
 adaptive_settings adaptive_default_settings(void) {
@@ -343,30 +344,36 @@ static ehd_status add_next_round(adaptive *self, ehd_error *error) {
 
 // ---- solving
 
-/* Each point starts from the nearest one of all rounds, as far as that comes before it. */
-static ehd_status order_points(adaptive *self, ehd_error *error) {
-    size_t count = self->num_states, before = 0;
-    tree_point *places = malloc(count * sizeof *places);
-    size_t *parent = malloc(count * sizeof *parent);
-    ehd_status status = places && parent ? EHD_OK
-                                         : ehd_fail(error, EHD_MEMORY,
-                                                    "order: found no memory for %zu points", count);
+/* The nearest state of earlier rounds that a new one could start from; NO_PARENT: none. */
+static size_t nearest_before(const adaptive *self, const tree_point *from, const double scale[2]) {
+    double nearest = INFINITY;
+    size_t found = NO_PARENT;
 
-    for (size_t s = 0; s < count && !status; s++) {
-        places[s] = self->places[self->states[s].point];
-        before += self->states[s].round < self->num_rounds;
+    for (size_t s = 0; s < self->num_states && self->states[s].round < self->num_rounds; s++) {
+        const double away = tree_distance(&self->places[self->states[s].point], from, scale);
+        if (!(away < nearest)) continue;
+        nearest = away;
+        found = self->states[s].point;
     }
-    if (!status) status = tree_extend(parent, places, count, before, error);
-    for (size_t i = 0; i < self->set->num_points && !status; i++)
-        self->set->parent[i] = NO_PARENT;
-    for (size_t s = before; s < count && !status && !self->settings->cold; s++)
-        if (parent[s] != NO_PARENT)
-            self->set->parent[self->states[s].point] = self->states[parent[s]].point;
-    if (!status)
-        status = tree_order(self->set->order, self->set->parent, self->set->num_points, error);
-    free(parent);
-    free(places);
-    return status;
+    return found;
+}
+
+/* Each point starts from the nearest one of the rounds before, those of the first round cold, so
+ * that the points of a round need none of each other, whoever solves them. Newton iterations a point,
+ * and with a tree that goes on through the points of a round, which are far apart: 10.4 and 13.7 in
+ * the plan of examples/line, 6.0 and 5.8 in that of examples/point (newton_iterations of
+ * `snapgen plan.yml --jobs 1`). */
+static ehd_status order_points(adaptive *self, ehd_error *error) {
+    double scale[2];
+
+    tree_scale(scale, self->places, self->set->num_points);
+    for (size_t i = 0; i < self->set->num_points; i++) {
+        const bool is_new = self->trained[i] && !self->points.points[i].done;
+        self->set->parent[i] = is_new && !self->settings->cold
+                                   ? nearest_before(self, &self->places[i], scale)
+                                   : NO_PARENT;
+    }
+    return tree_order(self->set->order, self->set->parent, self->set->num_points, error);
 }
 
 /* Entry `store` of the training. */
@@ -496,6 +503,27 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
     return status;
 }
 
+// ---- pieces
+
+/* Pieces are told from those of other rounds by a line of their settings. From here on the set is
+ * that of the last round's pieces. */
+static ehd_status add_piece_text(adaptive *self, ehd_error *error) {
+    char line[32];
+
+    snprintf(line, sizeof line, "round %zu", self->num_rounds);
+    return training_set_add_text(self->set, line, self->plan_path, error);
+}
+
+/* What others have solved of the last round. The settings in the file are written by then. */
+static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
+    ehd_status status = task->num_pieces > 0 ? add_piece_text(self, error) : EHD_OK;
+
+    for (size_t i = 0; i < task->num_pieces && !status; i++)
+        status = adaptive_file_take(self->file, &self->points, self->films, self->states,
+                                    self->num_states, task->pieces[i], self->set->text, error);
+    return status;
+}
+
 // ---- rounds
 
 /* Whether the last round was a check, and a good one: its points were within the accuracy before
@@ -512,18 +540,25 @@ static bool is_finished(const adaptive *self) {
            self->num_states >= smaller(self->set->num_points, self->settings->max_points);
 }
 
-static ehd_status run_rounds(adaptive *self, ehd_error *error) {
+/* Chosen, but not solved yet. */
+static size_t count_open(const adaptive *self) {
+    return self->num_states - self->points.num_done;
+}
+
+static ehd_status run_rounds(adaptive *self, const adaptive_task *task, ehd_error *error) {
     ehd_status status = EHD_OK;
 
     if (self->num_states == 0) status = add_first_round(self, error);
-    while (!status) {
+    if (!status) status = take_pieces(self, task, error);
+    while (!status && !(task->only_choose && count_open(self) > 0)) {
         status = solve_round(self, error);
         if (!status && self->points.num_failed == self->num_states)
             status = ehd_fail(error, EHD_NOT_CONVERGED,
                               "%s: found none of %zu points converged, expected at least one",
                               self->plan_path, self->num_states);
         if (!status) status = judge_round(self, error);
-        if (status || is_finished(self)) break;
+        self->ended = !status && is_finished(self);
+        if (status || self->ended) break;
         status = add_next_round(self, error);
     }
     for (size_t r = 0; r < self->num_rounds; r++)
@@ -536,15 +571,20 @@ static ehd_status run_rounds(adaptive *self, ehd_error *error) {
     return status;
 }
 
+/* What follows from the states. */
+static void mark_states(adaptive *self) {
+    for (size_t s = 0; s < self->num_states; s++) {
+        self->trained[self->states[s].point] = true;
+        self->state_of_point[self->states[s].point] = s;
+    }
+}
+
 static ehd_status open_file(adaptive *self, bool resume, ehd_error *error) {
     if (resume) {
         ehd_status status = adaptive_file_resume(&self->file, self->states, &self->num_states,
                                                  self->films, &self->points, self->caller, error);
         if (!status) {
-            for (size_t s = 0; s < self->num_states; s++) {
-                self->trained[self->states[s].point] = true;
-                self->state_of_point[self->states[s].point] = s;
-            }
+            mark_states(self);
             program_note(self->caller, "%s.partial: %zu of %zu points are done",
                          self->caller->output, self->points.num_done, self->num_states);
             return recall_rounds(self, error);
@@ -619,29 +659,140 @@ static ehd_status add_text(training_set *set, const char *plan_path,
     return training_set_add_text(set, line, plan_path, error);
 }
 
-ehd_status adaptive_train(const program *caller, training_set *set, const char *plan_path,
-                          const adaptive_settings *settings, bool resume, size_t allowed_failures,
-                          size_t num_workers, ehd_error *error) {
-    adaptive self = {.caller = caller,
-                     .set = set,
-                     .plan_path = plan_path,
-                     .settings = settings,
-                     .num_workers = num_workers,
-                     .started = program_seconds()};
+/* Memory for a training that is known by its settings. */
+static ehd_status begin(adaptive *self, const program *caller, const adaptive_task *task,
+                        ehd_error *error) {
     ehd_status status = EHD_OK;
 
-    if (set->num_trajectories > 0)
+    *self = (adaptive){.caller = caller,
+                       .set = task->set,
+                       .plan_path = task->plan_path,
+                       .settings = task->settings,
+                       .num_workers = task->num_workers,
+                       .started = program_seconds()};
+    if (task->set->num_trajectories > 0)
         status =
             ehd_fail(error, EHD_DATA,
                      "%s: found %zu transient scenes with --adaptive, expected stationary ones",
-                     plan_path, set->num_trajectories);
-    if (!status) status = add_text(set, plan_path, settings, error);
-    if (!status) status = adaptive_init(&self, error);
-    if (!status) status = open_file(&self, resume, error);
-    if (!status) status = run_rounds(&self, error);
-    if (!status) status = adaptive_file_put_curve(self.file, self.rounds, self.num_rounds, error);
-    if (!status) status = artefact_finish(&self.file, error);
-    if (!status) status = report(&self, allowed_failures, error);
+                     task->plan_path, task->set->num_trajectories);
+    if (!status) status = add_text(task->set, task->plan_path, task->settings, error);
+    return status ? status : adaptive_init(self, error);
+}
+
+ehd_status adaptive_train(const program *caller, const adaptive_task *task, ehd_error *error) {
+    adaptive self;
+    ehd_status status = begin(&self, caller, task, error);
+
+    if (!status) status = open_file(&self, task->resume, error);
+    if (!status) status = run_rounds(&self, task, error);
+    if (!status && !self.ended)
+        printf("round %zu: %zu points are to be solved, after %zu\n", self.num_rounds + 1,
+               count_open(&self), self.points.num_done);
+    if (!status && self.ended) {
+        status = adaptive_file_put_curve(self.file, self.rounds, self.num_rounds, error);
+        if (!status) status = artefact_finish(&self.file, error);
+        if (!status) status = report(&self, task->allowed_failures, error);
+    }
+    adaptive_free(&self);
+    return status;
+}
+
+// ---- a piece of a round
+
+/* Leaves only the points of the piece to be solved: every N-th of those that are not. */
+static ehd_status choose_piece(adaptive_state *chosen, size_t *count, adaptive *self,
+                               const adaptive_task *task, ehd_error *error) {
+    const size_t num_open = count_open(self), total = task->piece.total;
+    size_t number = 0;
+
+    if (num_open < total)
+        return ehd_fail(error, num_open > 0 ? EHD_USAGE : EHD_DATA,
+                        "%s: found %zu points that are to be solved, expected at least %zu, one a "
+                        "piece",
+                        task->chosen_in, num_open, total);
+    *count = 0;
+    for (size_t s = 0; s < self->num_states; s++) {
+        const size_t point = self->states[s].point;
+        if (self->points.points[point].done) continue;
+        self->trained[point] = number++ % total == task->piece.number - 1;
+        self->state_of_point[point] = *count;
+        if (self->trained[point]) chosen[(*count)++] = self->states[s];
+    }
+    return EHD_OK;
+}
+
+/* Goes on with the file of a piece, which has to be of the same points. */
+static ehd_status resume_piece(adaptive *self, const adaptive_state *chosen, size_t count,
+                               ehd_error *error) {
+    adaptive_state *found = malloc(self->set->num_points * sizeof *found);
+    size_t num_found = 0;
+    ehd_status status = found ? adaptive_file_resume(&self->file, found, &num_found, self->films,
+                                                     &self->points, self->caller, error)
+                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+    bool same = num_found == count;
+
+    for (size_t i = 0; i < num_found && same; i++)
+        same = found[i].point == chosen[i].point;
+    if (!status && !same) {
+        artefact_close(&self->file);
+        status = ehd_fail(error, EHD_DATA,
+                          "%s.partial: found other points, expected those of this piece",
+                          self->caller->output);
+    }
+    free(found);
+    return status;
+}
+
+static ehd_status open_piece(adaptive *self, const adaptive_task *task,
+                             const adaptive_state *chosen, size_t count, ehd_error *error) {
+    ehd_status status = EHD_NOINPUT;
+
+    if (task->resume) status = resume_piece(self, chosen, count, error);
+    if (status != EHD_NOINPUT) return status;
+    status = adaptive_file_create(&self->file, self->caller, self->set, self->plan_path, error);
+    return status ? status : adaptive_file_add(self->file, self->set, chosen, 0, count, error);
+}
+
+static ehd_status solve_piece(adaptive *self, const adaptive_task *task, ehd_error *error) {
+    adaptive_state *chosen = malloc((self->num_states + 1) * sizeof *chosen);
+    const size_t done_before = self->points.num_done, failed_before = self->points.num_failed;
+    size_t count = 0;
+    ehd_status status = chosen
+                            ? choose_piece(chosen, &count, self, task, error)
+                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
+
+    if (!status) status = open_piece(self, task, chosen, count, error);
+    if (!status && self->points.num_done > done_before)
+        program_note(self->caller, "%s.partial: %zu of %zu points are done", self->caller->output,
+                     self->points.num_done - done_before, count);
+    if (!status) status = solve_round(self, error);
+    if (status == EHD_INTERRUPTED)
+        ehd_fail(error, status,
+                 "%s.partial: found an interruption after %zu of %zu points, expected --resume to "
+                 "continue",
+                 self->caller->output, self->points.num_done - done_before, count);
+    if (!status) status = artefact_finish(&self->file, error);
+    if (!status)
+        printf("%zu points of round %zu, %zu converged, %.1f s\n", count, self->num_rounds + 1,
+               count - (self->points.num_failed - failed_before),
+               program_seconds() - self->started);
+    free(chosen);
+    return status;
+}
+
+ehd_status adaptive_solve(const program *caller, const adaptive_task *task, ehd_error *error) {
+    adaptive self;
+    ehd_status status = begin(&self, caller, task, error);
+
+    if (!status)
+        status = adaptive_file_read(self.states, &self.num_states, self.films, &self.points,
+                                    task->chosen_in, self.set->text, error);
+    if (!status) {
+        mark_states(&self);
+        self.num_rounds = self.num_states > 0 ? self.states[self.num_states - 1].round : 0;
+        status = add_piece_text(&self, error);
+    }
+    if (!status) status = solve_piece(&self, task, error);
     adaptive_free(&self);
     return status;
 }

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 ehd_status adaptive_file_create(artefact **file, const program *caller, const training_set *set,
                                 const char *plan_path, ehd_error *error) {
@@ -104,6 +105,27 @@ static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], ar
     return snapshots_restore(points, state->point, file, place, outcome, error);
 }
 
+/* The states that were chosen, and those of them that are done. */
+static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS], training *points,
+                              artefact *file, size_t count, ehd_error *error) {
+    const size_t num_points = points->set->num_points;
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < count && !status; i++) {
+        status = read_choice(&states[i], file, i, num_points, error);
+        if (!status) status = restore_state(points, films, file, &states[i], i, error);
+    }
+    return status;
+}
+
+static ehd_status check_count(size_t count, const training_set *set, const char *path,
+                              ehd_error *error) {
+    if (count <= set->num_points) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: state: found %zu, expected at most %zu, the plan's points", path, count,
+                    set->num_points);
+}
+
 ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t *num_states,
                                 double (*films)[NUM_FILMS], training *points, const program *caller,
                                 ehd_error *error) {
@@ -112,17 +134,139 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     if (status) return status;
 
     size_t count = artefact_length(*file, "state");
-    if (count > set->num_points)
-        status = ehd_fail(error, EHD_DATA,
-                          "%s.partial: state: found %zu, expected at most %zu, the plan's points",
-                          caller->output, count, set->num_points);
+    status = check_count(count, set, artefact_path(*file), error);
     if (!status) status = artefact_cut_axis(*file, "state", count, error);
-    for (size_t i = 0; i < count && !status; i++) {
-        status = read_choice(&states[i], *file, i, set->num_points, error);
-        if (!status) status = restore_state(points, films, *file, &states[i], i, error);
-    }
+    if (!status) status = read_states(states, films, points, *file, count, error);
     *num_states = count;
     if (status) artefact_close(file);
+    return status;
+}
+
+// ---- a training in parts
+
+/* Opens an adaptive training of these settings, finished or not. */
+static ehd_status open_same(artefact **file, const char *path, const char *text, ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_snapshots, NULL};
+    char *found = NULL;
+    ehd_status status = artefact_open_unfinished(file, path, kinds, error);
+
+    if (!status) status = artefact_get_text(*file, "settings", &found, error);
+    if (!status && strcmp(found, text) != 0)
+        status = ehd_fail(error, EHD_DATA,
+                          "%s: found other settings or another round, expected those of this "
+                          "training",
+                          path);
+    if (status) artefact_close(file);
+    free(found);
+    return status;
+}
+
+ehd_status adaptive_file_read(adaptive_state *states, size_t *num_states,
+                              double (*films)[NUM_FILMS], training *points, const char *path,
+                              const char *text, ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status = open_same(&file, path, text, error);
+    if (status) return status;
+
+    *num_states = artefact_length(file, "state");
+    status = check_count(*num_states, points->set, path, error);
+    if (!status) status = read_states(states, films, points, file, *num_states, error);
+    artefact_close(&file);
+    return status;
+}
+
+/* Numbers of an entry of a field along its first axis. */
+static size_t entry_length(const artefact *file, const artefact_field *field) {
+    const char *axes[ARTEFACT_MAX_RANK];
+    const size_t rank = artefact_axes(axes, file, field);
+    size_t length = 1;
+
+    for (size_t k = 1; k < rank; k++)
+        length *= artefact_length(file, axes[k]);
+    return length;
+}
+
+static ehd_status copy_entry(artefact *to, size_t to_state, artefact *from, size_t from_state,
+                             const artefact_field *field, ehd_error *error) {
+    const size_t length = entry_length(to, field);
+    double *reals = malloc(length * sizeof *reals);
+    int64_t *integers = malloc(length * sizeof *integers);
+    ehd_status status = reals && integers
+                            ? EHD_OK
+                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(to));
+
+    if (!status && entry_length(from, field) != length)
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found another length, expected %zu",
+                          artefact_path(from), field->name, length);
+    if (!status && field->type == ARTEFACT_REAL) {
+        status = artefact_get_part(from, field->name, from_state, 1, reals, error);
+        if (!status) status = artefact_put_part(to, field->name, to_state, 1, reals, error);
+    } else if (!status) {
+        status = artefact_get_integers_part(from, field->name, from_state, 1, integers, error);
+        if (!status)
+            status = artefact_put_integers_part(to, field->name, to_state, 1, integers, error);
+    }
+    free(reals);
+    free(integers);
+    return status;
+}
+
+static const char outcome_field[] = "status";
+
+/* The outcome last, as snapshots_store has it. */
+static ehd_status copy_state(artefact *to, size_t to_state, artefact *from, size_t from_state,
+                             int64_t outcome, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (const artefact_field *field = schema_snapshots.fields; field->name && !status; field++)
+        if (field->axes[0] && strcmp(field->axes[0], "state") == 0 &&
+            strcmp(field->name, outcome_field) != 0 && artefact_has(to, field->name))
+            status = copy_entry(to, to_state, from, from_state, field, error);
+    if (!status) status = artefact_flush(to, error);
+    if (!status)
+        status = artefact_put_integers_part(to, outcome_field, to_state, 1, &outcome, error);
+    return status ? status : artefact_flush(to, error);
+}
+
+static size_t find_state(const adaptive_state *states, size_t num_states,
+                         const adaptive_state *wanted) {
+    size_t s = 0;
+
+    while (s < num_states && (states[s].point != wanted->point || states[s].round != wanted->round))
+        s++;
+    return s;
+}
+
+static ehd_status take_state(artefact *file, training *points, double (*films)[NUM_FILMS],
+                             const adaptive_state *states, size_t num_states, artefact *piece,
+                             size_t place, ehd_error *error) {
+    adaptive_state state;
+    int64_t outcome = -1;
+    ehd_status status = read_choice(&state, piece, place, points->set->num_points, error);
+    if (status) return status;
+
+    const size_t to = find_state(states, num_states, &state);
+    if (to == num_states)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: state %zu: found point %zu of round %zu, expected one that was chosen",
+                        artefact_path(piece), place, state.point, state.round);
+    status = artefact_get_integers_part(piece, outcome_field, place, 1, &outcome, error);
+    if (status || outcome < 0 || points->points[state.point].done) return status;
+    status = copy_state(file, to, piece, place, outcome, error);
+    return status ? status : restore_state(points, films, piece, &state, place, error);
+}
+
+ehd_status adaptive_file_take(artefact *file, training *points, double (*films)[NUM_FILMS],
+                              const adaptive_state *states, size_t num_states, const char *path,
+                              const char *text, ehd_error *error) {
+    artefact *piece = NULL;
+    ehd_status status = open_same(&piece, path, text, error);
+    if (status) return status;
+
+    const size_t count = artefact_length(piece, "state");
+    for (size_t i = 0; i < count && !status; i++)
+        status = take_state(file, points, films, states, num_states, piece, i, error);
+    artefact_close(&piece);
     return status;
 }
 

@@ -27,6 +27,8 @@ typedef struct snapgen_options {
     const char *basis; // NULL: full model
     bool adaptive;
     adaptive_settings how;
+    bool only_choose;
+    const char *chosen_in;
 } snapgen_options;
 
 static ehd_status read_shard(void *member, const char *text, ehd_error *error) {
@@ -53,7 +55,7 @@ static ehd_status read_shard(void *member, const char *text, ehd_error *error) {
 static const program_option own_options[] = {
     {"jobs", 'j', "N", "Points at a time; as many as there are processors by default. Changes no result",
      OPTION_COUNT(num_jobs, 1, 4096)},
-    {"shard", 0, "k/N", "Only the k-th of N pieces of the plan, each with an output of its own",
+    {"shard", 0, "k/N", "Only the k-th of N pieces of the plan, or of --chosen-in, each with an output of its own",
      OPTION_READ(piece, read_shard)},
     {"resume", 0, NULL, "Continue an interrupted run of the same plan, where there is one; trajectories start "
      "anew", OPTION_FLAG(resume)},
@@ -79,6 +81,10 @@ static const program_option own_options[] = {
     {"most", .type = AS_ALIAS}, // the name of max-points before
     {"energy", 0, "TOL", "Adaptive: as podbuild --energy, of the models on the way; default 1e-18",
      OPTION_REAL(how.discarded_energy, 0, 0.999)},
+    {"choose", 0, NULL, "Adaptive: solve nothing; take over what PIECEs have solved of the last round and, when it is whole, "
+     "choose the points of the next one, for --chosen-in, or end", OPTION_FLAG(only_choose)},
+    {"chosen-in", 0, "FILE", "Adaptive: solve what --choose has left in FILE, a SNAPSHOTS.h5.partial, or the --shard k/N "
+     "of it, as a PIECE", OPTION_TEXT(chosen_in)},
     {0}};
 // clang-format on
 
@@ -190,38 +196,83 @@ static ehd_status train_all(const program *self, const training_set *set,
 
 /* An option that needs --adaptive and was given, or NULL. */
 static const char *option_of_adaptive(const program *self) {
-    static const char *const names[] = {"accuracy", "start", "batch", "max-points", "energy"};
+    static const char *const names[] = {"accuracy", "start",  "batch",    "max-points",
+                                        "energy",   "choose", "chosen-in"};
 
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (program_was_given(self, names[i])) return names[i];
     return NULL;
 }
 
-/* First mode: the plan with the full model, all of it or points chosen as they are needed. */
-static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
-    const char *plan_path = self->arguments[0], *of_adaptive = option_of_adaptive(self);
-    const shard whole = {1, 1};
+/* What an adaptive training in parts does not do. */
+static ehd_status check_parts(const program *self, const snapgen_options *options,
+                              ehd_error *error) {
+    if (options->only_choose && options->chosen_in)
+        return ehd_fail(
+            error, EHD_USAGE,
+            "--choose: found with --chosen-in, expected one of them: points are chosen, "
+            "then solved");
+    if (self->num_arguments > 1 && !options->only_choose)
+        return ehd_fail(error, EHD_USAGE,
+                        "command line: found %zu files, expected pieces with --choose only",
+                        self->num_arguments);
+    return EHD_OK;
+}
+
+/* Whether the options fit the training that it is. */
+static ehd_status check_training(const program *self, const snapgen_options *options, bool adaptive,
+                                 ehd_error *error) {
+    const char *of_adaptive = option_of_adaptive(self);
+
+    if (adaptive && options->piece.total > 1 && !options->chosen_in)
+        return ehd_fail(error, EHD_USAGE,
+                        "--shard: found with %s, expected one of them: which points are needed "
+                        "depends on all others (--choose and --chosen-in)",
+                        options->adaptive ? "--adaptive" : "a region");
+    if (of_adaptive && !adaptive)
+        return ehd_fail(error, EHD_USAGE,
+                        "--%s: found without --adaptive and for a plan without a region, "
+                        "expected one of the two",
+                        of_adaptive);
+    return EHD_OK;
+}
+
+static ehd_status train_adaptively(const program *self, training_set *set,
+                                   const snapgen_options *options, ehd_error *error) {
     adaptive_settings how = options->how;
-    training_set set = {0};
-    bool adaptive = options->adaptive;
-    ehd_status status = load_set(&set, &adaptive, self, adaptive ? whole : options->piece, error);
+    const adaptive_task task = {.set = set,
+                                .plan_path = self->arguments[0],
+                                .settings = &how,
+                                .resume = options->resume,
+                                .allowed_failures = options->allowed_failures,
+                                .num_workers = options->num_jobs,
+                                .only_choose = options->only_choose,
+                                .pieces = self->arguments + 1,
+                                .num_pieces = self->num_arguments - 1,
+                                .chosen_in = options->chosen_in,
+                                .piece = options->piece};
 
     how.cold = options->cold;
-    if (!status && adaptive && options->piece.total > 1)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--shard: found with %s, expected one of them: which points are needed "
-                          "depends on all others",
-                          options->adaptive ? "--adaptive" : "a region");
-    if (!status && of_adaptive && !adaptive)
-        status = ehd_fail(error, EHD_USAGE,
-                          "--%s: found without --adaptive and for a plan without a region, "
-                          "expected one of the two",
-                          of_adaptive);
-    if (!status && how.cold) status = training_set_make_cold(&set, plan_path, error);
+    return options->chosen_in ? adaptive_solve(self, &task, error)
+                              : adaptive_train(self, &task, error);
+}
+
+/* First mode: the plan with the full model, all of it or points chosen as they are needed. */
+static ehd_status train(const program *self, const snapgen_options *options, ehd_error *error) {
+    const char *plan_path = self->arguments[0];
+    const shard whole = {1, 1};
+    training_set set = {0};
+    bool adaptive = options->adaptive;
+    const bool any_piece = adaptive || options->chosen_in;
+    ehd_status status = check_parts(self, options, error);
+
+    if (!status)
+        status = load_set(&set, &adaptive, self, any_piece ? whole : options->piece, error);
+    if (!status) status = check_training(self, options, adaptive, error);
+    if (!status && options->cold) status = training_set_make_cold(&set, plan_path, error);
     if (!status) status = training_check_memory(&set, self, plan_path, options->num_jobs, error);
     if (!status)
-        status = adaptive ? adaptive_train(self, &set, plan_path, &how, options->resume,
-                                           options->allowed_failures, options->num_jobs, error)
+        status = adaptive ? train_adaptively(self, &set, options, error)
                           : train_all(self, &set, options, error);
     training_set_free(&set);
     return status;
@@ -236,6 +287,7 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
     bool adaptive = options->adaptive;
     ehd_status status = EHD_OK;
 
+    if (self->num_arguments > 1) return check_parts(self, options, error);
     if (options->piece.total > 1)
         return ehd_fail(error, EHD_USAGE,
                         "--basis: found with --shard, expected one of them: the whole plan is one "
@@ -274,16 +326,18 @@ static ehd_status run(const program *self, const snapgen_options *options, ehd_e
 int main(int argc, char **argv) {
     snapgen_options own = {
         .num_jobs = pool_default_workers(), .piece = {1, 1}, .how = adaptive_default_settings()};
-    const program_options options = {.options = own_options,
-                                     .own = &own,
-                                     .arguments_doc =
-                                         "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --adaptive -o "
-                                         "SNAPSHOTS.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
-                                     .doc = "Solves all points of a training plan.",
-                                     .help_tail = print_settings,
-                                     .min_arguments = 1,
-                                     .max_arguments = 1,
-                                     .needs_output = true};
+    const program_options options = {
+        .options = own_options,
+        .own = &own,
+        .arguments_doc = "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --adaptive -o "
+                         "SNAPSHOTS.h5\nPLAN.yml --choose [PIECE.h5...] -o "
+                         "SNAPSHOTS.h5\nPLAN.yml --chosen-in SNAPSHOTS.h5.partial -o "
+                         "PIECE.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
+        .doc = "Solves all points of a training plan.",
+        .help_tail = print_settings,
+        .min_arguments = 1,
+        .max_arguments = SIZE_MAX,
+        .needs_output = true};
     ehd_error error = {""};
     program self;
 

@@ -42,8 +42,8 @@ static size_t next_point(const tree_point *points, size_t num_points, const bool
     return best;
 }
 
-ehd_status tree_extend(size_t *parent, const tree_point *points, size_t num_points,
-                       size_t num_before, ehd_error *error) {
+ehd_status tree_build(size_t *parent, const tree_point *points, size_t num_points,
+                      ehd_error *error) {
     double *nearest = malloc(num_points * sizeof *nearest); // distance to the tree of its family
     bool *added = calloc(num_points, sizeof *added);
     double scale[2];
@@ -51,13 +51,13 @@ ehd_status tree_extend(size_t *parent, const tree_point *points, size_t num_poin
 
     tree_scale(scale, points, num_points);
     for (size_t i = 0; i < num_points && !status; i++) {
-        if (i >= num_before) parent[i] = NO_PARENT;
+        parent[i] = NO_PARENT;
         nearest[i] = INFINITY;
     }
     for (size_t step = 0; step < num_points && !status; step++) {
-        size_t here = step < num_before ? step : next_point(points, num_points, added, nearest);
+        size_t here = next_point(points, num_points, added, nearest);
         added[here] = true;
-        for (size_t i = num_before; i < num_points; i++) {
+        for (size_t i = 0; i < num_points; i++) {
             double away = tree_distance(&points[here], &points[i], scale);
             if (added[i] || !(away < nearest[i])) continue;
             nearest[i] = away;
@@ -67,11 +67,6 @@ ehd_status tree_extend(size_t *parent, const tree_point *points, size_t num_poin
     free(nearest);
     free(added);
     return status;
-}
-
-ehd_status tree_build(size_t *parent, const tree_point *points, size_t num_points,
-                      ehd_error *error) {
-    return tree_extend(parent, points, num_points, 0, error);
 }
 
 // ---- orders

@@ -30,13 +30,6 @@ ehd_status tree_build(
     // input:
     const tree_point *points, size_t num_points, ehd_error *error);
 
-/* The same where the first points are in trees already: the others grow on to these. EHD_MEMORY. */
-ehd_status tree_extend(
-    // in and out:
-    size_t *parent, // [num_points], of which the first num_before stay
-    // input:
-    const tree_point *points, size_t num_points, size_t num_before, ehd_error *error);
-
 /* Parents first, and those first on which the longest chains wait. EHD_MEMORY. */
 ehd_status tree_order(
     // output:

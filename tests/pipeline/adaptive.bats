@@ -245,6 +245,55 @@ PYTHON
     refuse 64 "--shard: found with a region" snapgen free.yml --shard 1/2 -o x.h5
 }
 
+@test "a training in rounds: points are chosen, solved in pieces, taken over, with the bits of one run" {
+    how=(region.yml --adaptive --start 8 --accuracy 1e-2 --set grid.step=0.01)
+    snapgen "${how[@]}" -o whole.h5 --quiet >whole.txt
+    pieces=()
+    for ((round = 1; round < 20; round++)); do
+        run --separate-stderr snapgen "${how[@]}" --choose "${pieces[@]}" -o x.h5 --resume
+        [ "$status" -eq 0 ]
+        [ ! -e x.h5 ] || break
+        [[ $output =~ ^"round $round: "([0-9]+)" points are to be solved, after "([0-9]+)$ ]]
+        num_open=${BASH_REMATCH[1]}
+        rm -f "${pieces[@]}"
+        pieces=(piece-{1,2,3}.h5)
+        for k in 1 2 3; do
+            snapgen "${how[@]}" --chosen-in x.h5.partial --shard $k/3 -o piece-$k.h5 --quiet >piece.txt
+            grep -q "^$(((num_open + 3 - k) / 3)) points of round $round, " piece.txt
+        done
+    done
+    ((round > 3))
+    same_training whole.h5 x.h5
+    [ "$(tail -n 2 whole.txt)" = "$(tail -n 2 <<<"$output")" ]
+    # pieces of another round
+    refused 65 "piece-1.h5: found other settings or another round" snapgen "${how[@]}" --choose piece-1.h5 -o y.h5 --quiet
+    [ -e y.h5.partial ]
+
+    # what a killed piece has solved is not solved again, where it goes on and where it is taken as it is
+    piece=(snapgen "${how[@]}" --chosen-in y.h5.partial)
+    stop_when KILL 'states >= 1' half.h5 "${piece[@]}" -o half.h5 --quiet
+    done_in() { snapgen --print "$1" status | awk 'NR > 1 && $1 >= 0 { n++ } END { print n + 0 }'; }
+    before=$(done_in half.h5.partial)
+    cp half.h5.partial taken.h5.partial
+    refused 65 "half.h5.partial: found other points" "${piece[@]}" --shard 1/2 -o half.h5 --resume --quiet
+    run --separate-stderr "${piece[@]}" -o half.h5 --resume
+    [[ $stderr == *"half.h5.partial: $before of 8 points are done"*"snapgen: $((8 - before))/$((8 - before)) "* ]]
+    [[ $output == "8 points of round 1, 8 converged, "* ]]
+    run --separate-stderr snapgen "${how[@]}" --choose taken.h5.partial -o y.h5 --resume --quiet
+    [ "$output" = "round 1: $((8 - before)) points are to be solved, after $before" ]
+    refused 64 "y.h5.partial: found $((8 - before)) points that are to be solved, expected at least 8" \
+        "${piece[@]}" --shard 3/8 -o z.h5
+    # one run goes on with it
+    snapgen "${how[@]}" -o y.h5 --resume --quiet
+    same_training whole.h5 y.h5
+
+    snapgen "${how[@]}" --choose -o v.h5 --quiet
+    refused 65 "v.h5.partial: found other settings or another round" \
+        snapgen "${how[@]}" --accuracy 1e-3 --chosen-in v.h5.partial -o z.h5
+    refused 64 "--choose: found with --chosen-in" snapgen "${how[@]}" --choose --chosen-in v.h5.partial -o z.h5
+    refused 64 "command line: found 2 files, expected pieces with --choose only" snapgen "${how[@]}" piece-1.h5 -o z.h5
+}
+
 @test "podbuild says that a training is too thin" {
     cat >corners.yml <<'YAML'
 groups:

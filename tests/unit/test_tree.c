@@ -46,21 +46,6 @@ static void test_scaled(void **state) {
     assert_numbers(parent, expected, 4);
 }
 
-/* What is there before stays as it is, and the others come to where they are nearest. */
-static void test_extended(void **state) {
-    const tree_point points[] = {{0, {0, 5}, 2}, {0, {10, 5}, 4},  {0, {9, 5}, 3},
-                                 {1, {1, 5}, 9}, {0, {1.5, 5}, 0}, {0, {8.5, 5}, 0}};
-    size_t parent[] = {1, NO_PARENT, 77, 77, 77, 77};
-    const size_t expected[] = {1, NO_PARENT, 1, NO_PARENT, 0, 2};
-    (void)state;
-
-    assert_int_equal(tree_extend(parent, points, 6, 2, NULL), EHD_OK);
-    assert_numbers(parent, expected, 6);
-    // nothing to add
-    assert_int_equal(tree_extend(parent, points, 6, 6, NULL), EHD_OK);
-    assert_numbers(parent, expected, 6);
-}
-
 static void make_large(tree_point points[NUM_LARGE]) {
     for (size_t i = 0; i < NUM_LARGE; i++) {
         double a = fmod(0.618 * (double)i, 1), b = fmod(0.755 * (double)i, 1);
@@ -149,11 +134,8 @@ static void test_no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hand_worked),
-        cmocka_unit_test(test_scaled),
-        cmocka_unit_test(test_extended),
-        cmocka_unit_test(test_minimal),
-        cmocka_unit_test(test_orders_are_complete),
+        cmocka_unit_test(test_hand_worked), cmocka_unit_test(test_scaled),
+        cmocka_unit_test(test_minimal),     cmocka_unit_test(test_orders_are_complete),
         cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
