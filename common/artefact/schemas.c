@@ -493,6 +493,9 @@ static const artefact_axis model_axes[] = {
     AXIS("position", "1", "index of the measured size of the model, smallest first"),
     AXIS("quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"),
     AXIS("part", "1", "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"),
+    AXIS("bounded", "1",
+         "what is indicated: central film, minimum film, central pressure, exit position, load, "
+         "pressure, film"),
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
@@ -625,6 +628,18 @@ static const artefact_field model_fields[] = {
          "the same of the largest deviation of the pressure at any node", "position"),
     REAL("indicator_factor_film", "1", NEED_OPTIONAL,
          "the same of the largest deviation of the film at any node with pressure", "position"),
+    REAL("indicator_share", "1", NEED_OPTIONAL,
+         "part of the factor that holds for small bounds: of b, (share + growth b) b, offset + "
+         "offset_share b, for a bound b, the least times the factor is indicated; where one of "
+         "these "
+         "is missing, b times the factor",
+         "position", "bounded"),
+    REAL("indicator_growth", "1", NEED_OPTIONAL, "by which that part grows with the bound",
+         "position", "bounded"),
+    REAL("indicator_offset", "1", NEED_OPTIONAL, "where exits are nodes, else 0", "position",
+         "bounded"),
+    REAL("indicator_offset_share", "1", NEED_OPTIONAL, "where exits are nodes, else 1", "position",
+         "bounded"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
          "the larger of these deviations; infinite for a scene that was not solved", "position",
          "part"),
@@ -684,7 +699,7 @@ static const artefact_attribute model_attributes[] = {
 
 const artefact_schema schema_model = {"ehdrom-model",
                                       2,
-                                      3,
+                                      4,
                                       "Reduced model of an elastohydrodynamic contact",
                                       model_axes,
                                       model_fields,

@@ -2,6 +2,7 @@
 #include "romrun/calibrate/calibration.h"
 
 #include "common/physics/deflection.h"
+#include "common/physics/exit.h"
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "romrun/online/reduced_march.h"
@@ -14,7 +15,8 @@ enum { REPEATS = 3 }; // solutions of a scene, for the median of the time
 
 /* Measurements on the scenes that were solved, and memory for fields. */
 typedef struct samples {
-    size_t count;                            // of scenes
+    size_t count; // of scenes
+    bool exits_are_nodes;
     double *deviation[NUM_TRADE_QUANTITIES]; // [count]
     double *bound, *bound_minimum;           // [count] of the two films'
     double *indicated;                       // [count + failures], the larger one
@@ -60,6 +62,7 @@ static ehd_status samples_init(samples *self, const solved_scene *scenes, size_t
     self->full_film = malloc(num_nodes * sizeof(double));
     complete = complete && self->full_film;
     if (num_scenes > 0) {
+        self->exits_are_nodes = !exit_is_within_node(&scenes->contact->grid);
         self->deflection = deflection_create(scenes->contact->kind, &scenes->contact->grid);
         complete = complete && self->deflection;
     }
@@ -149,23 +152,46 @@ static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_
     return EHD_OK;
 }
 
+/* Factor and shape of the indicator of a quantity. Where exits are nodes, one that is a node off moves
+ * films by what no row tells. */
+static ehd_status fit_one(double *factor, indicator_shape *shape, const samples *self,
+                          const double *deviations, const double *bounds, ehd_error *error) {
+    *factor = trade_indicator_factor(deviations, bounds, self->count);
+    return trade_indicator_shape(shape, deviations, bounds, self->count, self->exits_are_nodes,
+                                 error);
+}
+
+static ehd_status fit_factors(trade_position *position, const samples *self, ehd_error *error) {
+    indicator_shape *shape = position->shape;
+    ehd_status status = fit_one(&position->indicator_factor, &shape[OF_CENTRAL_FILM], self,
+                                self->deviation[TRADE_CENTRAL_FILM], self->bound, error);
+
+    if (!status)
+        status = fit_one(&position->indicator_factor_minimum, &shape[OF_MINIMUM_FILM], self,
+                         self->deviation[TRADE_MINIMUM_FILM], self->bound_minimum, error);
+    for (int q = 0; q < NUM_INDICATED && !status; q++)
+        status = fit_one(&position->other_factor[q], &shape[OF_OTHERS + q], self, self->off[q],
+                         self->other_bound[q], error);
+    return status;
+}
+
 /* To be called before the deviations are sorted, while they match the bounds. */
-static void fit_indicator(trade_position *position, samples *self) {
+static ehd_status fit_indicator(trade_position *position, samples *self, ehd_error *error) {
     const double *central = self->deviation[TRADE_CENTRAL_FILM];
     const double *minimum = self->deviation[TRADE_MINIMUM_FILM];
     const size_t num_scenes = self->count + position->num_failures;
 
-    position->indicator_factor = trade_indicator_factor(central, self->bound, self->count);
-    position->indicator_factor_minimum =
-        trade_indicator_factor(minimum, self->bound_minimum, self->count);
-    for (int q = 0; q < NUM_INDICATED; q++)
-        position->other_factor[q] =
-            trade_indicator_factor(self->off[q], self->other_bound[q], self->count);
+    ehd_status status = fit_factors(position, self, error);
+
+    if (status) return status;
     for (size_t i = 0; i < num_scenes; i++)
         self->indicated[i] = INFINITY;
     for (size_t i = 0; i < self->count; i++) {
-        const double of_central = position->indicator_factor * self->bound[i];
-        const double of_minimum = position->indicator_factor_minimum * self->bound_minimum[i];
+        const double of_central = trade_indicated(position->indicator_factor,
+                                                  position->shape[OF_CENTRAL_FILM], self->bound[i]);
+        const double of_minimum =
+            trade_indicated(position->indicator_factor_minimum, position->shape[OF_MINIMUM_FILM],
+                            self->bound_minimum[i]);
         self->indicated[i] = fmax(of_central, of_minimum);
         self->effectivity[i] = fmin(of_central / central[i], of_minimum / minimum[i]);
     }
@@ -174,10 +200,13 @@ static void fit_indicator(trade_position *position, samples *self) {
         position->effectivity[i] =
             trade_quantile_of(self->effectivity, self->count, trade_parts[i]);
     }
+    return EHD_OK;
 }
 
-static void evaluate(trade_position *position, samples *self) {
-    fit_indicator(position, self);
+static ehd_status evaluate(trade_position *position, samples *self, ehd_error *error) {
+    ehd_status status = fit_indicator(position, self, error);
+
+    if (status) return status;
     for (int q = 0; q < NUM_TRADE_QUANTITIES; q++)
         for (int i = 0; i < NUM_TRADE_QUANTILES; i++)
             position->deviation[q][i] =
@@ -186,6 +215,7 @@ static void evaluate(trade_position *position, samples *self) {
     position->mean_iterations = self->count ? self->iterations / (double)self->count : NAN;
     position->largest_residual = self->largest_residual;
     position->max_iterations = self->count ? self->max_iterations : NAN;
+    return EHD_OK;
 }
 
 ehd_status calibration_measure(trade_position *position, const ehdrom_model *model,
@@ -202,7 +232,7 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
         status = program_interrupted()
                      ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")
                      : measure_scene(position, &measured, solver, &scenes[i], error);
-    if (!status) evaluate(position, &measured);
+    if (!status) status = evaluate(position, &measured, error);
     samples_free(&measured);
     ehdrom_solver_free(solver);
     return status;

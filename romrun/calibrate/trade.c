@@ -74,6 +74,113 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
     return trade_margin * largest;
 }
 
+/* Deviations over bounds, above which the shapes are. */
+typedef struct ratios {
+    double *bound, *ratio; // [count]
+    size_t count;
+    double largest; // ratio
+} ratios;
+
+/* Those of the scenes with a bound. False: no memory. */
+static bool ratios_init(ratios *self, const double *deviations, const double *bounds,
+                        size_t count) {
+    self->bound = calloc(count + 1, sizeof *self->bound);
+    self->ratio = calloc(count + 1, sizeof *self->ratio);
+    self->count = 0;
+    self->largest = 0;
+    if (!self->bound || !self->ratio) return false;
+    for (size_t i = 0; i < count; i++) {
+        if (!(bounds[i] > 0 && isfinite(bounds[i]))) continue;
+        self->bound[self->count] = bounds[i];
+        self->ratio[self->count] = deviations[i] / bounds[i];
+        self->largest = fmax(self->largest, self->ratio[self->count++]);
+    }
+    return true;
+}
+
+static void ratios_free(ratios *self) {
+    free(self->bound);
+    free(self->ratio);
+}
+
+/* What all scenes are indicated to deviate by with a shape of factor 1: the sum of the logarithms. */
+static double indicated_sum(const ratios *self, indicator_shape shape) {
+    double sum = 0;
+
+    for (size_t i = 0; i < self->count; i++)
+        sum += log(trade_indicated(self->largest, shape, self->bound[i]));
+    return sum;
+}
+
+static size_t smallest_bound(const ratios *self) {
+    size_t smallest = 0;
+
+    for (size_t i = 1; i < self->count; i++)
+        if (self->bound[i] < self->bound[smallest]) smallest = i;
+    return smallest;
+}
+
+/* Along the upper hull of the ratios, from zero with that of the smallest bound to the largest ratio:
+ * the line is one of its edges, or the largest ratio alone. */
+static indicator_shape best_line(const ratios *self) {
+    indicator_shape best = plain_shape;
+    double least = indicated_sum(self, best), bound = 0;
+
+    for (double ratio = self->ratio[smallest_bound(self)]; ratio < self->largest;) {
+        double slope = 0, next = bound;
+        for (size_t i = 0; i < self->count; i++) {
+            const double rise = (self->ratio[i] - ratio) / (self->bound[i] - bound);
+            if (!(self->bound[i] > bound && rise > slope)) continue;
+            slope = rise;
+            next = self->bound[i];
+        }
+        if (!(slope > 0)) break;
+        indicator_shape edge = plain_shape;
+        edge.share = (ratio - slope * bound) / self->largest;
+        edge.growth = slope / self->largest;
+        const double sum = indicated_sum(self, edge);
+        if (sum < least) best = edge;
+        least = fmin(sum, least);
+        ratio += slope * (next - bound);
+        bound = next;
+    }
+    return best;
+}
+
+/* The offset is the deviation of one of the scenes. */
+static indicator_shape best_offset(const ratios *self, indicator_shape line) {
+    indicator_shape best = line;
+    double least = indicated_sum(self, best);
+
+    for (size_t i = 0; i < self->count; i++) {
+        const double offset = self->ratio[i] * self->bound[i];
+        double share = 0;
+        for (size_t j = 0; j < self->count; j++)
+            share = fmax(share, self->ratio[j] - offset / self->bound[j]);
+        indicator_shape with = line;
+        with.offset = offset / self->largest;
+        with.offset_share = share / self->largest;
+        const double sum = indicated_sum(self, with);
+        if (sum < least) best = with;
+        least = fmin(sum, least);
+    }
+    return best;
+}
+
+ehd_status trade_indicator_shape(indicator_shape *shape, const double *deviations,
+                                 const double *bounds, size_t count, bool with_offset,
+                                 ehd_error *error) {
+    ratios all = {0};
+    const bool complete = ratios_init(&all, deviations, bounds, count);
+
+    *shape = plain_shape;
+    if (complete && all.largest > 0) *shape = best_line(&all);
+    if (complete && all.largest > 0 && with_offset) *shape = best_offset(&all, *shape);
+    ratios_free(&all);
+    if (complete) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu scenes", count);
+}
+
 // ---- choosing
 
 trade_price trade_price_of(const trade_position *position, bool in_time) {

@@ -55,6 +55,17 @@ extern const double trade_margin;
  * twice as much as it does. 0: no scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
+/* How that factor depends on the bound, so that each scene is covered as by the factor: the line that
+ * is above the deviation over the bound of each, by which they are indicated to deviate least in the
+ * geometric mean, towards zero as the smallest bound; and, `with_offset`, the offset and share for
+ * which what both indicate is least. plain_shape: no scenes. EHD_MEMORY. */
+ehd_status trade_indicator_shape(
+    // output:
+    indicator_shape *shape,
+    // input:
+    const double *deviations, const double *bounds, size_t count, bool with_offset,
+    ehd_error *error);
+
 void trade_print(const trade_table *table, FILE *stream);
 
 #endif

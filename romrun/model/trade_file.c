@@ -14,7 +14,15 @@ void trade_free(trade_table *table) {
     *table = (trade_table){0};
 }
 
-const char *const trade_axes[] = {"position", "quantile", "part", NULL};
+const char *const trade_axes[] = {"position", "quantile", "part", "bounded", NULL};
+
+const indicator_shape plain_shape = {.share = 1, .offset_share = 1};
+
+double trade_indicated(double factor, indicator_shape shape, double bound) {
+    if (!isfinite(bound)) return bound;
+    const double share = fmin(1, shape.share + shape.growth * bound);
+    return factor * fmin(share * bound, shape.offset + shape.offset_share * bound);
+}
 
 static const char *const deviation_fields[NUM_TRADE_QUANTITIES] = {
     "deviation_central_film_thickness", "deviation_minimum_film_thickness",
@@ -131,6 +139,39 @@ static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error 
     return status;
 }
 
+/* A member of all shapes, by its place. */
+static const struct shape_field {
+    const char *name;
+    size_t offset;
+} shape_fields[] = {{"indicator_share", offsetof(indicator_shape, share)},
+                    {"indicator_growth", offsetof(indicator_shape, growth)},
+                    {"indicator_offset", offsetof(indicator_shape, offset)},
+                    {"indicator_offset_share", offsetof(indicator_shape, offset_share)}};
+enum { NUM_SHAPE_FIELDS = sizeof shape_fields / sizeof *shape_fields };
+
+static double *shape_member(trade_table *table, size_t entry, size_t offset) {
+    trade_position *position = &table->positions[entry / NUM_BOUNDED];
+
+    void *place = (char *)&position->shape[entry % NUM_BOUNDED] + offset;
+    return place;
+}
+
+static ehd_status put_shapes(artefact *file, const trade_table *table, ehd_error *error) {
+    const size_t count = table->num_positions * NUM_BOUNDED;
+    trade_table all = *table;
+    double *values = malloc((count + 1) * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    if (!status) status = artefact_put_axis(file, "bounded", NUM_BOUNDED, NULL, error);
+    for (size_t f = 0; f < NUM_SHAPE_FIELDS && !status; f++) {
+        for (size_t i = 0; i < count; i++)
+            values[i] = *shape_member(&all, i, shape_fields[f].offset);
+        status = artefact_put(file, shape_fields[f].name, values, error);
+    }
+    free(values);
+    return status;
+}
+
 static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_error *error) {
     size_t num_positions = table->num_positions;
     double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
@@ -145,6 +186,7 @@ static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_er
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
         values[i] = table->positions[i / NUM_TRADE_PARTS].effectivity[i % NUM_TRADE_PARTS];
     if (!status) status = artefact_put(file, "indicator_effectivity", values, error);
+    if (!status) status = put_shapes(file, table, error);
     free(values);
     return status;
 }
@@ -232,6 +274,31 @@ static ehd_status get_of_indicator(trade_table *table, double *values, const col
     return status;
 }
 
+/* A table without shapes has the same factor for all bounds. Finite and at least 0. */
+static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
+    const size_t count = table->num_positions * NUM_BOUNDED;
+    bool known = artefact_length(file, "bounded") == NUM_BOUNDED;
+    double *values = malloc((count + 1) * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    for (size_t f = 0; f < NUM_SHAPE_FIELDS; f++)
+        known = known && artefact_has(file, shape_fields[f].name);
+    for (size_t i = 0; i < table->num_positions; i++)
+        for (size_t q = 0; q < NUM_BOUNDED; q++)
+            table->positions[i].shape[q] = plain_shape;
+    for (size_t f = 0; f < NUM_SHAPE_FIELDS && known && !status; f++) {
+        status = artefact_get(file, shape_fields[f].name, values, error);
+        for (size_t i = 0; i < count && !status; i++) {
+            *shape_member(table, i, shape_fields[f].offset) = values[i];
+            if (!(values[i] >= 0 && isfinite(values[i])))
+                status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
+                                  artefact_path(file), shape_fields[f].name, values[i]);
+        }
+    }
+    free(values);
+    return status;
+}
+
 static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
     if (!artefact_has(file, "indicator_factor") || !artefact_has(file, "indicated_deviation") ||
@@ -249,6 +316,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
             table->positions[i].largest_residual = INFINITY;
         }
     }
+    if (!status) status = get_shapes(table, file, error);
     if (!status) status = artefact_get(file, "indicated_deviation", values, error);
     for (size_t i = 0; i < num_positions * NUM_TRADE_PARTS && !status; i++)
         table->positions[i / NUM_TRADE_PARTS].indicated[i % NUM_TRADE_PARTS] = values[i];

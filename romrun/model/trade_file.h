@@ -21,6 +21,24 @@ extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
 extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
 
+/* The films, and then the other quantities by indicated_quantity. */
+enum { OF_CENTRAL_FILM, OF_MINIMUM_FILM, OF_OTHERS, NUM_BOUNDED = OF_OTHERS + NUM_INDICATED };
+
+/* What a bound indicates, over its factor: the least of
+ *   bound                            all scenes by one factor,
+ *   (share + growth bound) bound     one that grows, as linear influences do not hold far away,
+ *   offset + offset_share bound      and deviations that no residual tells, where exits are nodes. */
+typedef struct indicator_shape {
+    double share, growth;
+    double offset, offset_share;
+} indicator_shape;
+
+/* Of the bound alone. */
+extern const indicator_shape plain_shape;
+
+/* The deviation that a bound indicates. NaN and infinite bounds stay what they are. */
+double trade_indicated(double factor, indicator_shape shape, double bound);
+
 /* Sizes of the model, with accuracy and time on the scenes that they solved (NaN: none). */
 typedef struct trade_position {
     ehdrom_sizes sizes; // 0 only for the deformation modes of a coupled basis
@@ -35,6 +53,7 @@ typedef struct trade_position {
     double effectivity[NUM_TRADE_PARTS]; // indicated over true deviation, the smaller one
     double largest_residual;             // of the least squares; infinite: not known
     double other_factor[NUM_INDICATED];  // of the indicators of other quantities; 0: not known
+    indicator_shape shape[NUM_BOUNDED];  // of these factors
     // on trajectories that were repeated with the steps of the full model
     double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean

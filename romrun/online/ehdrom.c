@@ -22,6 +22,7 @@ struct ehdrom_model {
     bool checked_in_time;
     double most_iterations;                        // of these; infinite: not known
     double other_factor[NUM_INDICATED];            // 0: not calibrated
+    indicator_shape shape[NUM_BOUNDED];            // of these factors
     double factor_in_time, factor_in_time_minimum; // NaN: not calibrated at these sizes
     // for transient scenes, once prepared
     bool transient;
@@ -56,6 +57,7 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
         self->indicator_factor = position->indicator_factor;
         self->indicator_factor_minimum = position->indicator_factor_minimum;
         memcpy(self->other_factor, position->other_factor, sizeof self->other_factor);
+        memcpy(self->shape, position->shape, sizeof self->shape);
         if (position->indicator_factor > 0) self->largest_residual = position->largest_residual;
         self->checked_in_time = table.num_trajectories > position->num_lost;
         if (position->max_iterations > 0) self->most_iterations = position->max_iterations;
@@ -195,11 +197,14 @@ static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_con
     result->bound_minimum =
         indicator_bound_minimum(solver->indicator, solver->reduced, &info->scalars);
     if (model->indicator_factor > 0) {
-        result->indicated = model->indicator_factor * result->bound;
+        result->indicated =
+            trade_indicated(model->indicator_factor, model->shape[OF_CENTRAL_FILM], result->bound);
         // no less than the central film: of 452 scenes inside, with 78 of 110 modes, its own alone is
         // below the deviation in 16, 0.68 of it at least; so in 1, 0.96
         result->indicated_minimum =
-            fmax(model->indicator_factor_minimum * result->bound_minimum, result->indicated);
+            fmax(trade_indicated(model->indicator_factor_minimum, model->shape[OF_MINIMUM_FILM],
+                                 result->bound_minimum),
+                 result->indicated);
     }
     result->seconds += program_seconds() - start;
 }
@@ -299,7 +304,8 @@ ehdrom_indications ehdrom_indicate(ehdrom_solver *solver, const ehd_contact *con
                            scalars);
     for (int q = 0; q < NUM_INDICATED; q++)
         if (model->other_factor[q] > 0)
-            found.deviation[q] = model->other_factor[q] * found.bound[q];
+            found.deviation[q] = trade_indicated(model->other_factor[q],
+                                                 model->shape[OF_OTHERS + q], found.bound[q]);
     if (contact->closure.by_load != 0 && model->indicator_factor > 0)
         found.deviation[INDICATED_LOAD] =
             fabs(scalars->load - contact->closure.value / contact->kind->load);

@@ -194,6 +194,84 @@ static void the_factor_leaves_a_margin(void **state) {
     check_close(trade_indicator_factor(deviations, bounds, 0), 0, 0, 0);
 }
 
+static double indicated_with(const double *deviations, const double *bounds, size_t count,
+                             bool with_offset, double bound) {
+    indicator_shape shape;
+
+    check_ok(trade_indicator_shape(&shape, deviations, bounds, count, with_offset, &error));
+    return trade_indicated(trade_indicator_factor(deviations, bounds, count), shape, bound);
+}
+
+/* Where linear influences end deviations are (1 + 1e3 bound) bound and less: the fit finds it, and small
+ * bounds do not take the factor of the large one. */
+static void a_factor_grows_with_the_bound(void **state) {
+    enum { NUM = 9 };
+    double bounds[NUM], deviations[NUM];
+    (void)state;
+
+    for (size_t i = 0; i < NUM; i++) {
+        bounds[i] = pow(10, -(double)(1 + i));
+        deviations[i] = (i % 2 == 0 ? 1 : 0.3) * (1 + 1e3 * bounds[i]) * bounds[i];
+    }
+    for (size_t i = 0; i < NUM; i++) {
+        const double found = indicated_with(deviations, bounds, NUM, false, bounds[i]);
+        check_close(found, 2 * (1 + 1e3 * bounds[i]) * bounds[i], 1e-5, 0);
+    }
+    // beyond the scenes the largest factor holds, and a bound that is none stays so
+    check_close(indicated_with(deviations, bounds, NUM, false, 1), 2 * 101, 1e-5, 0);
+    assert_true(isinf(indicated_with(deviations, bounds, NUM, false, INFINITY)));
+    assert_true(isnan(indicated_with(deviations, bounds, NUM, false, NAN)));
+}
+
+/* Ratios that do not rise with the bound: the largest holds for all. No scenes: nothing to go by. */
+static void a_factor_may_be_the_same_for_all(void **state) {
+    const double bounds[] = {1e-6, 0, 1e-5, INFINITY, 1e-3};
+    const double deviations[] = {3e-6, 1, 1e-5, 1, 5e-4};
+    indicator_shape none;
+    (void)state;
+
+    for (double bound = 1e-9; bound < 1; bound *= 10)
+        check_close(indicated_with(deviations, bounds, 5, false, bound), 6 * bound, 1e-12, 0);
+    check_ok(trade_indicator_shape(&none, deviations, bounds, 0, true, &error));
+    assert_memory_equal(&none, &plain_shape, sizeof none);
+}
+
+/* One exit that is a node off, which no bound tells, does not make all others bad. */
+static void an_offset_takes_what_no_bound_tells(void **state) {
+    enum { NUM = 9 };
+    double bounds[NUM], deviations[NUM];
+    (void)state;
+
+    for (size_t i = 0; i < NUM; i++) {
+        bounds[i] = pow(10, -(double)(1 + i));
+        deviations[i] = i == 5 ? 5e-4 : bounds[i];
+    }
+    for (size_t i = 0; i <= 5; i++) {
+        const double without = indicated_with(deviations, bounds, NUM, false, bounds[i]);
+        const double with = indicated_with(deviations, bounds, NUM, true, bounds[i]);
+        check_close(without, 2 * 500 * bounds[i], 1e-12, 0);
+        check_close(with, 2 * fmin(500 * bounds[i], 5e-4 + (1 - 5e-3) * bounds[i]), 1e-9, 0);
+    }
+}
+
+/* Each scene is covered with the margin, whatever they are. */
+static void scenes_are_covered_whatever_the_bound(void **state) {
+    enum { NUM = 30 };
+    double bounds[NUM], deviations[NUM];
+    (void)state;
+
+    srand(7);
+    for (int trial = 0; trial < 200; trial++) {
+        for (size_t i = 0; i < NUM; i++) {
+            bounds[i] = pow(10, -9.0 * rand() / RAND_MAX);
+            deviations[i] = bounds[i] * pow(10, 3.0 * rand() / RAND_MAX - 2);
+        }
+        for (size_t i = 0; i < 2 * (size_t)NUM; i++)
+            assert_true(indicated_with(deviations, bounds, NUM, i % 2, bounds[i / 2]) >
+                        1.999 * deviations[i / 2]);
+    }
+}
+
 // ---- what is asked for by --accuracy
 
 static void accuracy_chooses_the_fastest_and_the_best(void **state) {
@@ -414,6 +492,8 @@ static void a_table_comes_back(void **state) {
     positions[0].largest_residual = 1e-4;
     for (int q = 0; q < NUM_INDICATED; q++)
         positions[0].other_factor[q] = 1 + 0.5 * q;
+    for (int q = 0; q < NUM_BOUNDED; q++)
+        positions[0].shape[q] = (indicator_shape){1.0 / (2 + q), 10 * q, 0.1 * q, 0.5};
     for (int i = 0; i < NUM_TRADE_PARTS; i++) {
         positions[0].indicated[i] = i < 3 ? 1e-3 * (1 + i) : INFINITY;
         positions[0].effectivity[i] = 2 + i;
@@ -486,6 +566,10 @@ int main(void) {
         cmocka_unit_test(the_worse_film_is_the_price),
         cmocka_unit_test(an_indicator_takes_the_place_of_the_worst),
         cmocka_unit_test(the_factor_leaves_a_margin),
+        cmocka_unit_test(a_factor_grows_with_the_bound),
+        cmocka_unit_test(a_factor_may_be_the_same_for_all),
+        cmocka_unit_test(an_offset_takes_what_no_bound_tells),
+        cmocka_unit_test(scenes_are_covered_whatever_the_bound),
         cmocka_unit_test(accuracy_chooses_the_fastest_and_the_best),
         cmocka_unit_test(accuracy_goes_by_the_steps_in_time),
         cmocka_unit_test(accuracy_names_what_it_can_give),
