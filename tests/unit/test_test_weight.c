@@ -48,7 +48,7 @@ static void mode_is_that_of_the_basis(void **state) {
     for (size_t k = 0; k < basis.grid.num_nodes; k++)
         largest = fmax(largest, fabs(basis.pressure[k * basis.num_pressure]));
     for (size_t k = 0; k < basis.grid.num_nodes; k++)
-        check_close(weight[k], fmax(fabs(basis.pressure[k * basis.num_pressure]), 1e-3 * largest),
+        check_close(weight[k], fmax(fabs(basis.pressure[k * basis.num_pressure]), 1e-4 * largest),
                     0.0, 0.0);
     free(weight);
 }

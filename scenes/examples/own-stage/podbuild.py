@@ -29,6 +29,6 @@ with h5py.File(sys.argv[1]) as snapshots, h5py.File(sys.argv[2], "w") as basis:
 
     # the weight D of the rows: the first mode, with a floor for rows beyond the exits of the training
     first = abs(modes[0])
-    basis["weight"] = numpy.maximum(first, 1e-3 * first.max())
+    basis["weight"] = numpy.maximum(first, 1e-4 * first.max())
 
 print(f"{len(modes)} modes of {len(pressure)} solutions")
