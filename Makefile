@@ -50,6 +50,7 @@ LIB_SOURCES     := $(sort $(filter-out $(MAINS),$(wildcard common/*/*.c $(PROGRA
 UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
 BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
 HEADERS         := $(sort $(wildcard */*.h */*/*.h))
+FAULT_SOURCES   := $(sort $(wildcard tests/fault/*.c))
 SOURCES         := $(MAINS) $(LIB_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
@@ -60,8 +61,9 @@ LONG_TESTS   := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/lo
 UNIT_SHARED  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/unit/test_% tests/unit/long_%,$(UNIT_SOURCES)))
 BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench/bench_%,$(BENCH_SOURCES)))
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
-PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)))
-LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats))
+FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
+PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)
+LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats tests/fault/long_*.bats))
 
 # The thread sanitizer looks at tests with threads: unit tests that begin some, and what the pipelines say of --jobs.
 # Those of OpenBLAS are its own affair (test_threads), and the programs have it work in one.
@@ -115,10 +117,10 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(TESTS) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(TESTS) $(FAULT_TOOLS) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
-check-long: $(PROGRAMS) $(LONG_TESTS) ## the tests that take minutes
+check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
 	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
 
 # Apart from check, since it installs Slurm.
@@ -186,7 +188,7 @@ $(BUILD)/ehdrom.pc: $(BUILD)/flags FORCE
 	    'Cflags: -I$${prefix}/include/ehdrom' \
 	    'Libs: -L$${prefix}/lib -lehdrom $(ALL_LIBS) -pthread' > $@
 
-ALL_C := $(SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
+ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
 format: | lint-deps ## clang-format all sources in place
 	clang-format -i $(ALL_C) $(HEADERS)
@@ -288,5 +290,13 @@ $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
                              $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
+
+# Loaded into programs of any variant, and never changed by its flags.
+FAULT_CFLAGS = $(ALL_CPPFLAGS) -std=c17 $(WARNINGS) -O2
+$(BUILD)/fault/inject.so: tests/fault/inject.c $(BUILD)/flags
+	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(FAULT_CFLAGS) -shared -fPIC -o $@ $< -ldl
+
+$(BUILD)/fault/sweep: tests/fault/sweep.c $(BUILD)/flags
+	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(FAULT_CFLAGS) -o $@ $< $(ALL_LDFLAGS) $(PKG_LIBS)
 
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

@@ -93,16 +93,20 @@ static ehd_status read_choice(adaptive_state *state, artefact *file, size_t plac
     return EHD_OK;
 }
 
+/* Of the last round, a state that is not whole is solved again; others are built on. */
 static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], artefact *file,
-                                const adaptive_state *state, size_t place, ehd_error *error) {
+                                const adaptive_state *state, size_t place, bool of_last_round,
+                                ehd_error *error) {
     int64_t outcome = -1;
+    bool whole = false;
     ehd_status status = artefact_get_integers_part(file, "status", place, 1, &outcome, error);
 
     if (status || outcome < 0) return status;
     for (int f = 0; f < NUM_FILMS && !status; f++)
         status = artefact_get_part(file, film_fields[f], place, 1, &films[state->point][f], error);
     if (status) return status;
-    return snapshots_restore(points, state->point, file, place, outcome, error);
+    status = snapshots_restore(&whole, points, state->point, file, place, outcome, error);
+    return !status && !whole && !of_last_round ? EHD_DATA : status;
 }
 
 /* The states that were chosen, and those of them that are done. */
@@ -111,10 +115,11 @@ static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS]
     const size_t num_points = points->set->num_points;
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < count && !status; i++) {
+    for (size_t i = 0; i < count && !status; i++)
         status = read_choice(&states[i], file, i, num_points, error);
-        if (!status) status = restore_state(points, films, file, &states[i], i, error);
-    }
+    for (size_t i = 0; i < count && !status; i++)
+        status = restore_state(points, films, file, &states[i], i,
+                               states[i].round == states[count - 1].round, error);
     return status;
 }
 
@@ -253,7 +258,7 @@ static ehd_status take_state(artefact *file, training *points, double (*films)[N
     status = artefact_get_integers_part(piece, outcome_field, place, 1, &outcome, error);
     if (status || outcome < 0 || points->points[state.point].done) return status;
     status = copy_state(file, to, piece, place, outcome, error);
-    return status ? status : restore_state(points, films, piece, &state, place, error);
+    return status ? status : restore_state(points, films, piece, &state, place, false, error);
 }
 
 ehd_status adaptive_file_take(artefact *file, training *points, double (*films)[NUM_FILMS],

@@ -5,6 +5,7 @@
 #include "common/output/inputs.h"
 #include "common/time/path_filter.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -252,8 +253,8 @@ ehd_status snapshots_put_trajectories(artefact *file, const training_set *set,
 
 // ---- resuming
 
-ehd_status snapshots_restore(training *points, size_t point, artefact *file, size_t state,
-                             int64_t outcome, ehd_error *error) {
+static ehd_status restore(training *points, size_t point, artefact *file, size_t state,
+                          int64_t outcome, ehd_error *error) {
     const ehd_grid *grid = &points->set->grid;
     double *pressure = NULL, rigid_approach = 0;
     int64_t *exits = NULL;
@@ -272,6 +273,10 @@ ehd_status snapshots_restore(training *points, size_t point, artefact *file, siz
         if (exits[l] < 0 || (size_t)exits[l] > grid->inner_x)
             status = ehd_fail(error, EHD_DATA, "%s: exit_node: found %lld, expected 0 to %zu",
                               artefact_path(file), (long long)exits[l], grid->inner_x);
+    for (size_t i = 0; i < grid->num_inner && !status; i++)
+        if (!isfinite(pressure[i]) || !isfinite(rigid_approach))
+            status = ehd_fail(error, EHD_DATA, "%s: pressure: found none of point %zu, expected it",
+                              artefact_path(file), point);
     // of a point contact the pressure itself tells where it ends
     if (!status)
         status =
@@ -281,15 +286,26 @@ ehd_status snapshots_restore(training *points, size_t point, artefact *file, siz
     return status;
 }
 
+ehd_status snapshots_restore(bool *whole, training *points, size_t point, artefact *file,
+                             size_t state, int64_t outcome, ehd_error *error) {
+    ehd_status status = outcome == 0 ? artefact_check_entry(file, state, error) : EHD_OK;
+
+    if (!status) status = restore(points, point, file, state, outcome, error);
+    *whole = !status;
+    return status == EHD_DATA ? EHD_OK : status;
+}
+
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
     int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
+    bool whole; // a point that is not is solved again
     ehd_status status = EHD_OK;
 
     if (!outcomes) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     if (!status) status = artefact_get_integers(file, "status", outcomes, error);
     for (size_t i = 0; i < set->num_points && !status; i++)
-        if (outcomes[i] >= 0) status = snapshots_restore(points, i, file, i, outcomes[i], error);
+        if (outcomes[i] >= 0)
+            status = snapshots_restore(&whole, points, i, file, i, outcomes[i], error);
     free(outcomes);
     return status;
 }

@@ -42,8 +42,12 @@ ehd_status snapshots_declare(artefact *file, const training_set *set, bool adapt
 ehd_status snapshots_put_contact(artefact *file, size_t state, const ehd_contact *contact,
                                  ehd_error *error);
 
-/* Marks a point as done that `file` holds as `state`, with its `outcome` there. */
-ehd_status snapshots_restore(training *points, size_t point, artefact *file, size_t state,
-                             int64_t outcome, ehd_error *error);
+/* Marks a point as done that `file` holds as `state`, with its `outcome` there, if it is whole: a power
+ * cut may leave the outcome there without what it speaks of. */
+ehd_status snapshots_restore(
+    // output:
+    bool *whole, training *points,
+    // input:
+    size_t point, artefact *file, size_t state, int64_t outcome, ehd_error *error);
 
 #endif

@@ -11,7 +11,7 @@ artefact *artefact_new(const char *path) {
     artefact *file = calloc(1, sizeof *file);
     if (!file) return NULL;
     file->id = -1;
-    file->lock = -1;
+    file->lock = file->copy_lock = -1;
     file->path = strdup(path);
     if (!file->path) {
         free(file);
@@ -23,7 +23,9 @@ artefact *artefact_new(const char *path) {
 void artefact_delete(artefact *file) {
     if (!file) return;
     if (file->id >= 0) H5Fclose(file->id);
+    drop_copy(file);
     if (file->lock >= 0) close(file->lock);
+    free(file->copy);
     free(file->held);
     free(file->lengths);
     free(file->history_line);
@@ -109,6 +111,7 @@ bool field_grows(const artefact *file, const artefact_field *field) {
 }
 
 bool artefact_has(const artefact *file, const char *field_or_attribute) {
+    hdf5_start();
     return hdf5_has_dataset(file->id, field_or_attribute) ||
            hdf5_has_attribute(file->id, field_or_attribute);
 }
@@ -191,6 +194,7 @@ ehd_status transfer(artefact *file, const char *name, artefact_type type, size_t
     herr_t outcome;
     ehd_status status = EHD_OK;
 
+    hdf5_start();
     hid_t dataset = open_dataset(file, name);
     if (dataset < 0) {
         status = hdf5_read_failed(file, name, error);

@@ -138,17 +138,22 @@ ehd_status artefact_flush(artefact *file, ehd_error *error);
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
 /* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which
- * can also be read. EHD_NOINPUT when there is none; EHD_DATA when it is damaged or was interrupted
- * before it began to stream, or its schema or settings (scene_text_matches) differ; EHD_CANTCREATE
- * when PATH exists and program->force is not set, or another process is writing. A file with a
- * growing axis is not streaming yet, and what is on the axis may differ in length by the entries
- * that a killed run was writing: artefact_cut_axis has to come next. */
+ * can also be read. EHD_NOINPUT when there is none, or one that was interrupted before it began to
+ * stream, with nothing in it; EHD_DATA when it is damaged, or its schema or settings
+ * (scene_text_matches) differ; EHD_CANTCREATE when PATH exists and program->force is not set, or
+ * another process is writing. A file with a growing axis is not streaming yet, and what is on the
+ * axis may differ in length by the entries that a killed run was writing: artefact_cut_axis has to
+ * come next. */
 ehd_status artefact_resume(
     // output:
     artefact **file,
     // input:
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
+
+/* After artefact_resume of a training: whether the arrays of one of its states are whole; else EHD_DATA.
+ * Of those that a killed run had not finished they need not be, and artefact_resume does not look. */
+ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* After artefact_resume: whether a file that the run reads beside its settings is what it was when
  * the output was begun, by its content where it has another name now. EHD_DATA, with `what` it is,

@@ -9,11 +9,12 @@
 enum { PIECE_BYTES = 60000 };
 
 void hdf5_start(void) {
-    static bool started = false;
+    static _Thread_local bool started = false;
     if (started) return;
     started = true;
     H5dont_atexit(); // must come first
     H5open();
+    // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     H5PLset_loading_state(0); // code that a file asks for is not loaded
 }
@@ -125,19 +126,19 @@ static void keep_in_header(hid_t properties) {
 }
 
 /* Nothing smaller than a page of the system lies across two of them, and a kill comes between two
- * pages of a write, if at all: no metadata is then half written. */
+ * pages of a write, if at all: no metadata and no small chunk is then half written. */
 static void keep_in_pages(hid_t creation) {
     H5Pset_file_space_strategy(creation, H5F_FSPACE_STRATEGY_PAGE, false, 1);
     H5Pset_file_space_page_size(creation, HDF5_PAGE_BYTES);
 }
 
-hid_t hdf5_create(const char *path, bool growing) {
+hid_t hdf5_create(const char *path) {
     hid_t access = access_properties();
     hid_t creation = H5Pcreate(H5P_FILE_CREATE);
     write_through(access);
     keep_in_header(creation);
     H5Pset_link_phase_change(creation, 65535, 0);
-    if (growing) keep_in_pages(creation);
+    keep_in_pages(creation);
     hid_t file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access);
     hdf5_release(creation);
     hdf5_release(access);

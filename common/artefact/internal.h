@@ -12,12 +12,15 @@ struct artefact {
     const artefact_schema *schema;
     char *path;          // the final name
     char *partial;       // the name while it is written; NULL when reading
+    char *copy;          // the name of the copy of it that is changed while it is not streaming
+    bool on_copy;        // that is what is open
     char *history_line;  // of the run that resumed the file, added at the end; NULL otherwise
     size_t *lengths;     // [number of the schema's axes], 0: not known (yet)
     const char *growing; // name of the axis that grows while writing; NULL: none
     hid_t *held;         // [number of the schema's fields + 1], the last for the growing axis:
                          // what is on it, kept open while streaming; 0: not open
     int lock;            // descriptor that holds the writer's lock; -1 when reading
+    int copy_lock;       // the same of the copy
     bool force;          // an existing final file may be replaced
     bool streaming;
     bool keep;   // the partial file is of use to --resume
@@ -27,8 +30,8 @@ struct artefact {
 
 // ---- hdf5.c: the library's manners and attributes
 
-/* To be called before anything else of HDF5: it prints nothing, loads no plugins, and does nothing
- * at exit, where it would try again to write what could not be written. */
+/* To be called before anything else of HDF5, in each thread: it prints nothing, loads no plugins, and
+ * does nothing at exit, where it would try again to write what could not be written. */
 void hdf5_start(void);
 
 /* The innermost message of the last failed HDF5 call; call it before any other HDF5 function. */
@@ -51,8 +54,7 @@ ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error 
  * h5clear does. Negative on failure. */
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags);
 enum { HDF5_PAGE_BYTES = 4096 };
-/* `growing`: laid out for metadata that change while streaming. */
-hid_t hdf5_create(const char *path, bool growing);
+hid_t hdf5_create(const char *path);
 
 /* Scalar attributes of an object, replacing an attribute of the same name. True when written. */
 bool hdf5_put_attribute(hid_t object, const char *name, hid_t type, const void *value);
@@ -115,6 +117,26 @@ bool put_history(hid_t root, const char *before, const char *line); // the two j
  * for --resume and caller->force is not set; EHD_NOINPUT (without O_CREAT), EHD_MEMORY. */
 ehd_status writer_new(artefact **result, const char *path, const artefact_schema *schema,
                       const program *caller, int flags, ehd_error *error);
+/* Whether what --resume could go on with was ever there: HDF5 says in the first bytes of a file that it
+ * is streaming, or that it was closed. True also where another program wrote them. */
+bool has_begun(const artefact *file);
+
+/* What an interrupted run left is not changed in place but while it is streaming, since a kill would
+ * leave neither the old nor the new. use_copy makes a copy under a name of its own, for HDF5 to open;
+ * keep_copy gives it the name of the original, once it is streaming; drop_copy removes it. EHD_IO,
+ * EHD_MEMORY, EHD_CANTCREATE. */
+ehd_status use_copy(artefact *file, ehd_error *error);
+ehd_status keep_copy(artefact *file, ehd_error *error);
+void drop_copy(artefact *file);
+/* The one of the two that is written. */
+const char *written_name(const artefact *file);
+/* On disk; EHD_IO. */
+ehd_status sync_file(const artefact *file, ehd_error *error);
+
+/* Whether a killed writer may have torn entries of a field that it had not finished: arrays, by the axis
+ * along which it finished one after the other. Numbers lie within a page. */
+bool is_kept_apart(const artefact *file, const artefact_field *field);
+
 /* Renames the closed file. The content is on disk before the name says that it is whole. */
 ehd_status give_final_name(artefact *file, ehd_error *error);
 
@@ -161,9 +183,9 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
 /* The name in the schema of the axis whose scale has no bound; NULL: none. */
 const char *find_growing(const artefact *file);
 /* Reads every dataset that the schema knows, so that every checksum is verified. Of a file being
- * written with a growing axis only the axes and what is on that one, because the rest is
- * overwritten in place. */
-ehd_status read_everything(artefact *file, ehd_error *error);
+ * written (`partial`) not what may be torn, and with a growing axis only the axes and what is on that
+ * one, because the rest is overwritten in place. */
+ehd_status read_everything(artefact *file, bool partial, ehd_error *error);
 /* -1 where the attribute is not there. */
 int64_t completeness(const artefact *file);
 

@@ -25,24 +25,101 @@ static ehd_status check_final_name(const artefact *file, ehd_error *error) {
     return EHD_OK;
 }
 
-/* Excludes a second writer. This kind of lock does not disturb readers, which HDF5 lets use flock,
- * and it goes away with the process. Where a file system has no locks we go without. */
-static ehd_status lock_partial(artefact *file, int flags, ehd_error *error) {
-    file->lock = open(file->partial, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, 0666);
-    if (file->lock < 0) {
+/* Whether the file of this name is the one that is open; a writer may have given the name to another.
+ */
+static bool has_name(int descriptor, const char *name) {
+    struct stat opened, named;
+    return fstat(descriptor, &opened) == 0 && stat(name, &named) == 0 &&
+           opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+/* Opens the file and excludes a second writer. This kind of lock does not disturb readers, which HDF5
+ * lets use flock, and it goes away with the process. Where a file system has no locks we go without. */
+static ehd_status open_locked(int *descriptor, const char *name, int flags, ehd_error *error) {
+    *descriptor = open(name, O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | flags, 0666);
+    if (*descriptor < 0) {
         bool missing = errno == ENOENT && !(flags & O_CREAT);
         return ehd_fail(error, missing ? EHD_NOINPUT : EHD_CANTCREATE,
-                        "%s: found %s, expected a writable file", file->partial, strerror(errno));
+                        "%s: found %s, expected a writable file", name, strerror(errno));
     }
     struct stat found;
-    if (fstat(file->lock, &found) != 0 || !S_ISREG(found.st_mode))
+    if (fstat(*descriptor, &found) != 0 || !S_ISREG(found.st_mode))
         return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected one or none",
-                        file->partial);
+                        name);
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-    if (fcntl(file->lock, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES)) {
+    const bool locked = fcntl(*descriptor, F_OFD_SETLK, &whole) == 0;
+    if ((!locked && (errno == EAGAIN || errno == EACCES)) || !has_name(*descriptor, name)) {
         return ehd_fail(error, EHD_CANTCREATE,
-                        "%s: found another process writing it, expected none", file->partial);
+                        "%s: found another process writing it, expected none", name);
     }
+    return EHD_OK;
+}
+
+// ---- the copy
+
+bool has_begun(const artefact *file) {
+    // of the format's specification: signature, then version and two sizes, consistency flags
+    static const unsigned char signature[] = "\211HDF\r\n\032\n";
+    enum { AT_FLAGS = 11, BEING_WRITTEN = 1, STREAMING = 4, NUM_BYTES = 12 };
+    static const unsigned char none[NUM_BYTES] = {0};
+    unsigned char found[NUM_BYTES] = {0};
+    const ssize_t length = pread(file->lock, found, sizeof found, 0);
+
+    // data are written before the first bytes
+    if (length < 0 || memcmp(found, none, sizeof none) == 0) return false;
+    return memcmp(found, signature, sizeof signature - 1) != 0 ||
+           (found[AT_FLAGS] & (BEING_WRITTEN | STREAMING)) != BEING_WRITTEN;
+}
+
+const char *written_name(const artefact *file) {
+    return file->on_copy ? file->copy : file->partial;
+}
+
+/* All bytes of one file into another that is empty. */
+static bool copy_bytes(int to, int from) {
+    enum { AT_ONCE = 1 << 24 };
+    off_t place = 0;
+    ssize_t copied;
+
+    // shares the bytes where the file system can
+    while ((copied = copy_file_range(from, &place, to, NULL, AT_ONCE, 0)) > 0) {
+    }
+    return copied == 0;
+}
+
+ehd_status use_copy(artefact *file, ehd_error *error) {
+    ehd_status status = open_locked(&file->copy_lock, file->copy, O_CREAT, error);
+    if (status != EHD_OK) return status;
+    file->on_copy = true;
+    if (ftruncate(file->copy_lock, 0) != 0 || !copy_bytes(file->copy_lock, file->lock)) {
+        status = ehd_fail(error, EHD_IO, "%s: found %s, expected a copy of %s", file->copy,
+                          strerror(errno), file->partial);
+        drop_copy(file);
+    }
+    return status;
+}
+
+void drop_copy(artefact *file) {
+    if (file->on_copy) unlink(file->copy);
+    if (file->copy_lock >= 0) close(file->copy_lock);
+    file->copy_lock = -1;
+    file->on_copy = false;
+}
+
+ehd_status sync_file(const artefact *file, ehd_error *error) {
+    if (fsync(file->on_copy ? file->copy_lock : file->lock) == 0 || errno == EINVAL) return EHD_OK;
+    return ehd_fail(error, EHD_IO, "%s: found %s, expected it on disk", written_name(file),
+                    strerror(errno));
+}
+
+ehd_status keep_copy(artefact *file, ehd_error *error) {
+    if (rename(file->copy, file->partial) != 0)
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected %s to get this name",
+                        file->partial, strerror(errno), file->copy);
+    close(file->lock);
+    file->lock = file->copy_lock;
+    file->copy_lock = -1;
+    file->on_copy = false;
     return EHD_OK;
 }
 
@@ -55,6 +132,15 @@ static const struct {
     const char *finished;
 } resumable[] = {{&schema_snapshots, "status", 0, "solved points"},
                  {&schema_result, "restart_entries", 1, "a restart slot"}};
+
+bool is_kept_apart(const artefact *file, const artefact_field *field) {
+    for (size_t i = 0; i < sizeof resumable / sizeof *resumable; i++) {
+        if (resumable[i].schema != file->schema) continue;
+        const artefact_field *finished = find_field(file, resumable[i].dataset);
+        return field->axes[1] && strcmp(field->axes[0], finished->axes[0]) == 0;
+    }
+    return false;
+}
 
 /* Whether an entry of the dataset is at least `min`. One by one, because a killed writer leaves the
  * entry that it was writing damaged. */
@@ -103,10 +189,9 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
                       const program *caller, int flags, ehd_error *error) {
     artefact *file = artefact_new(path);
     if (!file) goto no_memory;
-    if (asprintf(&file->partial, "%s.partial", path) < 0) {
-        file->partial = NULL;
-        goto no_memory;
-    }
+    if (asprintf(&file->partial, "%s.partial", path) < 0) file->partial = NULL;
+    if (asprintf(&file->copy, "%s.finishing", path) < 0) file->copy = NULL;
+    if (!file->partial || !file->copy) goto no_memory;
     size_t num_axes = 0;
     while (schema->axes[num_axes].name)
         num_axes++;
@@ -120,8 +205,9 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     file->force = caller->force;
 
     ehd_status status = check_final_name(file, error);
-    if (status == EHD_OK) status = lock_partial(file, flags, error);
+    if (status == EHD_OK) status = open_locked(&file->lock, file->partial, flags, error);
     if (status == EHD_OK && flags & O_CREAT) status = check_unfinished(file, error);
+    if (status == EHD_OK) unlink(file->copy); // of a run that was killed
     if (status != EHD_OK) {
         artefact_delete(file);
         return status;
@@ -134,34 +220,28 @@ no_memory:
     return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
 }
 
-static ehd_status sync_folder(const artefact *file, ehd_error *error) {
-    char *copy = strdup(file->path);
-    if (!copy) {
-        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
-                        file->path);
+/* The file has its name, and what it has is on disk, so nothing is said where that fails: a power cut
+ * may then take back the name, but nothing of the content. */
+static void sync_folder(const artefact *file) {
+    char *name = strdup(file->path);
+    const int folder = name ? open(dirname(name), O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (folder >= 0) {
+        fsync(folder);
+        close(folder);
     }
-    ehd_status status = EHD_OK;
-    int folder = open(dirname(copy), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    // EINVAL: a file system that has nothing to sync
-    if (folder >= 0 && fsync(folder) != 0 && errno != EINVAL) {
-        status = ehd_fail(error, EHD_IO, "%s: found %s, expected its folder on disk", file->path,
-                          strerror(errno));
-    }
-    if (folder >= 0) close(folder);
-    free(copy);
-    return status;
+    free(name);
 }
 
 ehd_status give_final_name(artefact *file, ehd_error *error) {
-    if (fsync(file->lock) != 0 && errno != EINVAL) {
-        return ehd_fail(error, EHD_IO, "%s: found %s, expected it on disk", file->partial,
-                        strerror(errno));
-    }
-    ehd_status status = check_final_name(file, error);
+    ehd_status status = sync_file(file, error);
+    if (status == EHD_OK) status = check_final_name(file, error);
     if (status != EHD_OK) return status;
-    if (rename(file->partial, file->path) != 0) {
+    if (rename(written_name(file), file->path) != 0) {
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected %s to get this name",
-                        file->path, strerror(errno), file->partial);
+                        file->path, strerror(errno), written_name(file));
     }
-    return sync_folder(file, error);
+    sync_folder(file);
+    if (file->on_copy) unlink(file->partial);
+    file->on_copy = false;
+    return EHD_OK;
 }

@@ -524,9 +524,8 @@ void artefact_visit_attributes(const artefact *file, void (*visit)(const char *n
 
 /* Reads a dataset in slices along its first axis, so that a large one needs little memory. */
 static ehd_status read_slices(artefact *file, const char *name, const char *const *axes,
-                              size_t rank, ehd_error *error) {
+                              size_t rank, size_t begin, size_t length, ehd_error *error) {
     enum { SLICE_NUMBERS = 1 << 20 };
-    size_t length = artefact_length(file, axes[0]);
     size_t entry = 1;
     for (size_t i = 1; i < rank; i++)
         entry *= artefact_length(file, axes[i]);
@@ -539,30 +538,45 @@ static ehd_status read_slices(artefact *file, const char *name, const char *cons
                         shown_name(file), name);
     }
     ehd_status status = EHD_OK;
-    for (size_t first = 0; first < length && status == EHD_OK; first += slice) {
-        size_t count = length - first < slice ? length - first : slice;
-        status = transfer(file, name, ARTEFACT_REAL, first, count, numbers, NULL, error);
+    for (size_t done = 0; done < length && status == EHD_OK; done += slice) {
+        size_t count = length - done < slice ? length - done : slice;
+        status = transfer(file, name, ARTEFACT_REAL, begin + done, count, numbers, NULL, error);
     }
     free(numbers);
     return status;
 }
 
-ehd_status read_everything(artefact *file, ehd_error *error) {
+ehd_status read_everything(artefact *file, bool partial, ehd_error *error) {
     ehd_status status = EHD_OK;
     for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK; axis++) {
         const char *own[] = {axis->name};
         if (hdf5_has_dataset(file->id, axis->name)) {
-            status = read_slices(file, axis->name, own, 1, error);
+            const size_t length = artefact_length(file, axis->name);
+            status = read_slices(file, axis->name, own, 1, 0, length, error);
         }
     }
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
+        if (partial && is_kept_apart(file, field)) continue;
         if (file->growing && !field_grows(file, field)) continue;
         if (hdf5_has_dataset(file->id, field->name)) {
             const char *axes[ARTEFACT_MAX_RANK];
             const size_t rank = artefact_axes(axes, file, field);
-            status = read_slices(file, field->name, axes, rank, error);
+            const size_t length = artefact_length(file, axes[0]);
+            status = read_slices(file, field->name, axes, rank, 0, length, error);
         }
+    }
+    return status;
+}
+
+ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error) {
+    ehd_status status = EHD_OK;
+    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
+         field++) {
+        if (!is_kept_apart(file, field) || !field_exists(file, field)) continue;
+        const char *axes[ARTEFACT_MAX_RANK];
+        const size_t rank = artefact_axes(axes, file, field);
+        status = read_slices(file, field->name, axes, rank, entry, 1, error);
     }
     return status;
 }
@@ -570,7 +584,7 @@ ehd_status read_everything(artefact *file, ehd_error *error) {
 ehd_status artefact_check(const char *path, ehd_error *error) {
     artefact *file = NULL;
     ehd_status status = artefact_open(&file, path, artefact_schemas, error);
-    if (status == EHD_OK) status = read_everything(file, error);
+    if (status == EHD_OK) status = read_everything(file, false, error);
     artefact_close(&file);
     return status;
 }

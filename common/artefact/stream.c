@@ -35,12 +35,16 @@ ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
     if (status == EHD_OK) status = check_attributes_written(file, false, error);
     if (status != EHD_OK) return status;
     if (H5Fstart_swmr_write(file->id) < 0) return hdf5_write_failed(file, "file", error);
+    status = sync_file(file, error);
+    if (status == EHD_OK && file->on_copy) status = keep_copy(file, error);
+    if (status != EHD_OK) return status;
     file->streaming = true;
     file->keep = true;
     return EHD_OK;
 }
 
 ehd_status artefact_flush(artefact *file, ehd_error *error) {
+    hdf5_start();
     if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) return hdf5_write_failed(file, "file", error);
     return EHD_OK;
 }
@@ -51,7 +55,9 @@ ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {
     file->id = -1;
     file->streaming = false;
     if (outcome < 0) return hdf5_write_failed(file, "file", error);
-    file->id = hdf5_open(file->partial, H5F_ACC_RDWR, false);
+    ehd_status status = use_copy(file, error);
+    if (status != EHD_OK) return status;
+    file->id = hdf5_open(file->copy, H5F_ACC_RDWR, false);
     if (file->id < 0) return hdf5_write_failed(file, "file", error);
     return EHD_OK;
 }
@@ -78,12 +84,19 @@ static ehd_status check_same_settings(const artefact *file, const char *settings
 static ehd_status resume_streaming(artefact *file, const program *caller, const char *settings_text,
                                    ehd_error *error) {
     const artefact_schema *const schemas[] = {file->schema, NULL};
-    file->id = hdf5_open(file->partial, H5F_ACC_RDWR, true);
+    if (!has_begun(file))
+        return ehd_fail(error, EHD_NOINPUT,
+                        "%s: found nothing to continue, expected what an "
+                        "interrupted run left",
+                        file->partial);
+    ehd_status status = use_copy(file, error);
+    if (status != EHD_OK) return status;
+    file->id = hdf5_open(file->copy, H5F_ACC_RDWR, true);
     if (file->id < 0) return not_resumable(file, "no whole HDF5 file", error);
     file->growing = find_growing(file);
-    ehd_status status = examine(file, schemas, error);
+    status = examine(file, schemas, error);
     if (status == EHD_OK) status = check_same_settings(file, settings_text, error);
-    if (status == EHD_OK && !file->growing) status = read_everything(file, error);
+    if (status == EHD_OK && !file->growing) status = read_everything(file, true, error);
     if (status != EHD_OK) return status;
 
     // a run whose last rename failed left 1
@@ -150,7 +163,7 @@ ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, eh
         status = cut_dataset(file, field->name, length, error);
     }
     *find_length(file, name) = length;
-    if (status == EHD_OK) status = read_everything(file, error);
+    if (status == EHD_OK) status = read_everything(file, true, error);
     return status == EHD_OK ? artefact_begin_streaming(file, error) : status;
 }
 

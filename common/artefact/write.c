@@ -12,14 +12,16 @@
 // Scalars share a chunk, and a large field has several chunks an entry.
 enum { CHUNK_MIN_BYTES = 8192, CHUNK_MAX_BYTES = 1 << 20 };
 
-// Of scalars on a growing axis two chunks with their checksums fill a page. They are small because
-// every entry rewrites one.
-enum { CHUNK_GROWING_SCALARS = (HDF5_PAGE_BYTES / 2 - 4) / 8 };
+// Where entries come one after the other, two chunks with their checksums fill a page. They are small
+// because every entry rewrites one, and lie within a page because a kill must not tear one that has
+// earlier entries too.
+enum { CHUNK_PAGE_BYTES = HDF5_PAGE_BYTES / 2 - 4 };
 
 typedef enum layout {
     LAYOUT_PLAIN,
-    LAYOUT_EARLY,  // the space is taken and filled at once, so that later writes change no metadata
-    LAYOUT_APART,  // the same, and each entry of the first axis is one chunk
+    LAYOUT_EARLY, // the space is taken and filled at once, so that later writes change no metadata,
+                  // and a chunk that is not within a page has one entry
+    LAYOUT_APART, // the same, and each entry of the first axis is one chunk
     LAYOUT_GROWING // the first axis has no bound, and space is taken for what is written
 } layout;
 
@@ -39,7 +41,7 @@ static ehd_status check_inputs(const char *path, const char *const *inputs, ehd_
 }
 
 static ehd_status create_file(artefact **result, const char *path, const artefact_schema *schema,
-                              bool growing, const program *caller, const char *settings_text,
+                              const program *caller, const char *settings_text,
                               const char *const *inputs, ehd_error *error) {
     *result = NULL;
     artefact *file = NULL;
@@ -47,7 +49,7 @@ static ehd_status create_file(artefact **result, const char *path, const artefac
     if (status == EHD_OK) status = writer_new(&file, path, schema, caller, O_CREAT, error);
     if (status != EHD_OK) return status;
 
-    file->id = hdf5_create(file->partial, growing);
+    file->id = hdf5_create(file->partial);
     if (file->id < 0) {
         hdf5_reason reason = hdf5_last_reason();
         status =
@@ -64,17 +66,17 @@ static ehd_status create_file(artefact **result, const char *path, const artefac
 ehd_status artefact_create(artefact **file, const char *path, const artefact_schema *schema,
                            const program *caller, const char *settings_text,
                            const char *const *inputs, ehd_error *error) {
-    return create_file(file, path, schema, false, caller, settings_text, inputs, error);
+    return create_file(file, path, schema, caller, settings_text, inputs, error);
 }
 
 // ---- axes and fields
 
 /* Entries of the first axis to a chunk. */
 static hsize_t entries_of_chunk(hsize_t length, hsize_t entry_bytes, int rank, layout kind) {
-    if (kind == LAYOUT_APART) return 1;
-    if (kind == LAYOUT_GROWING) return rank == 1 ? CHUNK_GROWING_SCALARS : 1;
-    hsize_t entries = entry_bytes < CHUNK_MIN_BYTES ? CHUNK_MIN_BYTES / entry_bytes : 1;
-    return entries < length ? entries : length;
+    const hsize_t bytes = kind == LAYOUT_PLAIN ? CHUNK_MIN_BYTES : CHUNK_PAGE_BYTES;
+    if (kind == LAYOUT_APART || (kind == LAYOUT_GROWING && rank > 1)) return 1;
+    const hsize_t entries = entry_bytes < bytes ? bytes / entry_bytes : 1;
+    return kind == LAYOUT_GROWING || entries < length ? entries : length;
 }
 
 /* Entries of the first axis to a chunk, and parts of an entry where one alone is too large. */
@@ -196,7 +198,7 @@ ehd_status artefact_create_growing(artefact **file, const char *path, const arte
                                    const char *axis, const program *caller,
                                    const char *settings_text, const char *const *inputs,
                                    ehd_error *error) {
-    ehd_status status = create_file(file, path, schema, true, caller, settings_text, inputs, error);
+    ehd_status status = create_file(file, path, schema, caller, settings_text, inputs, error);
     if (status == EHD_OK) status = put_growing_axis(*file, axis, error);
     if (status != EHD_OK) artefact_close(file);
     return status;
@@ -296,6 +298,7 @@ ehd_status artefact_put_integers_part(artefact *file, const char *field, size_t 
 /* Lets all fields on the growing axis have at least `length` entries. */
 static ehd_status extend_fields(artefact *file, size_t length, ehd_error *error) {
     ehd_status status = EHD_OK;
+    hdf5_start();
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
         if (!field_grows(file, field) || !field_exists(file, field)) continue;

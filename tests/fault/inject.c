@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Loaded before all libraries (LD_PRELOAD), it lets one call of a program fail, or ends the program
+ * there. From main on, calls of the kind FAULT_KIND are counted from 1, over all threads:
+ *
+ *     memory  malloc, calloc, realloc, aligned ones, and mmap of memory
+ *     open    open, fopen            read   read, pread, fread of a regular file
+ *     write   write, pwrite          sync   fsync, fdatasync
+ *     close   of a regular file      rename rename, link, unlink
+ *
+ * FAULT_HOW says what happens at call number FAULT_AT: `fail` (ENOMEM, EIO, or ENOSPC of a write),
+ * `last` (that and all later ones fail, as on a full disk), `short` (half of it is written), `kill`
+ * (the process ends before the call), `tear` (it ends in a write, at the first end of a page).
+ *
+ * The monotonic clock goes on by a fifth of a second each time it is asked, so that what is done by
+ * the clock, such as checkpoints, is done in short runs too, and is the same in each.
+ *
+ * FAULT_LOG is a file that takes the number of calls at exit and, at the fault, the library that
+ * asked. */
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+enum kind { MEMORY, OPEN, READ, WRITE, SYNC, CLOSE, RENAME, NUM_KINDS };
+enum how { FAIL, LAST, SHORT, KILL, TEAR, NUM_HOWS };
+enum { PAGE = 4096 };
+
+static const char *const kinds[NUM_KINDS] = {"memory", "open",  "read",  "write",
+                                             "sync",   "close", "rename"};
+static const char *const hows[NUM_HOWS] = {"fail", "last", "short", "kill", "tear"};
+
+static int wanted_kind = -1, wanted_how;
+static long wanted_call; // 0: none, only count
+static atomic_long num_calls;
+static atomic_bool counting;
+
+static int find(const char *const *names, int count, const char *name) {
+    for (int i = 0; i < count; i++)
+        if (name && strcmp(names[i], name) == 0) return i;
+    return -1;
+}
+
+// ---- the log, written without stdio or memory
+
+static void log_line(const char *word, long number, const char *library) {
+    char line[512];
+    const char *path = getenv("FAULT_LOG");
+    const int log = path ? (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_APPEND) : -1;
+    const int length = snprintf(line, sizeof line, "%s %ld %s\n", word, number, library);
+
+    if (log >= 0) {
+        syscall(SYS_write, log, line, (size_t)length);
+        syscall(SYS_close, log);
+    }
+}
+
+__attribute__((destructor)) static void log_count(void) {
+    if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
+}
+
+static void log_fault(long call, const void *caller) {
+    Dl_info found;
+    const char *library = dladdr(caller, &found) && found.dli_fname ? found.dli_fname : "?";
+    const char *slash = strrchr(library, '/');
+    log_line("fault", call, slash ? slash + 1 : library);
+}
+
+// ---- whether it is this one
+
+static _Noreturn void end(void) {
+    syscall(SYS_kill, getpid(), SIGKILL);
+    for (;;)
+        pause();
+}
+
+/* True where this call is to fail, of which KILL does not return. */
+static bool is_hit(int kind, const void *caller) {
+    if (kind != wanted_kind || !atomic_load(&counting)) return false;
+    const long call = atomic_fetch_add(&num_calls, 1) + 1;
+    const bool hit =
+        call == wanted_call || (wanted_how == LAST && wanted_call && call > wanted_call);
+    if (!hit) return false;
+    if (call == wanted_call) {
+        const int before = errno;
+        atomic_store(&counting, false); // dladdr may ask for memory
+        log_fault(call, caller);
+        atomic_store(&counting, true);
+        errno = before;
+    }
+    if (wanted_how == KILL) end();
+    return true;
+}
+
+static bool is_regular(int file) {
+    struct stat about;
+    return fstat(file, &about) == 0 && S_ISREG(about.st_mode);
+}
+
+#define CALLER __builtin_return_address(0)
+
+// ---- memory
+
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *memory, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+
+static void *refused(void) {
+    errno = ENOMEM;
+    return NULL;
+}
+
+void *malloc(size_t size) {
+    return is_hit(MEMORY, CALLER) ? refused() : __libc_malloc(size);
+}
+
+void *calloc(size_t count, size_t size) {
+    return is_hit(MEMORY, CALLER) ? refused() : __libc_calloc(count, size);
+}
+
+void *realloc(void *memory, size_t size) {
+    return is_hit(MEMORY, CALLER) ? refused() : __libc_realloc(memory, size);
+}
+
+void *memalign(size_t alignment, size_t size) {
+    return is_hit(MEMORY, CALLER) ? refused() : __libc_memalign(alignment, size);
+}
+
+void *aligned_alloc(size_t alignment, size_t size) {
+    return is_hit(MEMORY, CALLER) ? refused() : __libc_memalign(alignment, size);
+}
+
+int posix_memalign(void **memory, size_t alignment, size_t size) {
+    if (is_hit(MEMORY, CALLER)) return ENOMEM;
+    *memory = __libc_memalign(alignment, size);
+    return *memory ? 0 : ENOMEM;
+}
+
+void *mmap(void *address, size_t length, int protection, int flags, int file, off_t offset) {
+    if (flags & MAP_ANONYMOUS && is_hit(MEMORY, CALLER)) {
+        errno = ENOMEM;
+        return MAP_FAILED;
+    }
+    return (void *)syscall(SYS_mmap, address, length, protection, flags, file, offset); // NOLINT
+}
+
+// ---- files
+
+static int fail_with(int reason) {
+    errno = reason;
+    return -1;
+}
+
+static int open_mode(int flags, va_list *arguments) {
+    return flags & (O_CREAT | __O_TMPFILE) ? va_arg(*arguments, int) : 0;
+}
+
+#define OPEN_FUNCTION(name)                                                                        \
+    int name(const char *path, int flags, ...) {                                                   \
+        va_list arguments;                                                                         \
+        va_start(arguments, flags);                                                                \
+        const int mode = open_mode(flags, &arguments);                                             \
+        va_end(arguments);                                                                         \
+        if (is_hit(OPEN, CALLER)) return fail_with(EIO);                                           \
+        return (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);                              \
+    }
+OPEN_FUNCTION(open)
+OPEN_FUNCTION(open64)
+
+static ssize_t read_at(int file, void *data, size_t size, off_t offset, bool positioned,
+                       const void *caller) {
+    if (is_regular(file) && is_hit(READ, caller)) return fail_with(EIO);
+    return positioned ? syscall(SYS_pread64, file, data, size, offset)
+                      : syscall(SYS_read, file, data, size);
+}
+
+ssize_t read(int file, void *data, size_t size) {
+    return read_at(file, data, size, 0, false, CALLER);
+}
+
+ssize_t pread(int file, void *data, size_t size, off_t offset) {
+    return read_at(file, data, size, offset, true, CALLER);
+}
+
+ssize_t pread64(int file, void *data, size_t size, off_t offset) {
+    return read_at(file, data, size, offset, true, CALLER);
+}
+
+static ssize_t write_at(int file, const void *data, size_t size, off_t offset, bool positioned,
+                        const void *caller) {
+    bool torn = false;
+
+    if (is_regular(file) && is_hit(WRITE, caller)) {
+        const off_t at = positioned ? offset : lseek(file, 0, SEEK_CUR);
+        const size_t to_page = PAGE - (size_t)at % PAGE;
+        if (wanted_how == TEAR) {
+            if (to_page >= size) end(); // within a page all or nothing
+            size = to_page;
+            torn = true;
+        } else if (wanted_how == SHORT && size > 1) {
+            size /= 2;
+        } else {
+            return fail_with(ENOSPC);
+        }
+    }
+    const ssize_t written = positioned ? syscall(SYS_pwrite64, file, data, size, offset)
+                                       : syscall(SYS_write, file, data, size);
+    if (torn) end();
+    return written;
+}
+
+ssize_t write(int file, const void *data, size_t size) {
+    return write_at(file, data, size, 0, false, CALLER);
+}
+
+ssize_t pwrite(int file, const void *data, size_t size, off_t offset) {
+    return write_at(file, data, size, offset, true, CALLER);
+}
+
+ssize_t pwrite64(int file, const void *data, size_t size, off_t offset) {
+    return write_at(file, data, size, offset, true, CALLER);
+}
+
+int fsync(int file) {
+    return is_hit(SYNC, CALLER) ? fail_with(EIO) : (int)syscall(SYS_fsync, file);
+}
+
+int fdatasync(int file) {
+    return is_hit(SYNC, CALLER) ? fail_with(EIO) : (int)syscall(SYS_fdatasync, file);
+}
+
+/* A close that fails has closed all the same. */
+int close(int file) {
+    const bool hit = is_regular(file) && is_hit(CLOSE, CALLER);
+    const int outcome = (int)syscall(SYS_close, file);
+    return hit ? fail_with(EIO) : outcome;
+}
+
+int rename(const char *from, const char *to) {
+    return is_hit(RENAME, CALLER) ? fail_with(EIO)
+                                  : (int)syscall(SYS_renameat, AT_FDCWD, from, AT_FDCWD, to);
+}
+
+int unlink(const char *path) {
+    return is_hit(RENAME, CALLER) ? fail_with(EIO) : (int)syscall(SYS_unlinkat, AT_FDCWD, path, 0);
+}
+
+// ---- streams: stdio reads and writes without asking those above, unless it is told to
+
+static ssize_t read_stream(void *cookie, char *data, size_t size) {
+    return read((int)(intptr_t)cookie, data, size);
+}
+
+static ssize_t write_stream(void *cookie, const char *data, size_t size) {
+    const ssize_t written = write((int)(intptr_t)cookie, data, size);
+    return written < 0 ? 0 : written;
+}
+
+static int close_stream(void *cookie) {
+    return close((int)(intptr_t)cookie);
+}
+
+static FILE *open_stream(const char *path, const char *mode, const void *caller) {
+    const cookie_io_functions_t functions = {
+        .read = read_stream, .write = write_stream, .close = close_stream};
+    const int flags =
+        *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | (*mode == 'w' ? O_TRUNC : O_APPEND);
+
+    if (is_hit(OPEN, caller)) {
+        errno = EIO;
+        return NULL;
+    }
+    const int file = (int)syscall(SYS_openat, AT_FDCWD, path, flags, 0666);
+    if (file < 0) return NULL;
+    FILE *stream = fopencookie((void *)(intptr_t)file, mode, functions); // NOLINT
+    if (!stream) syscall(SYS_close, file);
+    return stream;
+}
+
+FILE *fopen(const char *path, const char *mode) {
+    return open_stream(path, mode, CALLER);
+}
+
+FILE *fopen64(const char *path, const char *mode) {
+    return open_stream(path, mode, CALLER);
+}
+
+// ---- the clock
+
+int clock_gettime(clockid_t which, struct timespec *now) {
+    static atomic_long num_asked;
+    if (which != CLOCK_MONOTONIC) return (int)syscall(SYS_clock_gettime, which, now);
+    const long fifths = atomic_fetch_add(&num_asked, 1);
+    *now = (struct timespec){.tv_sec = fifths / 5, .tv_nsec = fifths % 5 * 200000000};
+    return 0;
+}
+
+// ---- from main on, after what the libraries do when they are loaded
+
+typedef int main_function(int, char **, char **);
+static main_function *true_main;
+
+static int counted_main(int argc, char **argv, char **environment) {
+    atomic_store(&counting, true);
+    return true_main(argc, argv, environment);
+}
+
+int __libc_start_main(main_function *program, int argc, char **argv, void (*init)(void),
+                      void (*fini)(void), void (*rtld_fini)(void), void *stack_end) {
+    typedef int start_function(main_function *, int, char **, void (*)(void), void (*)(void),
+                               void (*)(void), void *);
+    start_function *start;
+    void *symbol = dlsym(RTLD_NEXT, "__libc_start_main");
+    const char *call = getenv("FAULT_AT");
+
+    wanted_kind = find(kinds, NUM_KINDS, getenv("FAULT_KIND"));
+    wanted_how = find(hows, NUM_HOWS, getenv("FAULT_HOW"));
+    wanted_call = call ? strtol(call, NULL, 10) : 0;
+    true_main = program;
+    memcpy(&start, &symbol, sizeof start);
+    return start(counted_main, argc, argv, init, fini, rtld_fini, stack_end);
+}

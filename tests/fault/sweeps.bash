@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What the tests of faults share: small runs of all programs, and what makes them fail (sweep.c).
+
+load ../pipeline/common
+
+# The inputs of all programs: a training of 9 points on 121 nodes.
+setup() {
+    case $VARIANT in
+    release | debug) ;;
+    *) skip "a sanitizer and coverage have calls of their own" ;;
+    esac
+    cd "$BATS_TEST_TMPDIR" || return
+    export SWEEP=$BIN/../fault/sweep INJECT=$BIN/../fault/inject.so
+    common_setup_small
+    {
+        sed 's/regime: .*/regime: transient/' scene.yml
+        echo 'transient: {load: {law: sine, amplitude: 0.02, period: 0.5}, end_time: 0.3, fixed_step: 0.05}'
+    } >moving.yml
+    cat >region.yml <<'YAML'
+groups:
+  - scene: base.yml
+    region: {moes.M: [8, 15], moes.L: [2, 6]}
+YAML
+    # fields of several pages
+    sed 's/step: 0.05/step: 0.01/' base.yml >fine-base.yml
+    sed 's/base.yml/fine-base.yml/' plan.yml >fine.yml
+    snapgen -q -j1 plan.yml -o s.h5
+    podbuild -q s.h5 -o b.h5
+    snapgen -q -j1 plan.yml --basis b.h5 -o r.h5
+    deimselect -q r.h5 --basis b.h5 --no-check -o m.h5
+} >/dev/null
+
+# The small runs, by name.
+run_of() {
+    case $1 in
+    fullrun) run=(fullrun -q scene.yml -o x.h5) ;;
+    romrun) run=(romrun -q scene.yml --model m.h5 --allow-untrusted -o x.h5) ;;
+    podbuild) run=(podbuild -q s.h5 -o x.h5) ;;
+    deimselect) run=(deimselect -q r.h5 --basis b.h5 --no-check -o x.h5) ;;
+    residuals) run=(snapgen -q -j1 plan.yml --basis b.h5 -o x.h5) ;;
+    # the others can be resumed
+    snapgen) run=(snapgen -q -j1 plan.yml -o x.h5) ;;
+    fine) run=(snapgen -q -j1 fine.yml -o x.h5) ;;
+    adaptive) run=(snapgen -q -j1 region.yml --accuracy 0.02 --start 5 -o x.h5) ;;
+    moving) run=(fullrun -q moving.yml -o x.h5) ;;
+    reduced) run=(romrun -q moving.yml --set transport=upwind --model m.h5 --allow-untrusted -o x.h5) ;;
+    esac
+}
+
+# sweep NAME KIND HOW [OPTION...]: that run, with such faults.
+sweep() {
+    local name=$1 kind=$2 how=$3 run
+    shift 3
+    run_of "$name"
+    case $name in
+    snapgen | fine | adaptive | moving | reduced) set -- -r "$@" ;;
+    esac
+    "$SWEEP" "$@" "$kind" "$how" x.h5 "${run[@]}" >>table
+}
+
+# The counts, into the log.
+teardown() {
+    [ ! -e table ] || sed 's/^/# /' table >&3
+}
