@@ -15,6 +15,7 @@ void hdf5_start(void) {
     H5dont_atexit(); // must come first
     H5open();
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    H5PLset_loading_state(0); // code that a file asks for is not loaded
 }
 
 // ---- errors

@@ -6,7 +6,9 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+/* As of a history that turns a contact's load for months. */
+enum { TABLE_MAX_ROWS = 100000000 };
 
 /* Entries of a dataset of numbers along one axis; negative for any other. */
 static hssize_t count_entries(hid_t dataset) {
@@ -30,7 +32,10 @@ static ehd_status read_entries(double **values, size_t *count, hid_t dataset, co
                         "%s: %s: found something else, expected numbers along one axis", path,
                         name);
     *count = (size_t)found;
-    *values = malloc((*count + 1) * sizeof **values); // none are no failure
+    if ((size_t)found > TABLE_MAX_ROWS)
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %zu numbers, expected at most %d", path,
+                        name, (size_t)found, TABLE_MAX_ROWS);
+    *values = array_new(*count, 1, sizeof **values);
     if (!*values)
         return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu numbers", path, name,
                         *count);
@@ -55,22 +60,23 @@ static ehd_status read_column(table_column *column, size_t *count, hid_t file, c
     const char *name = find_name(file, column->names);
 
     if (!*name && column->optional) return EHD_OK;
-    const hid_t dataset = *name ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
     if (*name)
         text_show(shown, name);
     else
         table_show_names(shown, column->names);
+    ehd_status status = *name ? hdf5_check_own(file, path, name, error) : EHD_OK;
+    if (status) return status;
+    const hid_t dataset = *name ? H5Dopen2(file, name, H5P_DEFAULT) : -1;
     if (dataset < 0)
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected one", path, shown);
-    const ehd_status status = read_entries(&column->values, count, dataset, path, shown, error);
+    status = read_entries(&column->values, count, dataset, path, shown, error);
     hdf5_release(dataset);
     return status;
 }
 
 static ehd_status open_table(hid_t *file, const char *path, ehd_error *error) {
-    if (access(path, R_OK) != 0)
-        return ehd_fail(error, EHD_NOINPUT, "%s: found no readable file, expected an HDF5 file",
-                        path);
+    const ehd_status status = check_readable(path, error);
+    if (status) return status;
     *file = hdf5_open(path, H5F_ACC_RDONLY, false);
     if (*file >= 0) return EHD_OK;
     const hdf5_reason reason = hdf5_last_reason();

@@ -8,6 +8,5 @@ int output_check(program *self) {
     ehd_status status = artefact_check(self->check, &error);
 
     if (status == EHD_NOINPUT || status == EHD_IO) status = EHD_DATA;
-    if (status == EHD_DATA) program_detail(self, "%s", error.text);
-    return program_finish(self, status, status == EHD_DATA ? NULL : &error);
+    return program_finish(self, status, &error);
 }

@@ -5,8 +5,9 @@
 
 #include "common/program/program.h"
 
-/* Whether caller->check is a whole and valid artefact. Silent (--verbose: the reason); frees the
- * program and returns the exit code for main: 0, or 65 for whatever is wrong with the file. */
+/* Whether caller->check is a whole and valid artefact. Silent where it is; else one line says
+ * what is wrong. Frees the program and returns the exit code for main: 0, or 65 for whatever is
+ * wrong with the file. */
 int output_check(program *caller);
 
 #endif

@@ -20,7 +20,8 @@
  * of romrun/calibrate/fallback.h solves the contact with the full model, from the last solution.
  *
  * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then
- * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread. */
+ * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread.
+ * Opening a model switches off HDF5's messages and its filter plugins in the process. */
 #ifndef EHDROM_H
 #define EHDROM_H
 

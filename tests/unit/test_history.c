@@ -390,9 +390,9 @@ static void bad_hdf5_tables_are_refused(void **state) {
     (void)state;
     write_hdf5("t.h5");
     refuses_with(EHD_NOINPUT, "load: {law: table, file: none.h5, column: arc}",
-                 "none.h5: found no readable file");
+                 "none.h5: found No such file");
     refuses("load: {law: table, file: t.h5, column: ark}", "t.h5: found no dataset ark");
-    refuses("load: {law: table, file: t.h5, column: group}", "t.h5: found no dataset group");
+    refuses("load: {law: table, file: t.h5, column: group}", "t.h5: group: found no dataset");
     refuses("load: {law: table, file: t.h5, column: a/b}", "t.h5: found no dataset a/b");
     refuses("load: {law: table, file: t.h5, column: flat}",
             "t.h5: flat: found something else, expected numbers along one axis");

@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is read of a stranger's file: datasets that lie in the file itself, with filters that are
+ * part of HDF5. A link or a layout that leads elsewhere would read any file that its author names
+ * and the user may read. */
+#include "common/artefact/internal.h"
+
+#include <string.h>
+
+/* What a link is, NULL for one that leads to an object of this file. */
+static const char *other_link(H5L_type_t type) {
+    switch (type) {
+    case H5L_TYPE_HARD:
+        return NULL;
+    case H5L_TYPE_SOFT:
+        return "a soft link";
+    case H5L_TYPE_EXTERNAL:
+        return "an external link";
+    default:
+        return "a link of another kind";
+    }
+}
+
+/* The same of each step of a path, such as "group/dataset", before it is followed. */
+static const char *other_step(hid_t root, const char *path) {
+    char step[512];
+    const char *found = NULL;
+    const size_t length = strlen(path);
+
+    if (length >= sizeof step) return "a long name";
+    for (size_t end = 1; end <= length && !found; end++) {
+        H5L_info_t link;
+        if (path[end] != '/' && path[end] != '\0') continue;
+        memcpy(step, path, end);
+        step[end] = '\0';
+        if (strspn(step, "/.") == end) continue; // the group that it is already in
+        found = H5Lget_info(root, step, &link, H5P_DEFAULT) < 0 ? "nothing" : other_link(link.type);
+    }
+    return found;
+}
+
+/* A filter that is no part of HDF5 itself would be a plugin. */
+static bool has_other_filter(hid_t properties) {
+    const int count = H5Pget_nfilters(properties);
+
+    for (int i = 0; i < count; i++) {
+        unsigned flags = 0;
+        size_t num_values = 0;
+        const H5Z_filter_t filter =
+            H5Pget_filter2(properties, (unsigned)i, &flags, &num_values, NULL, 0, NULL, NULL);
+        if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE &&
+            filter != H5Z_FILTER_FLETCHER32)
+            return true;
+    }
+    return count < 0;
+}
+
+static const char *other_layout(hid_t dataset) {
+    const hid_t properties = H5Dget_create_plist(dataset);
+    const H5D_layout_t layout = H5Pget_layout(properties);
+    const char *found = NULL;
+
+    if (layout == H5D_VIRTUAL)
+        found = "a virtual dataset";
+    else if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
+        found = "another layout";
+    else if (H5Pget_external_count(properties) != 0)
+        found = "data in another file";
+    else if (has_other_filter(properties))
+        found = "a filter beside gzip, shuffle and Fletcher-32";
+    hdf5_release(properties);
+    return found;
+}
+
+const char *hdf5_find_foreign(hid_t root, const char *name) {
+    const char *found = other_step(root, name);
+    H5O_info_t info;
+
+    if (found) return found;
+    if (H5Oget_info_by_name2(root, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) return NULL;
+    if (info.type != H5O_TYPE_DATASET) return "no dataset";
+    const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
+    if (dataset < 0) return NULL; // damaged, as reading it tells
+    found = other_layout(dataset);
+    hdf5_release(dataset);
+    return found;
+}
+
+double hdf5_chunk_numbers(hid_t root, const char *name) {
+    const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
+    const hid_t properties = H5Dget_create_plist(dataset);
+    hsize_t sizes[H5S_MAX_RANK];
+    double numbers = 1;
+
+    const int rank = H5Pget_layout(properties) == H5D_CHUNKED
+                         ? H5Pget_chunk(properties, H5S_MAX_RANK, sizes)
+                         : 0;
+    for (int i = 0; i < rank; i++)
+        numbers *= (double)sizes[i];
+    hdf5_release(properties);
+    hdf5_release(dataset);
+    return numbers;
+}
+
+ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error) {
+    const char *found = hdf5_find_foreign(root, name);
+
+    if (!found) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: %s: found %s, expected a dataset of the file itself",
+                    path, name, found);
+}
