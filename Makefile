@@ -25,10 +25,12 @@ CFLAGS_release := -O3 -g
 CFLAGS_debug   := -O0 -g3
 CFLAGS_san     := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover
 CFLAGS_tsan    := -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+CFLAGS_fuzz    := -O2 -g -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow,fuzzer-no-link \
+                  -fno-sanitize-coverage=trace-cmp -fno-sanitize-recover=all
 CFLAGS_cov     := -O1 -g --coverage -fprofile-update=atomic
 CFLAGS         ?= $(CFLAGS_$(VARIANT))
 
-ifeq ($(filter $(VARIANT),release debug san tsan cov),)
+ifeq ($(filter $(VARIANT),release debug san tsan fuzz cov),)
   $(error VARIANT: found "$(VARIANT)", expected release, debug, san, tsan or cov)
 endif
 
@@ -49,9 +51,10 @@ MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
 LIB_SOURCES     := $(sort $(filter-out $(MAINS),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
 UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
 BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
+FUZZ_SOURCES    := $(sort $(wildcard tests/fuzz/*.c))
 HEADERS         := $(sort $(wildcard */*.h */*/*.h))
 FAULT_SOURCES   := $(sort $(wildcard tests/fault/*.c))
-SOURCES         := $(MAINS) $(LIB_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES)
+SOURCES         := $(MAINS) $(LIB_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES) $(FUZZ_SOURCES)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
 PROGRAMS    := $(MAINS:%/main.c=$(BIN)/%)
@@ -61,6 +64,10 @@ LONG_TESTS   := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/lo
 UNIT_SHARED  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/unit/test_% tests/unit/long_%,$(UNIT_SOURCES)))
 BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench/bench_%,$(BENCH_SOURCES)))
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
+# the programs, each with a name for its main, and what hands them files
+FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
+REPLAY       := $(BUILD)/fuzz/replay
+FUZZER       := $(BUILD)/fuzz/libfuzzer
 FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)
 LONG_PIPELINES := $(sort $(wildcard tests/pipeline/long_*.bats tests/fault/long_*.bats))
@@ -117,7 +124,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(TESTS) $(FAULT_TOOLS) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
@@ -131,6 +138,20 @@ run-slurm-tests:
 	@$(run_tests) tests/slurm/slurm.bats
 
 run_tests = BIN=$(abspath $(BIN)) VARIANT=$(VARIANT) JOBS=$(JOBS) V=$(V) $(FILTER:%=FILTER='%') tests/run.sh $(BUILD)/test-logs
+
+FUZZ_TARGETS ?= $(shell sed -n 's/^ *{.name = "\([a-z-]*\)".*/\1/p' tests/fuzz/target.c)
+FUZZ_SECONDS ?= 60
+
+# The programs make the valid files that targets start from.
+fuzz: $(PROGRAMS) | fuzz-deps ## fuzz FUZZ_TARGETS (all) for FUZZ_SECONDS (60) each, with clang's libFuzzer
+	@$(MAKE) VARIANT=fuzz CC=clang DEPS=no build/fuzz/fuzz/libfuzzer
+	@for target in $(FUZZ_TARGETS); do \
+	    BIN=$(abspath $(BIN)) tests/fuzz/fuzz.sh build/fuzz/fuzz/libfuzzer $$target $(FUZZ_SECONDS) || failed=1; \
+	done; [ -z "$$failed" ]
+
+fuzz-coverage: $(PROGRAMS) | deps coverage-deps ## what each fuzz target reaches with corpus and findings: lines of the rooms, in per cent
+	@$(MAKE) VARIANT=cov build/cov/fuzz/replay
+	@for target in $(FUZZ_TARGETS); do BIN=$(abspath $(BIN)) tests/fuzz/coverage.sh $$target || exit; done
 
 # Counts of an earlier run do not count.
 coverage: | deps coverage-deps ## lines and branches that `make check` runs, a folder; files below 90 % of lines
@@ -218,8 +239,8 @@ help: ## this list
 print-%:
 	@echo '$* = $($*)'
 
-.PHONY: all deps lint-deps coverage-deps slurm-deps demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage bench costs figures examples trade man install format format-check lint clean help FORCE
+.PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
+        run-slurm-tests coverage fuzz bench costs figures examples trade man install format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
@@ -230,6 +251,7 @@ PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitespar
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr
+FUZZ_PACKAGES     := clang libclang-rt-dev
 SLURM_PACKAGES    := slurmctld slurmd slurm-client slurm-wlm-basic-plugins munge
 
 deps: ## install the Debian packages that are missing
@@ -240,6 +262,9 @@ lint-deps:
 
 coverage-deps:
 	@$(call install_missing,$(COVERAGE_PACKAGES))
+
+fuzz-deps:
+	@$(call install_missing,$(FUZZ_PACKAGES))
 
 slurm-deps:
 	@$(call install_missing,$(SLURM_PACKAGES))
@@ -299,4 +324,12 @@ $(BUILD)/fault/inject.so: tests/fault/inject.c $(BUILD)/flags
 $(BUILD)/fault/sweep: tests/fault/sweep.c $(BUILD)/flags
 	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(FAULT_CFLAGS) -o $@ $< $(ALL_LDFLAGS) $(PKG_LIBS)
 
+$(BUILD)/fuzz/%-main.o: %/main.c $(BUILD)/flags
+	$(call quiet,CC  ,$<)mkdir -p $(@D) && $(CC) $(ALL_CPPFLAGS) $(ALL_CFLAGS) -Dmain=$*_main -MMD -MP -c -o $@ $<
+
+$(FUZZER): LDFLAGS += -fsanitize=fuzzer -Wl,--wrap=strcmp
+$(REPLAY) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(LIB)
+	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
+
+-include $(FUZZ_SHARED:%.o=%.d)
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "deimselect/row_choice.h"
 
+#include "common/program/arena.h"
 #include "deimselect/control.h"
 #include "deimselect/stability.h"
 #include "podbuild/pod.h"
@@ -12,12 +13,10 @@
 
 ehd_status residual_snapshots_init(residual_snapshots *snapshots, size_t count, size_t num_inner,
                                    ehd_error *error) {
-    size_t bytes = (count * num_inner + 1) * sizeof(double);
-
     *snapshots = (residual_snapshots){.count = count};
-    snapshots->residuals = malloc(bytes);
-    snapshots->steps = malloc(bytes);
-    snapshots->state = malloc((count + 1) * sizeof *snapshots->state);
+    snapshots->residuals = array_new(count, num_inner, sizeof(double));
+    snapshots->steps = array_new(count, num_inner, sizeof(double));
+    snapshots->state = array_new(count, 1, sizeof *snapshots->state);
     if (snapshots->residuals && snapshots->steps && snapshots->state) return EHD_OK;
     residual_snapshots_free(snapshots);
     return ehd_fail(error, EHD_MEMORY, "residuals: found no memory for %zu iterations", count);

@@ -3,6 +3,7 @@
 
 #include "common/artefact/artefact.h"
 #include "common/output/grid_file.h"
+#include "common/program/arena.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -24,10 +25,11 @@ void snapshot_set_free(snapshot_set *set) {
     memset(set, 0, sizeof *set);
 }
 
-static ehd_status grow(void **array, size_t bytes, ehd_error *error) {
-    void *larger = realloc(*array, bytes);
+static ehd_status grow(void **array, size_t rows, size_t columns, size_t size, ehd_error *error) {
+    void *larger = array_resize(*array, rows, columns, size);
     if (!larger)
-        return ehd_fail(error, EHD_MEMORY, "snapshots: found no memory for %zu bytes", bytes);
+        return ehd_fail(error, EHD_MEMORY, "snapshots: found no memory for %zu of %zu numbers",
+                        rows, columns);
     *array = larger;
     return EHD_OK;
 }
@@ -35,18 +37,17 @@ static ehd_status grow(void **array, size_t bytes, ehd_error *error) {
 static ehd_status reserve(snapshot_set *set, size_t num_states, ehd_error *error) {
     size_t count = num_states + 1;
     ehd_status status =
-        grow((void **)&set->pressure, count * set->grid.num_nodes * sizeof(double), error);
+        grow((void **)&set->pressure, count, set->grid.num_nodes, sizeof(double), error);
     double **const columns[] = {&set->rigid_approach, &set->moes_M, &set->alpha_p_H,
                                 &set->central_film_thickness, &set->rate};
 
     for (size_t i = 0; i < sizeof columns / sizeof *columns && !status; i++)
-        status = grow((void **)columns[i], count * sizeof(double), error);
+        status = grow((void **)columns[i], count, 1, sizeof(double), error);
     if (!status)
-        status =
-            grow((void **)&set->exit, count * grid_lines(&set->grid) * sizeof *set->exit, error);
-    if (!status) status = grow((void **)&set->effects, count * sizeof *set->effects, error);
-    if (!status) status = grow((void **)&set->rises, count * sizeof *set->rises, error);
-    if (!status) status = grow((void **)&set->stationary, count * sizeof *set->stationary, error);
+        status = grow((void **)&set->exit, count, grid_lines(&set->grid), sizeof *set->exit, error);
+    if (!status) status = grow((void **)&set->effects, count, 1, sizeof *set->effects, error);
+    if (!status) status = grow((void **)&set->rises, count, 1, sizeof *set->rises, error);
+    if (!status) status = grow((void **)&set->stationary, count, 1, sizeof *set->stationary, error);
     return status;
 }
 
@@ -103,8 +104,8 @@ static ehd_status read_columns(file_states *states, artefact *file, ehd_error *e
     const char *axis = artefact_kind(file) == &schema_snapshots ? "state" : "time";
     size_t count = states->count = artefact_length(file, axis);
 
-    states->memory = calloc((6 + NUM_EFFECTS + NUM_RISES) * count + 1, sizeof(double));
-    states->outcome = calloc(2 * count + 1, sizeof *states->outcome);
+    states->memory = array_new(6 + NUM_EFFECTS + NUM_RISES, count, sizeof(double));
+    states->outcome = array_new(2, count, sizeof *states->outcome);
     if (!states->memory || !states->outcome)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     states->rigid_approach = states->memory;
@@ -151,7 +152,7 @@ static void add_solved(snapshot_set *set, const solved_state *state, const doubl
 /* One entry of a field of pressures, boundary nodes included. */
 static ehd_status get_pressure(double *pressure, const snapshot_set *set, artefact *file,
                                const char *field, size_t entry, ehd_error *error) {
-    double *inner = malloc(set->grid.num_inner * sizeof *inner);
+    double *inner = array_new(set->grid.num_inner, 1, sizeof *inner);
     if (!inner) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
     ehd_status status = artefact_get_part(file, field, entry, 1, inner, error);
@@ -193,9 +194,8 @@ static ehd_status add_state(snapshot_set *set, artefact *file, const file_states
 
 static ehd_status add_snapshots(snapshot_set *set, size_t count, ehd_error *error) {
     size_t num_nodes = set->grid.num_nodes;
-    ehd_status status =
-        grow((void **)&set->snapshots,
-             ((set->num_snapshots + count) * num_nodes + 1) * sizeof(double), error);
+    ehd_status status = grow((void **)&set->snapshots, set->num_snapshots + count, num_nodes,
+                             sizeof(double), error);
 
     if (!status)
         memset(set->snapshots + set->num_snapshots * num_nodes, 0,

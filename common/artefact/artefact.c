@@ -27,6 +27,7 @@ void artefact_delete(artefact *file) {
     if (file->lock >= 0) close(file->lock);
     free(file->copy);
     free(file->held);
+    free(file->outcomes);
     free(file->lengths);
     free(file->history_line);
     free(file->partial);

@@ -17,7 +17,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-enum { ARTEFACT_MAX_RANK = 4 };
+enum { ARTEFACT_MAX_RANK = 4, ARTEFACT_MAX_NODES = 100000000 };
 
 typedef enum artefact_type { ARTEFACT_REAL, ARTEFACT_INTEGER, ARTEFACT_TEXT } artefact_type;
 typedef enum artefact_need {
@@ -26,10 +26,32 @@ typedef enum artefact_need {
     NEED_OPTIONAL // depends on the settings
 } artefact_need;
 
+/* What the numbers of a field or an attribute may be (values.c), of a field whose entries have a
+ * `status` where that is 0. */
+typedef enum artefact_values {
+    VALUES_ANY,
+    VALUES_FINITE,
+    VALUES_KNOWN, // finite, or NaN where not known
+    VALUES_POSITIVE,
+    VALUES_POSITIVE_OR_NAN,
+    VALUES_NOT_NEGATIVE,
+    VALUES_BOUND, // not negative, also infinite, or NaN where not known
+    // integers
+    VALUES_FLAG,
+    VALUES_COUNT,
+    VALUES_INDEX_OR_NONE,
+    VALUES_STATE_OR_NONE,
+    VALUES_COLUMN,      // of x, or its length where there is none
+    VALUES_FILM_COLUMN, // of the nodes of the film, or their number, but for the first
+    VALUES_ROW,         // inner nodes of the grid, each once
+    VALUES_FILM_NODE    // nodes of the film, ascending
+} artefact_values;
+
 typedef struct artefact_axis {
     const char *name;      // "x", "state", "pressure_mode"
     const char *units;     // "1"
     const char *long_name; // index axes get 0, 1, 2, … as their scale
+    size_t max;            // longer ones are refused
     bool optional;         // fields are on it only in a file that has it
 } artefact_axis;
 
@@ -40,6 +62,8 @@ typedef struct artefact_field {
     const char *units;                   // UDUNITS; "1" if dimensionless
     const char *long_name;
     artefact_need need;
+    artefact_values values;
+    bool by_entry; // along the first axis: most entries need not be there
 } artefact_field;
 
 typedef struct artefact_attribute {
@@ -48,6 +72,7 @@ typedef struct artefact_attribute {
     const char *units; // stated on the schema page
     const char *long_name;
     artefact_need need;
+    artefact_values values;
 } artefact_attribute;
 
 typedef struct artefact_schema {

@@ -35,7 +35,7 @@ static ehd_status copy_attribute(artefact *to, artefact *from, const artefact_at
 /* Values that are 0, 1, 2, … are those of an index. */
 static ehd_status copy_axis(artefact *to, artefact *from, const char *name, size_t length,
                             ehd_error *error) {
-    double *values = malloc(length * sizeof *values);
+    double *values = array_new(length, 1, sizeof *values);
     bool scale = artefact_has_scale(from, name), index = true;
     ehd_status status = values ? EHD_OK : no_memory(to, name, error);
 
@@ -62,14 +62,11 @@ static bool has_listed_axis(const artefact_field *field, const char *const *axes
 static ehd_status copy_field(artefact *to, artefact *from, const artefact_field *field,
                              ehd_error *error) {
     bool integer = field->type == ARTEFACT_INTEGER;
-    const char *axes[ARTEFACT_MAX_RANK];
-    size_t count = 1, rank = artefact_axes(axes, from, field);
     ehd_status status;
 
-    for (size_t i = 0; i < rank; i++)
-        count *= artefact_length(from, axes[i]);
-    int64_t *integers = malloc(count * sizeof *integers);
-    double *reals = malloc(count * sizeof *reals);
+    int64_t *integers =
+        array_new(num_entries(from, field), entry_size(from, field), sizeof *integers);
+    double *reals = array_new(num_entries(from, field), entry_size(from, field), sizeof *reals);
     if (!integers || !reals)
         status = no_memory(to, field->name, error);
     else

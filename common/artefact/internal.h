@@ -4,17 +4,20 @@
 #define EHD_ARTEFACT_INTERNAL_H
 
 #include "common/artefact/artefact.h"
+#include "common/program/arena.h"
 
 #include <hdf5.h>
 
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
-    char *path;          // the final name
-    char *partial;       // the name while it is written; NULL when reading
-    char *copy;          // the name of the copy of it that is changed while it is not streaming
-    bool on_copy;        // that is what is open
-    char *history_line;  // of the run that resumed the file, added at the end; NULL otherwise
+    char *path;         // the final name
+    char *partial;      // the name while it is written; NULL when reading
+    char *copy;         // the name of the copy of it that is changed while it is not streaming
+    bool on_copy;       // that is what is open
+    char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
+    int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
+    const char *outcome_axis;
     size_t *lengths;     // [number of the schema's axes], 0: not known (yet)
     const char *growing; // name of the axis that grows while writing; NULL: none
     hid_t *held;         // [number of the schema's fields + 1], the last for the growing axis:
@@ -84,8 +87,36 @@ void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *d
  * files, a filter beside gzip, shuffle and Fletcher-32. NULL: nothing. To be asked before anything
  * else of the dataset. `name` may lead through groups. */
 const char *hdf5_find_foreign(hid_t root, const char *name);
+/* Numbers of a chunk, 1 where a dataset has none. */
+double hdf5_chunk_numbers(hid_t root, const char *name);
 /* EHD_DATA where there is such; `path` is that of the file, for the message. */
 ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error);
+
+// ---- values.c
+
+const char *values_text(artefact_values values); // for the schema pages; "": any
+/* Whether they are to be looked at together. */
+bool values_have_order(artefact_values values);
+/* EHD_DATA for what is not in the range: one number of an attribute, or `count` entries of a field
+ * from `first` on. */
+ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
+                      ehd_error *error);
+ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
+                         int64_t found, ehd_error *error);
+ehd_status check_values(const artefact *file, const artefact_field *field, size_t first,
+                        size_t count, const void *data, ehd_error *error);
+/* Reads file->outcomes. */
+ehd_status learn_outcomes(artefact *file, ehd_error *error);
+/* Entries along the field's first axis in this file, and numbers of each. */
+size_t num_entries(const artefact *file, const artefact_field *field);
+size_t entry_size(const artefact *file, const artefact_field *field);
+ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
+                             size_t length, ehd_error *error);
+/* EHD_DATA where all numbers that a reader may take are more than a file of this size can hold. */
+ehd_status check_unpacking(const artefact *file, ehd_error *error);
+/* EHD_MEMORY where so many entries of a field take more than is free. */
+ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
+                        ehd_error *error);
 
 // ---- provenance.c
 

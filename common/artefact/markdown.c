@@ -13,9 +13,10 @@ static const char *type_text(artefact_type type) {
 }
 
 static void print_axes(const artefact_axis *axis, FILE *stream) {
-    fprintf(stream, "| axis | units | meaning |\n|---|---|---|\n");
+    fprintf(stream, "| axis | units | at most | meaning |\n|---|---|---|---|\n");
     for (; axis->name; axis++) {
-        fprintf(stream, "| `%s` | %s | %s |\n", axis->name, axis->units, axis->long_name);
+        fprintf(stream, "| `%s` | %s | %zu | %s |\n", axis->name, axis->units, axis->max,
+                axis->long_name);
     }
 }
 
@@ -29,21 +30,22 @@ static void print_field_axes(const artefact_schema *schema, const artefact_field
 }
 
 static void print_fields(const artefact_schema *schema, FILE *stream) {
-    fprintf(stream, "| dataset | axes | type | units | written by | meaning |\n");
-    fprintf(stream, "|---|---|---|---|---|---|\n");
+    fprintf(stream, "| dataset | axes | type | units | values | written by | meaning |\n");
+    fprintf(stream, "|---|---|---|---|---|---|---|\n");
     for (const artefact_field *field = schema->fields; field->name; field++) {
         fprintf(stream, "| `%s` | ", field->name);
         print_field_axes(schema, field, stream);
-        fprintf(stream, " | %s | %s | %s | %s |\n", type_text(field->type), field->units,
-                need_text(field->need), field->long_name);
+        fprintf(stream, " | %s | %s | %s | %s | %s |\n", type_text(field->type), field->units,
+                values_text(field->values), need_text(field->need), field->long_name);
     }
 }
 
 static void print_attributes(const artefact_attribute *entry, FILE *stream) {
-    fprintf(stream, "| attribute | type | units | written by | meaning |\n|---|---|---|---|---|\n");
+    fprintf(stream, "| attribute | type | units | values | written by | meaning |\n"
+                    "|---|---|---|---|---|---|\n");
     for (; entry->name; entry++) {
-        fprintf(stream, "| `%s` | %s | %s | %s | %s |\n", entry->name, type_text(entry->type),
-                entry->units, need_text(entry->need), entry->long_name);
+        fprintf(stream, "| `%s` | %s | %s | %s | %s | %s |\n", entry->name, type_text(entry->type),
+                entry->units, values_text(entry->values), need_text(entry->need), entry->long_name);
     }
 }
 

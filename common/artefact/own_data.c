@@ -85,6 +85,22 @@ const char *hdf5_find_foreign(hid_t root, const char *name) {
     return found;
 }
 
+double hdf5_chunk_numbers(hid_t root, const char *name) {
+    const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
+    const hid_t properties = H5Dget_create_plist(dataset);
+    hsize_t sizes[H5S_MAX_RANK];
+    double numbers = 1;
+
+    const int rank = H5Pget_layout(properties) == H5D_CHUNKED
+                         ? H5Pget_chunk(properties, H5S_MAX_RANK, sizes)
+                         : 0;
+    for (int i = 0; i < rank; i++)
+        numbers *= (double)sizes[i];
+    hdf5_release(properties);
+    hdf5_release(dataset);
+    return numbers;
+}
+
 ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error) {
     const char *found = hdf5_find_foreign(root, name);
 

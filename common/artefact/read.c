@@ -106,23 +106,33 @@ static ehd_status check_version(const artefact *file, ehd_error *error) {
 
 // ---- attributes and fields
 
-static bool attribute_readable(hid_t root, const artefact_attribute *attribute) {
-    double real;
-    int64_t integer;
-    if (attribute->type == ARTEFACT_REAL) {
-        return hdf5_get_number(root, attribute->name, H5T_FLOAT, &real);
-    }
-    if (attribute->type == ARTEFACT_INTEGER) {
-        return hdf5_get_number(root, attribute->name, H5T_INTEGER, &integer);
-    }
-    char *text = hdf5_get_string(root, attribute->name);
-    free(text);
-    return text != NULL;
-}
-
 static const char *type_name(artefact_type type) {
     static const char *const names[] = {"a real number", "an integer", "a text"};
     return names[type];
+}
+
+static ehd_status check_attribute(const artefact *file, const artefact_attribute *entry,
+                                  ehd_error *error) {
+    double real = 0;
+    int64_t integer = 0;
+    char *text = NULL;
+    bool readable;
+
+    if (entry->type == ARTEFACT_REAL)
+        readable = hdf5_get_number(file->id, entry->name, H5T_FLOAT, &real);
+    else if (entry->type == ARTEFACT_INTEGER)
+        readable = hdf5_get_number(file->id, entry->name, H5T_INTEGER, &integer);
+    else
+        readable = (text = hdf5_get_string(file->id, entry->name)) != NULL;
+    free(text);
+    if (!readable)
+        return ehd_fail(error, EHD_DATA, "%s: attribute %s: found something else, expected %s",
+                        shown_name(file), entry->name, type_name(entry->type));
+    if (entry->type == ARTEFACT_REAL)
+        return check_real(file, entry->name, entry->values, real, error);
+    if (entry->type == ARTEFACT_INTEGER)
+        return check_integer(file, entry->name, entry->values, integer, error);
+    return EHD_OK;
 }
 
 static ehd_status check_attributes(const artefact *file, ehd_error *error) {
@@ -132,18 +142,18 @@ static ehd_status check_attributes(const artefact *file, ehd_error *error) {
             return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s",
                             shown_name(file), entry->name, type_name(entry->type));
         }
-        if (present && !attribute_readable(file->id, entry)) {
-            return ehd_fail(error, EHD_DATA, "%s: attribute %s: found something else, expected %s",
-                            shown_name(file), entry->name, type_name(entry->type));
-        }
+        const ehd_status status = present ? check_attribute(file, entry, error) : EHD_OK;
+        if (status != EHD_OK) return status;
     }
     return EHD_OK;
 }
 
 /* Integers may be read as reals, but not the other way round. */
 static bool type_fits(hid_t dataset, artefact_type type) {
+    const size_t widest = 16; // bytes, as of a long double
     hid_t stored = H5Dget_type(dataset);
     H5T_class_t found = H5Tget_class(stored);
+    if (H5Tget_size(stored) > widest) found = H5T_NO_CLASS;
     hdf5_release(stored);
     return found == H5T_INTEGER || (found == H5T_FLOAT && type == ARTEFACT_REAL);
 }
@@ -153,6 +163,8 @@ static bool type_fits(hid_t dataset, artefact_type type) {
 static ehd_status check_length(artefact *file, const char *object, const char *axis, size_t found,
                                ehd_error *error) {
     size_t *length = find_length(file, axis);
+    const ehd_status status = check_axis_length(file, object, axis, found, error);
+    if (status != EHD_OK) return status;
     if (file->growing && strcmp(axis, file->growing) == 0) {
         if (strcmp(object, axis) == 0) *length = found;
         return EHD_OK;
@@ -328,6 +340,9 @@ static ehd_status check_fields(artefact *file, ehd_error *error) {
         }
         const char *axes[ARTEFACT_MAX_RANK];
         const size_t rank = artefact_axes(axes, file, field);
+        if (rank == 0)
+            return ehd_fail(error, EHD_DATA, "%s: %s: found no axis %s, expected it",
+                            shown_name(file), field->name, field->axes[0]);
         ehd_status status = check_dataset(file, field->name, field->type, axes, rank, error);
         if (status != EHD_OK) return status;
     }
@@ -367,6 +382,8 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     status = check_attributes(file, error);
     if (status == EHD_OK) status = check_all_own(file, error);
     if (status == EHD_OK) status = check_fields(file, error);
+    if (status == EHD_OK) status = check_unpacking(file, error);
+    if (status == EHD_OK) status = learn_outcomes(file, error);
     return status;
 }
 
@@ -426,7 +443,10 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file),
                         name, field->long_name);
     }
-    return transfer(file, name, type, first, count, data, NULL, error);
+    const size_t entries = count == WHOLE_FIELD ? num_entries(file, field) : count;
+    ehd_status status = check_memory(file, field, entries, error);
+    if (status == EHD_OK) status = transfer(file, name, type, first, entries, data, NULL, error);
+    return status != EHD_OK ? status : check_values(file, field, first, entries, data, error);
 }
 
 ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error) {
@@ -522,49 +542,71 @@ void artefact_visit_attributes(const artefact *file, void (*visit)(const char *n
 
 // ---- check
 
-/* Reads a dataset in slices along its first axis, so that a large one needs little memory. */
-static ehd_status read_slices(artefact *file, const char *name, const char *const *axes,
-                              size_t rank, size_t begin, size_t length, ehd_error *error) {
-    enum { SLICE_NUMBERS = 1 << 20 };
-    size_t entry = 1;
-    for (size_t i = 1; i < rank; i++)
-        entry *= artefact_length(file, axes[i]);
-    size_t slice = entry < SLICE_NUMBERS ? SLICE_NUMBERS / entry : 1;
-    if (slice > length) slice = length;
+/* Whether anything was written of an entry: its first chunk, where it has several. */
+static bool is_stored(artefact *file, const char *name, size_t entry) {
+    const hid_t dataset = open_dataset(file, name), properties = H5Dget_create_plist(dataset);
+    const hsize_t offset[H5S_MAX_RANK] = {entry};
+    haddr_t place = 0;
+    hsize_t size;
+    unsigned mask;
 
-    double *numbers = calloc(slice, entry * sizeof *numbers);
-    if (!numbers) {
-        return ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
-                        shown_name(file), name);
-    }
-    ehd_status status = EHD_OK;
-    for (size_t done = 0; done < length && status == EHD_OK; done += slice) {
-        size_t count = length - done < slice ? length - done : slice;
-        status = transfer(file, name, ARTEFACT_REAL, begin + done, count, numbers, NULL, error);
-    }
+    if (H5Pget_layout(properties) == H5D_CHUNKED &&
+        H5Dget_chunk_info_by_coord(dataset, offset, &mask, &place, &size) < 0)
+        place = 0;
+    hdf5_release(properties);
+    hdf5_release(dataset);
+    return place != HADDR_UNDEF;
+}
+
+/* Reads `count` entries of a field from `first` on into `numbers`, and checks them. */
+static ehd_status read_slice(artefact *file, const artefact_field *field, size_t first,
+                             size_t count, void *numbers, ehd_error *error) {
+    if (field->by_entry && count == 1 && !is_stored(file, field->name, first)) return EHD_OK;
+    ehd_status status =
+        transfer(file, field->name, field->type, first, count, numbers, NULL, error);
+    return status ? status : check_values(file, field, first, count, numbers, error);
+}
+
+/* Reads `length` entries of a field from `begin` on in slices, so that a large one needs little
+ * memory. */
+static ehd_status read_field(artefact *file, const artefact_field *field, size_t begin,
+                             size_t length, ehd_error *error) {
+    enum { SLICE_NUMBERS = 1 << 20 };
+    const size_t entry = entry_size(file, field);
+    size_t slice = entry < SLICE_NUMBERS ? SLICE_NUMBERS / entry : 1;
+
+    if (field->by_entry) slice = 1;
+    if (slice > length || values_have_order(field->values)) slice = length;
+    ehd_status status = check_memory(file, field, slice, error);
+    void *numbers = status ? NULL : array_new(slice, entry, sizeof(double));
+    if (!status && !numbers)
+        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
+                          shown_name(file), field->name);
+    for (size_t done = 0; done < length && !status; done += slice)
+        status = read_slice(file, field, begin + done,
+                            length - done < slice ? length - done : slice, numbers, error);
     free(numbers);
     return status;
+}
+
+/* Axes are read as fields along themselves. */
+static ehd_status read_axis(artefact *file, const artefact_axis *axis, ehd_error *error) {
+    const artefact_field scale = {.name = axis->name, .type = ARTEFACT_REAL, .axes = {axis->name}};
+
+    return read_field(file, &scale, 0, num_entries(file, &scale), error);
 }
 
 ehd_status read_everything(artefact *file, bool partial, ehd_error *error) {
     ehd_status status = EHD_OK;
     for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK; axis++) {
-        const char *own[] = {axis->name};
-        if (hdf5_has_dataset(file->id, axis->name)) {
-            const size_t length = artefact_length(file, axis->name);
-            status = read_slices(file, axis->name, own, 1, 0, length, error);
-        }
+        if (hdf5_has_dataset(file->id, axis->name)) status = read_axis(file, axis, error);
     }
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
         if (partial && is_kept_apart(file, field)) continue;
         if (file->growing && !field_grows(file, field)) continue;
-        if (hdf5_has_dataset(file->id, field->name)) {
-            const char *axes[ARTEFACT_MAX_RANK];
-            const size_t rank = artefact_axes(axes, file, field);
-            const size_t length = artefact_length(file, axes[0]);
-            status = read_slices(file, field->name, axes, rank, 0, length, error);
-        }
+        if (hdf5_has_dataset(file->id, field->name))
+            status = read_field(file, field, 0, num_entries(file, field), error);
     }
     return status;
 }
@@ -573,10 +615,8 @@ ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error) 
     ehd_status status = EHD_OK;
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
-        if (!is_kept_apart(file, field) || !field_exists(file, field)) continue;
-        const char *axes[ARTEFACT_MAX_RANK];
-        const size_t rank = artefact_axes(axes, file, field);
-        status = read_slices(file, field->name, axes, rank, entry, 1, error);
+        if (is_kept_apart(file, field) && field_exists(file, field))
+            status = read_field(file, field, entry, 1, error);
     }
     return status;
 }

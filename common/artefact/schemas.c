@@ -3,259 +3,289 @@
  * to bring the pages in schemas/ up to date. */
 #include "common/artefact/artefact.h"
 
-#define AXIS(name, units, long_name)                                                               \
-    { name, units, long_name, false }
-#define REAL(name, units, need, long_name, ...)                                                    \
-    { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need }
-#define INTEGER(name, need, long_name, ...)                                                        \
-    { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need }
-#define ATTRIBUTE(name, type, units, need, long_name)                                              \
-    { name, type, units, long_name, need }
+#define AXIS(name, units, max, long_name)                                                          \
+    { name, units, long_name, max, false }
+#define REAL(name, units, need, values, long_name, ...)                                            \
+    { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need, values, false }
+#define INTEGER(name, need, values, long_name, ...)                                                \
+    { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need, values, false }
+#define ATTRIBUTE(name, type, units, need, values, long_name)                                      \
+    { name, type, units, long_name, need, values }
+// of a result in time, which is read entry by entry
+#define ENTRIES(name, long_name)                                                                   \
+    { name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true }
+
+/* No axis is longer: what a file makes a program take is bounded by them, and products of two with
+ * the size of a number fit. Numbers of nodes and rows have to fit what LAPACK counts with. */
+enum {
+    MAX_X = 1000000,
+    MAX_Y = 100000,
+    MAX_NODES = ARTEFACT_MAX_NODES,
+    MAX_ROWS = 100000,
+    MAX_MODES = 100000,
+    MAX_STATES = 10000000,
+    MAX_ITERATIONS = 100000000,
+    MAX_TIMES = 100000000,
+    MAX_RESTART = 1000000000,
+    MAX_FEW = 1000
+};
 
 // ---- lines that several kinds share
 
 #define X_AXIS                                                                                     \
-    AXIS("x", "1",                                                                                 \
+    AXIS("x", "1", MAX_X,                                                                          \
          "inner nodes along the sliding direction, in Hertz contact half widths of the reference")
 #define Y_AXIS                                                                                     \
     {                                                                                              \
         "y", "1",                                                                                  \
             "lines of inner nodes across the sliding direction, in Hertz contact half widths of "  \
             "the reference; of a point contact",                                                   \
-            true                                                                                   \
+            MAX_Y, true                                                                            \
     }
-#define FILM_X_AXIS AXIS("film_x", "1", "nodes of the film: x and one boundary node at either end")
+#define FILM_X_AXIS                                                                                \
+    AXIS("film_x", "1", MAX_X + 2, "nodes of the film: x and one boundary node at either end")
 #define FILM_Y_AXIS                                                                                \
     {                                                                                              \
         "film_y", "1",                                                                             \
             "lines of the film: y and the boundary lines beside it, of which a half domain has "   \
             "one; of a point contact",                                                             \
-            true                                                                                   \
+            MAX_Y + 2, true                                                                        \
     }
-#define STATE_AXIS         AXIS("state", "1", "index of the training solution")
-#define PRESSURE_MODE_AXIS AXIS("pressure_mode", "1", "index of the pressure mode, strongest first")
+#define STATE_AXIS AXIS("state", "1", MAX_STATES, "index of the training solution")
+#define PRESSURE_MODE_AXIS                                                                         \
+    AXIS("pressure_mode", "1", MAX_MODES, "index of the pressure mode, strongest first")
 #define DEFORMATION_MODE_AXIS                                                                      \
-    AXIS("deformation_mode", "1", "index of the deformation mode, strongest first")
+    AXIS("deformation_mode", "1", MAX_MODES, "index of the deformation mode, strongest first")
 
 #define GRID_ATTRIBUTES(kinds)                                                                     \
-    ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, "kind of contact: " kinds),              \
-        ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, "first node of x"),                    \
-        ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, "distance between the nodes of x"),     \
-        ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                             \
+    ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, VALUES_ANY, "kind of contact: " kinds),  \
+        ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_FINITE, "first node of x"),     \
+        ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,                        \
+                  "distance between the nodes of x"),                                              \
+        ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                 \
                   "of the equations on the grid: accurate or published; published where missing"), \
         ATTRIBUTE(                                                                                 \
-            "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                         \
+            "boundary", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                             \
             "what lies around the grid of a point contact: open, the far field, or zero, no "      \
             "pressure; zero where missing")
 #define TRANSPORT_ATTRIBUTE                                                                        \
-    ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL,                                      \
+    ATTRIBUTE("transport", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                          \
               "how films are carried on the trajectories of the training: upwind or path; where "  \
               "missing there are none, or upwind"),                                                \
         ATTRIBUTE(                                                                                 \
-            "smoothing", ARTEFACT_REAL, "1", NEED_OPTIONAL,                                        \
+            "smoothing", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,                            \
             "transient.smoothing of these trajectories, in half widths; where missing it is "      \
             "not known, or films are not carried along their paths")
 #define HALF_ATTRIBUTE                                                                             \
     ATTRIBUTE(                                                                                     \
-        "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,                                              \
+        "half", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_FLAG,                                 \
         "1: y starts at 0, on the mirror line of a point contact that is symmetric across; 0 "     \
         "where missing")
 #define DEFORMATION_ATTRIBUTE                                                                      \
-    ATTRIBUTE("deformation", ARTEFACT_TEXT, "1", NEED_ALWAYS,                                      \
+    ATTRIBUTE("deformation", ARTEFACT_TEXT, "1", NEED_ALWAYS, VALUES_ANY,                          \
               "deformation basis: independent (of its own) or coupled (deflections of the "        \
               "pressure modes)")
 #define BASIS_ATTRIBUTE                                                                            \
-    ATTRIBUTE("basis_sha256", ARTEFACT_TEXT, "1", NEED_OWN, "identity of the basis file")
+    ATTRIBUTE("basis_sha256", ARTEFACT_TEXT, "1", NEED_OWN, VALUES_ANY,                            \
+              "identity of the basis file")
 
 // what the grid does to the films of a state
 #define EFFECT_FIELDS(prefix)                                                                      \
-    REAL(prefix "step_effect", "1", NEED_OPTIONAL,                                                 \
+    REAL(prefix "step_effect", "1", NEED_OPTIONAL, VALUES_ANY,                                     \
          "estimated relative change of the central film with ever smaller steps; infinite where "  \
          "a grid of twice the step has no solution; this and the next three NaN where not known",  \
          "state"),                                                                                 \
-        REAL(prefix "inlet_effect", "1", NEED_OPTIONAL,                                            \
+        REAL(prefix "inlet_effect", "1", NEED_OPTIONAL, VALUES_ANY,                                \
              "estimated relative change of the central film with an inlet of any length",          \
              "state"),                                                                             \
-        REAL(prefix "step_effect_minimum", "1", NEED_OPTIONAL, "the first of the minimum film",    \
-             "state"),                                                                             \
-        REAL(prefix "inlet_effect_minimum", "1", NEED_OPTIONAL, "the second of the minimum film",  \
-             "state")
+        REAL(prefix "step_effect_minimum", "1", NEED_OPTIONAL, VALUES_ANY,                         \
+             "the first of the minimum film", "state"),                                            \
+        REAL(prefix "inlet_effect_minimum", "1", NEED_OPTIONAL, VALUES_ANY,                        \
+             "the second of the minimum film", "state")
 
 // the lubricant of a state
 #define RISE_FIELDS(prefix)                                                                        \
-    REAL(prefix "viscosity_rise", "1", NEED_OPTIONAL,                                              \
+    REAL(prefix "viscosity_rise", "1", NEED_OPTIONAL, VALUES_KNOWN,                                \
          "logarithm of the viscosity at the Hertz pressure over that at zero; NaN where not "      \
          "known, as of states on a trajectory",                                                    \
          "state"),                                                                                 \
-        REAL(prefix "density_rise", "1", NEED_OPTIONAL, "the same of the density", "state")
+        REAL(prefix "density_rise", "1", NEED_OPTIONAL, VALUES_KNOWN, "the same of the density",   \
+             "state")
 
 // training solutions in the coordinates of a basis
 #define STATE_FIELDS                                                                               \
-    REAL("state_pressure", "1", NEED_ALWAYS,                                                       \
+    REAL("state_pressure", "1", NEED_ALWAYS, VALUES_FINITE,                                        \
          "coordinates of the training pressures in the pressure basis", "state", "pressure_mode"), \
-        REAL("state_deformation", "1", NEED_OPTIONAL,                                              \
+        REAL("state_deformation", "1", NEED_OPTIONAL, VALUES_FINITE,                               \
              "coordinates of the training deformations in the deformation basis", "state",         \
              "deformation_mode"),                                                                  \
-        REAL("state_rigid_approach", "1", NEED_ALWAYS,                                             \
+        REAL("state_rigid_approach", "1", NEED_ALWAYS, VALUES_FINITE,                              \
              "rigid approach H0 of the training solutions", "state"),                              \
         INTEGER(                                                                                   \
-            "state_exit_node", NEED_ALWAYS,                                                        \
+            "state_exit_node", NEED_ALWAYS, VALUES_COLUMN,                                         \
             "index into x of the first node without pressure, length of x where there is none",    \
             "state", "y"),                                                                         \
-        REAL("state_moes_M", "1", NEED_ALWAYS, "Moes load number M of the training solutions",     \
-             "state"),                                                                             \
-        REAL("state_alpha_p_H", "1", NEED_ALWAYS,                                                  \
+        REAL("state_moes_M", "1", NEED_ALWAYS, VALUES_POSITIVE,                                    \
+             "Moes load number M of the training solutions", "state"),                             \
+        REAL("state_alpha_p_H", "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,                             \
              "pressure-viscosity coefficient times Hertz pressure of the training solutions",      \
              "state"),                                                                             \
-        REAL("state_central_film_thickness", "1", NEED_OWN,                                        \
+        REAL("state_central_film_thickness", "1", NEED_OWN, VALUES_POSITIVE_OR_NAN,                \
              "film thickness H at X = 0 of the training solutions", "state"),                      \
         INTEGER(                                                                                   \
-            "state_stationary", NEED_OPTIONAL,                                                     \
+            "state_stationary", NEED_OPTIONAL, VALUES_FLAG,                                        \
             "1 for a stationary training solution, 0 for one on a trajectory; 1 where missing",    \
             "state"),                                                                              \
-        REAL("state_rate", "1", NEED_OPTIONAL,                                                     \
+        REAL("state_rate", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,                                \
              "rate of change of the contact at the training solutions; 0 where missing", "state"), \
         RISE_FIELDS("state_"), EFFECT_FIELDS("state_")
 
 // ---- result
 
 static const artefact_axis result_axes[] = {
-    AXIS("time", "1", "dimensionless time T of the entries; 0 when stationary"),
+    AXIS("time", "1", MAX_TIMES, "dimensionless time T of the entries; 0 when stationary"),
     Y_AXIS,
     {"exit", "1",
-     "index of the exit, the farthest downstream first; where the entrainment reverses", true},
+     "index of the exit, the farthest downstream first; where the entrainment reverses", MAX_FEW,
+     true},
     X_AXIS,
-    AXIS("restart_slot", "1", "index of the restart slot"),
-    AXIS("restart_entry", "1", "index of the number in a restart slot"),
+    AXIS("restart_slot", "1", MAX_FEW, "index of the restart slot"),
+    AXIS("restart_entry", "1", MAX_RESTART, "index of the number in a restart slot"),
     {0}};
 
 static const artefact_field result_fields[] = {
-    REAL("pressure", "1", NEED_OPTIONAL, "pressure P, in Hertz pressures of the current frame",
-         "time", "y", "x"),
-    REAL("film_thickness", "1", NEED_OPTIONAL, "film thickness H in the current frame", "time", "y",
-         "x"),
-    REAL("central_film_thickness", "1", NEED_ALWAYS,
+    ENTRIES("pressure", "pressure P, in Hertz pressures of the current frame"),
+    ENTRIES("film_thickness", "film thickness H in the current frame"),
+    REAL("central_film_thickness", "1", NEED_ALWAYS, VALUES_ANY,
          "film thickness H at X = 0 (Y = 0) in the reference frame", "time"),
-    REAL("minimum_film_thickness", "1", NEED_ALWAYS,
+    REAL("minimum_film_thickness", "1", NEED_ALWAYS, VALUES_ANY,
          "smallest film thickness H in the reference frame: interpolated, with discretization = "
          "published at a node",
          "time"),
-    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0 (Y = 0) in the reference frame",
+    REAL("central_pressure", "1", NEED_OWN, VALUES_ANY,
+         "pressure P at X = 0 (Y = 0) in the reference frame", "time"),
+    REAL("rigid_approach", "1", NEED_ALWAYS, VALUES_ANY, "rigid approach H0 in the reference frame",
          "time"),
-    REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0 in the reference frame", "time"),
-    REAL("load", "1", NEED_OWN, "load relative to the reference load", "time"),
-    REAL("contact_half_width", "1", NEED_OWN,
+    REAL("load", "1", NEED_OWN, VALUES_ANY, "load relative to the reference load", "time"),
+    REAL("contact_half_width", "1", NEED_OWN, VALUES_ANY,
          "half width that scales the frame, relative to the reference; where the approach is "
          "given, of the expected load",
          "time"),
-    REAL("exit_position", "1", NEED_OWN,
+    REAL("exit_position", "1", NEED_OWN, VALUES_ANY,
          "X at which the pressure ends, where the entrainment reverses of each of its intervals; "
          "NaN "
          "where there is none",
          "time", "y", "exit"),
-    INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the entry took", "time"),
-    REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "time"),
-    REAL("indicated_deviation", "1", NEED_OPTIONAL,
+    INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "Newton iterations that the entry took",
+            "time"),
+    REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
+         "norm of the residual when the iteration ended", "time"),
+    REAL("indicated_deviation", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated relative deviation of the central film thickness from the full model, in time "
          "with the same steps; NaN where it cannot be told",
          "time"),
-    REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL,
+    REAL("indicated_deviation_minimum", "1", NEED_OPTIONAL, VALUES_ANY,
          "the same of the minimum film thickness", "time"),
-    REAL("indicated_deviation_central_pressure", "1", NEED_OPTIONAL,
+    REAL("indicated_deviation_central_pressure", "1", NEED_OPTIONAL, VALUES_ANY,
          "the same of the central pressure; stationary", "time"),
-    REAL("indicated_deviation_exit_position", "1", NEED_OPTIONAL,
+    REAL("indicated_deviation_exit_position", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated deviation of the exit position, in half widths; stationary lines whose exit "
          "lies "
          "within a node",
          "time"),
-    REAL("indicated_deviation_load", "1", NEED_OPTIONAL,
+    REAL("indicated_deviation_load", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated deviation of the load, over the reference; stationary", "time"),
-    REAL("indicated_deviation_pressure", "1", NEED_OPTIONAL,
+    REAL("indicated_deviation_pressure", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated largest deviation of the pressure at any node, in Hertz pressures; stationary",
          "time"),
-    REAL("indicated_deviation_film", "1", NEED_OPTIONAL,
+    REAL("indicated_deviation_film", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated largest deviation of the film thickness at any node with pressure, over the "
          "central film thickness; stationary",
          "time"),
-    INTEGER("status", NEED_OWN, "0 converged, 1 not converged, 4 not to be trusted", "time"),
+    INTEGER("status", NEED_OWN, VALUES_ANY, "0 converged, 1 not converged, 4 not to be trusted",
+            "time"),
     INTEGER(
-        "by_full_model", NEED_OPTIONAL,
+        "by_full_model", NEED_OPTIONAL, VALUES_FLAG,
         "1 solved by the full model, since the reduced one was not good enough, 0 by the reduced "
         "one; only with romrun --fallback full",
         "time"),
-    REAL("time_step", "1", NEED_OPTIONAL,
+    REAL("time_step", "1", NEED_OPTIONAL, VALUES_ANY,
          "step in T that led to the entry, 0 at the start; only when transient", "time"),
-    REAL("time_effect", "1", NEED_OPTIONAL,
+    REAL("time_effect", "1", NEED_OPTIONAL, VALUES_ANY,
          "estimated relative change of the central film by ever smaller steps in time; NaN where "
          "it cannot be told; only when transient",
          "time"),
-    REAL("time_effect_minimum", "1", NEED_OPTIONAL, "the same of the minimum film", "time"),
-    REAL("restart", "1", NEED_OPTIONAL,
+    REAL("time_effect_minimum", "1", NEED_OPTIONAL, VALUES_ANY, "the same of the minimum film",
+         "time"),
+    REAL("restart", "1", NEED_OPTIONAL, VALUES_ANY,
          "what the program that wrote the file needs to resume it, only when transient",
          "restart_slot", "restart_entry"),
-    INTEGER("restart_entries", NEED_OPTIONAL,
+    INTEGER("restart_entries", NEED_OPTIONAL, VALUES_ANY,
             "number of entries of time after which the slot resumes, -1 while it is not valid",
             "restart_slot"),
     {0}};
 
 static const artefact_attribute result_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
-    ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS,
+    ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS, VALUES_POSITIVE,
               "Hertz pressure of the reference"),
-    ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, "Moes load number M of the reference"),
-    ATTRIBUTE("moes_L", ARTEFACT_REAL, "1", NEED_OWN, "Moes material number L of the reference"),
-    ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS,
+    ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,
+              "Moes load number M of the reference"),
+    ATTRIBUTE("moes_L", ARTEFACT_REAL, "1", NEED_OWN, VALUES_NOT_NEGATIVE,
+              "Moes material number L of the reference"),
+    ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "pressure-viscosity coefficient times Hertz pressure"),
-    ATTRIBUTE("half_width", ARTEFACT_REAL, "m", NEED_OPTIONAL,
+    ATTRIBUTE("half_width", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
               "half width a of the reference, which X = 1 stands for; this and the next of a "
               "contact given in SI units"),
-    ATTRIBUTE("film_unit", ARTEFACT_REAL, "m", NEED_OPTIONAL,
+    ATTRIBUTE("film_unit", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
               "a^2/R of the reference, which H = 1 and an approach of 1 stand for"),
-    ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN,
+    ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN, VALUES_ANY,
               "time of the solution, without reading and writing"),
-    ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+    ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
               "part of it for residual and Jacobian rows"),
-    ATTRIBUTE("solve_seconds_linear", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+    ATTRIBUTE("solve_seconds_linear", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
               "part of it for linear systems"),
-    ATTRIBUTE("solve_seconds_exit", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+    ATTRIBUTE("solve_seconds_exit", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
               "part of it for finding the exit"),
-    ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, "the rest of it"),
+    ATTRIBUTE("solve_seconds_other", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
+              "the rest of it"),
     ATTRIBUTE(
-        "inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+        "inlet_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
         "estimated relative change of the central film with an inlet of any length, not from "
         "x_min on, of a point contact of the domain, when stationary; this and the next three "
         "of a reduced solution are interpolated between those of its training"),
-    ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("step_effect", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "estimated relative change of the central film with ever smaller steps of x; not "
               "where a grid of twice the step has no solution; there none of the inlet of a point "
               "contact either"),
-    ATTRIBUTE("inlet_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("inlet_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "the first of the minimum film"),
-    ATTRIBUTE("step_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("step_effect_minimum", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "the second of the minimum film"),
-    ATTRIBUTE("observed_order", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("observed_order", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "order of convergence of the central film over this grid and those of twice and four "
               "times the step; not where there is none; of the full model, when stationary, like "
               "the three that follow"),
     ATTRIBUTE(
-        "inlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "inlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
         "nodes where the viscous pressure builds up, from 10 to 90 % of it; like the two that "
         "follow at Y = 0"),
-    ATTRIBUTE("spike_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("spike_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
               "nodes above half the height of the pressure spike, 0 where there is none"),
-    ATTRIBUTE("outlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("outlet_nodes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
               "nodes from the smallest film behind X = 0 to the exit"),
-    ATTRIBUTE("steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
               "accepted time steps, only when transient"),
-    ATTRIBUTE("rejected_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("rejected_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
               "time steps that were taken again with a shorter one"),
     ATTRIBUTE(
-        "full_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "full_steps", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
         "accepted time steps of the full model; this and the next only with romrun --fallback "
         "full"),
-    ATTRIBUTE("full_seconds", ARTEFACT_REAL, "s", NEED_OPTIONAL,
+    ATTRIBUTE("full_seconds", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
               "part of the time that the full model took"),
-    ATTRIBUTE("total_newton_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("total_newton_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_ANY,
               "Newton iterations of all time steps, rejected ones too"),
     {0}};
 
@@ -269,86 +299,91 @@ static const artefact_axis snapshots_axes[] = {
     STATE_AXIS,
     Y_AXIS,
     X_AXIS,
-    AXIS("compressed", "1", "index of the compressed snapshot, strongest first"),
-    AXIS("round", "1", "index of the round of adaptive training"),
+    AXIS("compressed", "1", MAX_STATES, "index of the compressed snapshot, strongest first"),
+    AXIS("round", "1", MAX_STATES, "index of the round of adaptive training"),
     {0}};
 
 static const artefact_field snapshots_fields[] = {
-    REAL("pressure", "1", NEED_ALWAYS, "pressure P, in Hertz pressures", "state", "y", "x"),
-    REAL("film_thickness", "1", NEED_OWN, "film thickness H", "state", "y", "x"),
-    REAL("rigid_approach", "1", NEED_ALWAYS, "rigid approach H0", "state"),
+    REAL("pressure", "1", NEED_ALWAYS, VALUES_FINITE, "pressure P, in Hertz pressures", "state",
+         "y", "x"),
+    REAL("film_thickness", "1", NEED_OWN, VALUES_FINITE, "film thickness H", "state", "y", "x"),
+    REAL("rigid_approach", "1", NEED_ALWAYS, VALUES_FINITE, "rigid approach H0", "state"),
     INTEGER(
-        "exit_node", NEED_ALWAYS,
+        "exit_node", NEED_ALWAYS, VALUES_COLUMN,
         "index into x of the first node without pressure, length of x where there is none; of a "
         "line without pressure 0",
         "state", "y"),
-    REAL("exit_position", "1", NEED_OWN,
+    REAL("exit_position", "1", NEED_OWN, VALUES_ANY,
          "X at which the pressure ends; NaN on a line without pressure", "state", "y"),
-    REAL("moes_M", "1", NEED_ALWAYS, "Moes load number M", "state"),
-    REAL("moes_L", "1", NEED_OWN, "Moes material number L", "state"),
-    REAL("alpha_p_H", "1", NEED_ALWAYS, "pressure-viscosity coefficient times Hertz pressure",
+    REAL("moes_M", "1", NEED_ALWAYS, VALUES_POSITIVE, "Moes load number M", "state"),
+    REAL("moes_L", "1", NEED_OWN, VALUES_NOT_NEGATIVE, "Moes material number L", "state"),
+    REAL("alpha_p_H", "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
+         "pressure-viscosity coefficient times Hertz pressure", "state"),
+    REAL("hertz_pressure", "Pa", NEED_OWN, VALUES_POSITIVE, "Hertz pressure", "state"),
+    REAL("central_film_thickness", "1", NEED_OWN, VALUES_ANY, "film thickness H at X = 0 (Y = 0)",
          "state"),
-    REAL("hertz_pressure", "Pa", NEED_OWN, "Hertz pressure", "state"),
-    REAL("central_film_thickness", "1", NEED_OWN, "film thickness H at X = 0 (Y = 0)", "state"),
-    REAL("minimum_film_thickness", "1", NEED_OWN,
+    REAL("minimum_film_thickness", "1", NEED_OWN, VALUES_ANY,
          "smallest film thickness H: interpolated, with discretization = published at a node",
          "state"),
-    REAL("central_pressure", "1", NEED_OWN, "pressure P at X = 0 (Y = 0)", "state"),
-    INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
-    REAL("residual_norm", "1", NEED_OWN, "norm of the residual when the iteration ended", "state"),
-    REAL("complementarity", "1", NEED_OPTIONAL,
+    REAL("central_pressure", "1", NEED_OWN, VALUES_ANY, "pressure P at X = 0 (Y = 0)", "state"),
+    INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "Newton iterations that the state took",
+            "state"),
+    REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
+         "norm of the residual when the iteration ended", "state"),
+    REAL("complementarity", "1", NEED_OPTIONAL, VALUES_ANY,
          "largest violation of P >= 0 and of the multiplier's Lambda >= 0 (scaled as the residual) "
          "at any node of a stationary point",
          "state"),
     RISE_FIELDS(""),
     EFFECT_FIELDS(""),
-    INTEGER("trajectory", NEED_OPTIONAL,
+    INTEGER("trajectory", NEED_OPTIONAL, VALUES_INDEX_OR_NONE,
             "index of the trajectory that the state was kept of, -1 for a stationary point",
             "state"),
-    REAL("trajectory_time", "1", NEED_OPTIONAL,
+    REAL("trajectory_time", "1", NEED_OPTIONAL, VALUES_BOUND,
          "dimensionless time T of the state on its trajectory; 0 is the stationary start", "state"),
-    REAL("trajectory_rate", "1", NEED_OPTIONAL,
+    REAL("trajectory_rate", "1", NEED_OPTIONAL, VALUES_BOUND,
          "rate of change of the contact: of ln a and of u/u_ref with T, absolute values added",
          "state"),
-    INTEGER("status", NEED_ALWAYS, "0 converged, 1 not converged, -1 not yet computed", "state"),
+    INTEGER("status", NEED_ALWAYS, VALUES_ANY, "0 converged, 1 not converged, -1 not yet computed",
+            "state"),
     REAL(
-        "compressed_pressure", "1", NEED_OPTIONAL,
+        "compressed_pressure", "1", NEED_OPTIONAL, VALUES_FINITE,
         "pressures of all steps of all trajectories, compressed: the rows have the singular values "
         "and right singular vectors of the snapshots, and serve in their place",
         "compressed", "y", "x"),
-    REAL("compressed_singular_values", "1", NEED_OPTIONAL,
+    REAL("compressed_singular_values", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "singular values of those snapshots, descending", "compressed"),
-    INTEGER("training_point", NEED_OPTIONAL,
+    INTEGER("training_point", NEED_OPTIONAL, VALUES_ANY,
             "index of the point of the plan, of those inside of its bounds, that adaptive training "
             "chose",
             "state"),
-    INTEGER("training_round", NEED_OPTIONAL, "round of adaptive training that the state came in",
-            "state"),
-    REAL("training_bound", "1", NEED_OPTIONAL,
+    INTEGER("training_round", NEED_OPTIONAL, VALUES_ANY,
+            "round of adaptive training that the state came in", "state"),
+    REAL("training_bound", "1", NEED_OPTIONAL, VALUES_ANY,
          "what the indicator said of the state before it was solved, but for its factor: bound of "
          "the relative deviation of the central film by the reduced model of the rounds before; "
          "infinite where that did not converge, NaN in the first round",
          "state"),
-    REAL("training_film", "1", NEED_OPTIONAL,
+    REAL("training_film", "1", NEED_OPTIONAL, VALUES_ANY,
          "film thickness H at X = 0 by that model; NaN where there is none", "state"),
-    REAL("training_bound_minimum", "1", NEED_OPTIONAL, "training_bound of the minimum film",
-         "state"),
-    REAL("training_film_minimum", "1", NEED_OPTIONAL, "minimum film thickness by that model",
-         "state"),
-    INTEGER("round_points", NEED_OPTIONAL,
+    REAL("training_bound_minimum", "1", NEED_OPTIONAL, VALUES_ANY,
+         "training_bound of the minimum film", "state"),
+    REAL("training_film_minimum", "1", NEED_OPTIONAL, VALUES_ANY,
+         "minimum film thickness by that model", "state"),
+    INTEGER("round_points", NEED_OPTIONAL, VALUES_ANY,
             "converged training solutions up to and with the round, of which its model is made",
             "round"),
-    REAL("round_indicated", "1", NEED_OPTIONAL,
+    REAL("round_indicated", "1", NEED_OPTIONAL, VALUES_ANY,
          "largest deviation of a film, central or minimum, that is indicated for the remaining "
          "points of the "
          "plan; infinite where the model of the round does not converge, NaN where none remain or "
          "the indicator has no factor yet",
          "round"),
-    REAL("round_deviation", "1", NEED_OPTIONAL,
+    REAL("round_deviation", "1", NEED_OPTIONAL, VALUES_ANY,
          "largest relative deviation of a film by the model of the round at those points "
          "of the next one that it solves; NaN where there are none",
          "round"),
-    REAL("round_seconds", "s", NEED_OPTIONAL,
+    REAL("round_seconds", "s", NEED_OPTIONAL, VALUES_ANY,
          "time since the start until the round was judged; NaN in an earlier run", "round"),
     {0}};
 
@@ -356,9 +391,9 @@ static const artefact_attribute snapshots_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
-    ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
               "number of steps of all trajectories"),
-    ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "part of the squared singular values that the compression left out, at most"),
     {0}};
 
@@ -379,23 +414,25 @@ static const artefact_axis basis_axes[] = {
     FILM_X_AXIS,
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
-    AXIS("pressure_singular_value", "1", "index of the singular value of the pressure snapshots"),
-    AXIS("deformation_singular_value", "1",
+    AXIS("pressure_singular_value", "1", MAX_STATES,
+         "index of the singular value of the pressure snapshots"),
+    AXIS("deformation_singular_value", "1", MAX_STATES,
          "index of the singular value of the deformation snapshots"),
     STATE_AXIS,
     {0}};
 
 static const artefact_field basis_fields[] = {
-    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
-    REAL("deformation_basis", "1", NEED_OPTIONAL,
+    REAL("pressure_basis", "1", NEED_ALWAYS, VALUES_FINITE, "pressure modes", "pressure_mode", "y",
+         "x"),
+    REAL("deformation_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deformation modes, only for deformation = independent", "deformation_mode", "film_y",
          "film_x"),
-    REAL("pressure_singular_values", "1", NEED_OWN,
+    REAL("pressure_singular_values", "1", NEED_OWN, VALUES_NOT_NEGATIVE,
          "singular values of the pressure snapshots, descending", "pressure_singular_value"),
-    REAL("deformation_singular_values", "1", NEED_OPTIONAL,
+    REAL("deformation_singular_values", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "singular values of the deformation snapshots, descending", "deformation_singular_value"),
-    REAL("weight", "1", NEED_ALWAYS, "diagonal D that weights the residual in the test basis", "y",
-         "x"),
+    REAL("weight", "1", NEED_ALWAYS, VALUES_POSITIVE,
+         "diagonal D that weights the residual in the test basis", "y", "x"),
     STATE_FIELDS,
     {0}};
 
@@ -404,9 +441,9 @@ static const artefact_attribute basis_attributes[] = {
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
-    ATTRIBUTE("pressure_energy_discarded", ARTEFACT_REAL, "1", NEED_OWN,
+    ATTRIBUTE("pressure_energy_discarded", ARTEFACT_REAL, "1", NEED_OWN, VALUES_ANY,
               "part of the squared singular values of the pressure left out"),
-    ATTRIBUTE("deformation_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("deformation_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "part of the squared singular values of the deformation left out"),
     {0}};
 
@@ -422,7 +459,7 @@ const artefact_schema schema_basis = {"ehdrom-basis",
 
 static const artefact_axis residuals_axes[] = {
     AXIS(
-        "iteration", "1",
+        "iteration", "1", MAX_ITERATIONS,
         "index of the Newton iteration, over all stationary states, then of the compressed ones of "
         "trajectories"),
     Y_AXIS,
@@ -431,24 +468,26 @@ static const artefact_axis residuals_axes[] = {
     {0}};
 
 static const artefact_field residuals_fields[] = {
-    REAL("weighted_residual", "1", NEED_ALWAYS, "weighted residual D f of the Reynolds rows",
-         "iteration", "y", "x"),
-    REAL("weighted_jacobian_step", "1", NEED_ALWAYS,
+    REAL("weighted_residual", "1", NEED_ALWAYS, VALUES_FINITE,
+         "weighted residual D f of the Reynolds rows", "iteration", "y", "x"),
+    REAL("weighted_jacobian_step", "1", NEED_ALWAYS, VALUES_FINITE,
          "weighted product D J dz of Jacobian and Newton step", "iteration", "y", "x"),
-    INTEGER("iteration_state", NEED_OWN,
+    INTEGER("iteration_state", NEED_OWN, VALUES_STATE_OR_NONE,
             "index of the state that the iteration belongs to, -1 for a compressed one of "
             "trajectories, which serves in place of many",
             "iteration"),
-    INTEGER("state_exit_node", NEED_ALWAYS,
+    INTEGER("state_exit_node", NEED_ALWAYS, VALUES_COLUMN,
             "index into x of the first node without pressure at the end of the state's iteration",
             "state", "y"),
-    REAL("state_moes_M", "1", NEED_OWN, "Moes load number M of the states", "state"),
-    REAL("state_alpha_p_H", "1", NEED_OWN,
+    REAL("state_moes_M", "1", NEED_OWN, VALUES_POSITIVE, "Moes load number M of the states",
+         "state"),
+    REAL("state_alpha_p_H", "1", NEED_OWN, VALUES_NOT_NEGATIVE,
          "pressure-viscosity coefficient times Hertz pressure of the states", "state"),
-    REAL("state_central_film_thickness", "1", NEED_OWN,
+    REAL("state_central_film_thickness", "1", NEED_OWN, VALUES_ANY,
          "film thickness H at X = 0 by the projected system", "state"),
-    INTEGER("status", NEED_OWN, "0 converged, 1 not converged", "state"),
-    INTEGER("newton_iterations", NEED_OWN, "Newton iterations that the state took", "state"),
+    INTEGER("status", NEED_OWN, VALUES_ANY, "0 converged, 1 not converged", "state"),
+    INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "Newton iterations that the state took",
+            "state"),
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
@@ -456,9 +495,9 @@ static const artefact_attribute residuals_attributes[] = {
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     BASIS_ATTRIBUTE,
-    ATTRIBUTE("compressed_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("compressed_iterations", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
               "number of Newton iterations of all trajectories"),
-    ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("compressed_energy_discarded", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "part of the squared singular values that their compression left out, at most"),
     {0}};
 
@@ -478,184 +517,192 @@ static const artefact_axis model_axes[] = {
     X_AXIS,
     FILM_Y_AXIS,
     FILM_X_AXIS,
-    AXIS("row", "1", "index of the selected row, in order of selection"),
-    AXIS("needed_node", "1",
+    AXIS("row", "1", MAX_ROWS, "index of the selected row, in order of selection"),
+    AXIS("needed_node", "1", MAX_NODES,
          "index of the film node whose pressure and film the selected rows need"),
-    AXIS("band_node", "1", "index of the film node, counted from the first of the exit band"),
-    AXIS("control", "1", "index of the control row, in order of choice"),
-    AXIS("control_node", "1",
+    AXIS("band_node", "1", MAX_NODES,
+         "index of the film node, counted from the first of the exit band"),
+    AXIS("control", "1", MAX_ROWS, "index of the control row, in order of choice"),
+    AXIS("control_node", "1", MAX_NODES,
          "index of the film node whose pressure and film the control rows need"),
-    AXIS("jacobian_mode", "1",
+    AXIS("jacobian_mode", "1", MAX_MODES,
          "index of the mode of the weighted Jacobian products, strongest first"),
     PRESSURE_MODE_AXIS,
     DEFORMATION_MODE_AXIS,
     STATE_AXIS,
-    AXIS("position", "1", "index of the measured size of the model, smallest first"),
-    AXIS("quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"),
-    AXIS("part", "1", "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"),
-    AXIS("bounded", "1",
+    AXIS("position", "1", MAX_MODES, "index of the measured size of the model, smallest first"),
+    AXIS("quantile", "1", MAX_FEW,
+         "part of the scenes that deviate by no more: median, 95 %, worst"),
+    AXIS("part", "1", MAX_FEW, "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"),
+    AXIS("bounded", "1", MAX_FEW,
          "what is indicated: central film, minimum film, central pressure, exit position, load, "
          "pressure, film"),
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
 #define DEVIATION(quantity, what)                                                                  \
-    REAL("deviation_" quantity, "1", NEED_OPTIONAL, "deviation from the full model: " what,        \
-         "position", "quantile")
+    REAL("deviation_" quantity, "1", NEED_OPTIONAL, VALUES_BOUND,                                  \
+         "deviation from the full model: " what, "position", "quantile")
 
 /* The same on trajectories. */
 #define WORST_IN_TIME(quantity, what)                                                              \
-    REAL("worst_in_time_" quantity, "1", NEED_OPTIONAL,                                            \
+    REAL("worst_in_time_" quantity, "1", NEED_OPTIONAL, VALUES_BOUND,                              \
          "largest relative deviation from the full model with the same time steps: " what,         \
          "position")
 
 static const artefact_field model_fields[] = {
-    INTEGER("selected_row", NEED_ALWAYS,
+    INTEGER("selected_row", NEED_ALWAYS, VALUES_ROW,
             "index of the selected Reynolds rows: into x or, of a point contact, into all nodes of "
             "y and x, "
             "the lines of y one after the other",
             "row"),
-    REAL("row_weight", "1", NEED_ALWAYS,
+    REAL("row_weight", "1", NEED_ALWAYS, VALUES_POSITIVE,
          "weight of the selected rows: D times their factor in the least squares", "row"),
-    REAL("row_factor", "1", NEED_OPTIONAL,
+    REAL("row_factor", "1", NEED_OPTIONAL, VALUES_POSITIVE,
          "that factor; a part of the rows or modes has factors of its own", "row"),
-    REAL("row_jacobian_modes", "1", NEED_OPTIONAL,
+    REAL("row_jacobian_modes", "1", NEED_OPTIONAL, VALUES_FINITE,
          "modes of the weighted Jacobian products at the selected rows, orthonormal over all rows; "
          "the factors of a part of the rows follow from them",
          "row", "jacobian_mode"),
-    INTEGER("needed_node_index", NEED_ALWAYS,
+    INTEGER("needed_node_index", NEED_ALWAYS, VALUES_FILM_NODE,
             "film nodes that are needed, ascending; film node k + 1 is index k of x, 0 and the "
             "last are the boundary nodes; of a point contact the film nodes of the lines of y, "
             "each with its two boundary nodes, follow one another, and there are boundary lines",
             "needed_node"),
-    REAL("needed_pressure_basis", "1", NEED_ALWAYS, "pressure modes at the needed nodes",
-         "needed_node", "pressure_mode"),
-    REAL("needed_deformation_basis", "1", NEED_OPTIONAL,
+    REAL("needed_pressure_basis", "1", NEED_ALWAYS, VALUES_FINITE,
+         "pressure modes at the needed nodes", "needed_node", "pressure_mode"),
+    REAL("needed_deformation_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deformation modes at the needed nodes, only for deformation = independent", "needed_node",
          "deformation_mode"),
-    REAL("needed_coupled_basis", "1", NEED_OPTIONAL,
+    REAL("needed_coupled_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deflection at the needed nodes of the pressure modes cut at the first band node, only "
          "for deformation = coupled",
          "needed_node", "pressure_mode"),
-    REAL("band_pressure_basis", "1", NEED_ALWAYS, "pressure modes in the exit band", "band_node",
-         "pressure_mode"),
-    REAL("band_deformation_basis", "1", NEED_OPTIONAL,
+    REAL("band_pressure_basis", "1", NEED_ALWAYS, VALUES_FINITE, "pressure modes in the exit band",
+         "band_node", "pressure_mode"),
+    REAL("band_deformation_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deformation modes in the exit band, only for deformation = independent", "band_node",
          "deformation_mode"),
-    REAL("band_coupled_basis", "1", NEED_OPTIONAL,
+    REAL("band_coupled_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deflection in the exit band of the pressure modes cut at its first node, only for "
          "deformation = coupled",
          "band_node", "pressure_mode"),
-    REAL("band_projected_kernel", "1", NEED_OPTIONAL,
+    REAL("band_projected_kernel", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deflection of unit pressure at the band nodes, projected on the deformation modes",
          "band_node", "deformation_mode"),
-    INTEGER("band_line_begin", NEED_OPTIONAL,
+    INTEGER("band_line_begin", NEED_OPTIONAL, VALUES_FILM_COLUMN,
             "first column of the exit band on each line, counted with the boundary node; this and "
             "the next three only of a point contact, whose band nodes go line after line",
             "y"),
-    INTEGER("band_line_end", NEED_OPTIONAL, "column behind the last one of the exit band", "y"),
-    INTEGER("band_line_least_exit", NEED_OPTIONAL, "first column at which the exit may lie", "y"),
-    INTEGER("band_line_most_exit", NEED_OPTIONAL, "last column at which the exit may lie", "y"),
-    INTEGER("control_row", NEED_OPTIONAL,
+    INTEGER("band_line_end", NEED_OPTIONAL, VALUES_FILM_COLUMN,
+            "column behind the last one of the exit band", "y"),
+    INTEGER("band_line_least_exit", NEED_OPTIONAL, VALUES_FILM_COLUMN,
+            "first column at which the exit may lie", "y"),
+    INTEGER("band_line_most_exit", NEED_OPTIONAL, VALUES_FILM_COLUMN,
+            "last column at which the exit may lie", "y"),
+    INTEGER("control_row", NEED_OPTIONAL, VALUES_ROW,
             "index, as in selected_row, of Reynolds rows that take no part in the solution; what "
             "they are left "
             "with indicates its deviation",
             "control"),
-    REAL("control_weight", "1", NEED_OPTIONAL, "weight D of the control rows", "control"),
-    INTEGER("control_node_index", NEED_OPTIONAL,
+    REAL("control_weight", "1", NEED_OPTIONAL, VALUES_POSITIVE, "weight D of the control rows",
+         "control"),
+    INTEGER("control_node_index", NEED_OPTIONAL, VALUES_FILM_NODE,
             "film nodes that the control rows need, ascending, as in needed_node_index",
             "control_node"),
-    REAL("control_pressure_basis", "1", NEED_OPTIONAL, "pressure modes at these nodes",
-         "control_node", "pressure_mode"),
-    REAL("control_deformation_basis", "1", NEED_OPTIONAL,
+    REAL("control_pressure_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
+         "pressure modes at these nodes", "control_node", "pressure_mode"),
+    REAL("control_deformation_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deformation modes at these nodes, only for deformation = independent", "control_node",
          "deformation_mode"),
-    REAL("control_coupled_basis", "1", NEED_OPTIONAL,
+    REAL("control_coupled_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deflection at these nodes of the pressure modes cut at the first band node, only for "
          "deformation = coupled",
          "control_node", "pressure_mode"),
-    REAL("elasticity_jacobian", "1", NEED_OPTIONAL,
+    REAL("elasticity_jacobian", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deflection of the pressure modes cut at the first band node, projected on the "
          "deformation modes",
          "deformation_mode", "pressure_mode"),
-    REAL("load_jacobian", "1", NEED_ALWAYS, "load of the pressure modes cut at the first band node",
-         "pressure_mode"),
-    REAL("pressure_basis", "1", NEED_ALWAYS, "pressure modes", "pressure_mode", "y", "x"),
-    REAL("deformation_basis", "1", NEED_OPTIONAL,
+    REAL("load_jacobian", "1", NEED_ALWAYS, VALUES_FINITE,
+         "load of the pressure modes cut at the first band node", "pressure_mode"),
+    REAL("pressure_basis", "1", NEED_ALWAYS, VALUES_FINITE, "pressure modes", "pressure_mode", "y",
+         "x"),
+    REAL("deformation_basis", "1", NEED_OPTIONAL, VALUES_FINITE,
          "deformation modes, only for deformation = independent; for transient scenes",
          "deformation_mode", "film_y", "film_x"),
     STATE_FIELDS,
-    REAL("sigma_min_by_exit", "1", NEED_OPTIONAL,
+    REAL("sigma_min_by_exit", "1", NEED_OPTIONAL, VALUES_ANY,
          "smallest singular value of the sampled bases, leading modes and rows before the exit of "
          "the state",
          "state"),
-    INTEGER("position_pressure_modes", NEED_OPTIONAL,
+    INTEGER("position_pressure_modes", NEED_OPTIONAL, VALUES_COUNT,
             "pressure modes in use; this and what follows only in a checked or calibrated model",
             "position"),
-    INTEGER("position_deformation_modes", NEED_OPTIONAL,
+    INTEGER("position_deformation_modes", NEED_OPTIONAL, VALUES_COUNT,
             "deformation modes in use, 0 for deformation = coupled", "position"),
-    INTEGER("position_rows", NEED_OPTIONAL, "rows in use", "position"),
+    INTEGER("position_rows", NEED_OPTIONAL, VALUES_COUNT, "rows in use", "position"),
     DEVIATION("central_film_thickness", "central film thickness, relative"),
     DEVIATION("minimum_film_thickness", "minimum film thickness, relative"),
     DEVIATION("central_pressure", "central pressure, relative"),
     DEVIATION("pressure", "pressure P, largest of all nodes"),
-    REAL("position_mean_iterations", "1", NEED_OPTIONAL, "Newton iterations of a scene in the mean",
-         "position"),
-    REAL("position_most_iterations", "1", NEED_OPTIONAL, "Newton iterations of a scene at most",
-         "position"),
-    REAL("position_seconds", "s", NEED_OPTIONAL, "median time of a solution, with the model open",
-         "position"),
-    INTEGER("position_failures", NEED_OPTIONAL,
+    REAL("position_mean_iterations", "1", NEED_OPTIONAL, VALUES_BOUND,
+         "Newton iterations of a scene in the mean", "position"),
+    REAL("position_most_iterations", "1", NEED_OPTIONAL, VALUES_BOUND,
+         "Newton iterations of a scene at most", "position"),
+    REAL("position_seconds", "s", NEED_OPTIONAL, VALUES_BOUND,
+         "median time of a solution, with the model open", "position"),
+    INTEGER("position_failures", NEED_OPTIONAL, VALUES_COUNT,
             "scenes that did not converge or were not to be trusted; they count nowhere else",
             "position"),
-    REAL("indicator_factor", "1", NEED_OPTIONAL,
+    REAL("indicator_factor", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "factor of the indicated deviation of the central film thickness", "position"),
-    REAL("indicator_factor_minimum", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_minimum", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "factor of the indicated deviation of the minimum film thickness; where missing, the same",
          "position"),
-    REAL("position_largest_residual", "1", NEED_OPTIONAL,
+    REAL("position_largest_residual", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "largest residual of the least squares that a scene ended with", "position"),
-    REAL("indicator_factor_central_pressure", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_central_pressure", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "factor of the indicated deviation of the central pressure; here and in the next ones, "
          "where "
          "missing or 0, it is not indicated",
          "position"),
-    REAL("indicator_factor_exit_position", "1", NEED_OPTIONAL, "the same of the exit position",
-         "position"),
-    REAL("indicator_factor_load", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_exit_position", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "the same of the exit position", "position"),
+    REAL("indicator_factor_load", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "the same of the load, where the approach is given", "position"),
-    REAL("indicator_factor_pressure", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_pressure", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "the same of the largest deviation of the pressure at any node", "position"),
-    REAL("indicator_factor_film", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_film", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "the same of the largest deviation of the film at any node with pressure", "position"),
-    REAL("indicator_share", "1", NEED_OPTIONAL,
+    REAL("indicator_share", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "part of the factor that holds for small bounds: of b, (share + growth b) b, offset + "
          "offset_share b, for a bound b, the least times the factor is indicated; where one of "
          "these "
          "is missing, b times the factor",
          "position", "bounded"),
-    REAL("indicator_growth", "1", NEED_OPTIONAL, "by which that part grows with the bound",
-         "position", "bounded"),
-    REAL("indicator_offset", "1", NEED_OPTIONAL, "where exits are nodes, else 0", "position",
-         "bounded"),
-    REAL("indicator_offset_share", "1", NEED_OPTIONAL, "where exits are nodes, else 1", "position",
-         "bounded"),
-    REAL("indicated_deviation", "1", NEED_OPTIONAL,
+    REAL("indicator_growth", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "by which that part grows with the bound", "position", "bounded"),
+    REAL("indicator_offset", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "where exits are nodes, else 0", "position", "bounded"),
+    REAL("indicator_offset_share", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "where exits are nodes, else 1", "position", "bounded"),
+    REAL("indicated_deviation", "1", NEED_OPTIONAL, VALUES_BOUND,
          "the larger of these deviations; infinite for a scene that was not solved", "position",
          "part"),
-    REAL("indicator_effectivity", "1", NEED_OPTIONAL,
+    REAL("indicator_effectivity", "1", NEED_OPTIONAL, VALUES_BOUND,
          "indicated over true deviation, of the film of which that is less", "position", "part"),
-    REAL("indicator_factor_in_time", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_in_time", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "factor of the indicated deviation of the central film thickness in time", "position"),
-    REAL("indicator_factor_in_time_minimum", "1", NEED_OPTIONAL,
+    REAL("indicator_factor_in_time_minimum", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "factor of the indicated deviation of the minimum film thickness in time", "position"),
     WORST_IN_TIME("central_film_thickness", "central film thickness"),
     WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
     WORST_IN_TIME("central_pressure", "central pressure"),
-    REAL("position_step_iterations", "1", NEED_OPTIONAL,
+    REAL("position_step_iterations", "1", NEED_OPTIONAL, VALUES_BOUND,
          "Newton iterations of a step of a trajectory in the mean", "position"),
-    REAL("position_step_seconds", "s", NEED_OPTIONAL, "time of a step in the mean", "position"),
-    INTEGER("position_lost_trajectories", NEED_OPTIONAL,
+    REAL("position_step_seconds", "s", NEED_OPTIONAL, VALUES_BOUND, "time of a step in the mean",
+         "position"),
+    INTEGER("position_lost_trajectories", NEED_OPTIONAL, VALUES_COUNT,
             "trajectories with a step that did not converge or was not to be trusted; they count "
             "nowhere else",
             "position"),
@@ -666,34 +713,35 @@ static const artefact_attribute model_attributes[] = {
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
-    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+    ATTRIBUTE("band_begin", ARTEFACT_INTEGER, "1", NEED_ALWAYS, VALUES_ANY,
               "first film node of the exit band, of a line contact; so are the next two"),
-    ATTRIBUTE("least_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+    ATTRIBUTE("least_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS, VALUES_ANY,
               "first film node at which the exit may lie"),
-    ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS,
+    ATTRIBUTE("most_exit", ARTEFACT_INTEGER, "1", NEED_ALWAYS, VALUES_ANY,
               "last film node at which the exit may lie"),
     ATTRIBUTE(
-        "first_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+        "first_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
         "first line of the grid, boundary lines counted, on which the film minimum is sought; "
         "this and the next one only of a point contact"),
-    ATTRIBUTE("last_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, "last of these lines"),
-    ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN,
+    ATTRIBUTE("last_minimum_line", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
+              "last of these lines"),
+    ATTRIBUTE("method", ARTEFACT_TEXT, "1", NEED_OWN, VALUES_ANY,
               "method of row selection; given: the rows are somebody else's"),
-    ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL,
+    ATTRIBUTE("weights", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,
               "method of the rows' factors; missing where these are somebody else's"),
-    ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN,
+    ATTRIBUTE("sigma_min_residual", ARTEFACT_REAL, "1", NEED_OWN, VALUES_ANY,
               "smallest singular value of the sampled residual basis"),
-    ATTRIBUTE("sigma_min_jacobian", ARTEFACT_REAL, "1", NEED_OWN,
+    ATTRIBUTE("sigma_min_jacobian", ARTEFACT_REAL, "1", NEED_OWN, VALUES_ANY,
               "smallest singular value of the sampled Jacobian basis"),
-    ATTRIBUTE("sigma_min_over_exits", ARTEFACT_REAL, "1", NEED_OWN,
+    ATTRIBUTE("sigma_min_over_exits", ARTEFACT_REAL, "1", NEED_OWN, VALUES_ANY,
               "smallest of both over all exits seen in training"),
-    ATTRIBUTE("stability", ARTEFACT_REAL, "1", NEED_OPTIONAL,
+    ATTRIBUTE("stability", ARTEFACT_REAL, "1", NEED_OPTIONAL, VALUES_ANY,
               "largest 1/sigma_min of both over these exits, of modes orthonormal over all rows "
               "before the exit"),
     BASIS_ATTRIBUTE,
-    ATTRIBUTE("calibration_scenes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("calibration_scenes", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
               "scenes that each position was measured on, none of them a training solution"),
-    ATTRIBUTE("calibration_trajectories", ARTEFACT_INTEGER, "1", NEED_OPTIONAL,
+    ATTRIBUTE("calibration_trajectories", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
               "trajectories that each position was measured on"),
     {0}};
 

@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* As of a history that turns a contact's load for months. */
+enum { TABLE_MAX_ROWS = 100000000 };
+
 /* Entries of a dataset of numbers along one axis; negative for any other. */
 static hssize_t count_entries(hid_t dataset) {
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
@@ -29,7 +32,10 @@ static ehd_status read_entries(double **values, size_t *count, hid_t dataset, co
                         "%s: %s: found something else, expected numbers along one axis", path,
                         name);
     *count = (size_t)found;
-    *values = malloc((*count + 1) * sizeof **values); // none are no failure
+    if ((size_t)found > TABLE_MAX_ROWS)
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %zu numbers, expected at most %d", path,
+                        name, (size_t)found, TABLE_MAX_ROWS);
+    *values = array_new(*count, 1, sizeof **values);
     if (!*values)
         return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu numbers", path, name,
                         *count);

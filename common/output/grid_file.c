@@ -223,18 +223,15 @@ ehd_status grid_check(const ehd_grid *grid, const char *path, const ehd_grid *ex
 
 ehd_status grid_check_memory(const program *caller, const char *object, const ehd_contact *contact,
                              double bytes, size_t num_jobs, ehd_error *error) {
-    const double megabyte = 1e6, large = 1000;
-    double needed = bytes / megabyte, there = program_memory() / megabyte;
+    const double megabyte = 1e6, large = 1000, needed = bytes / megabyte;
     size_t num_nodes = contact->grid.num_inner;
     char jobs[48] = "";
 
     if (contact->kind->dimensions == 1) return EHD_OK;
     if (num_jobs > 1) snprintf(jobs, sizeof jobs, " with --jobs %zu", num_jobs);
-    if (needed > there)
-        return ehd_fail(error, EHD_MEMORY,
-                        "%s: grid: found %zu nodes, which take about %.0f MB%s, expected at most "
-                        "%.0f MB, which are free",
-                        object, num_nodes, needed, jobs, there);
+    const ehd_status status =
+        program_check_memory(object, "grid", num_nodes, "nodes", jobs, bytes, error);
+    if (status) return status;
     (needed > large ? program_note : program_detail)(caller, "%zu nodes take about %.0f MB%s",
                                                      num_nodes, needed, jobs);
     return EHD_OK;

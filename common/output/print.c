@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/print.h"
 
+#include "common/program/arena.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -200,7 +202,7 @@ static ehd_status no_memory(const artefact *file, ehd_error *error) {
 static ehd_status read_axis(column *axis, artefact *file, ehd_error *error) {
     const size_t length = artefact_length(file, axis->name);
 
-    axis->reals = calloc(length + 1, sizeof *axis->reals);
+    axis->reals = array_new(length, 1, sizeof *axis->reals);
     if (!axis->reals) return no_memory(file, error);
     if (artefact_has_scale(file, axis->name) && length > 0)
         return artefact_get_axis(file, axis->name, axis->reals, error);
@@ -219,10 +221,10 @@ static ehd_status prepare(column *columns, size_t num_columns, artefact *file, s
         if (!one->field) {
             if (one->rank > 0) status = read_axis(one, file, error);
         } else if (one->field->type == ARTEFACT_INTEGER) {
-            one->integers = calloc(size + 1, sizeof *one->integers);
+            one->integers = array_new(size, 1, sizeof *one->integers);
             if (!one->integers) status = no_memory(file, error);
         } else {
-            one->reals = calloc(size + 1, sizeof *one->reals);
+            one->reals = array_new(size, 1, sizeof *one->reals);
             if (!one->reals) status = no_memory(file, error);
         }
     }

@@ -2,6 +2,7 @@
 #include "common/output/result.h"
 
 #include "common/output/grid_file.h"
+#include "common/program/arena.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -250,7 +251,7 @@ ehd_status result_get_contact(stored_result *stored, artefact *file, const conta
 static ehd_status get_exit(stored_result *stored, artefact *file, ehd_error *error) {
     const size_t several = artefact_length(file, "exit"), each = several > 0 ? several : 1;
     if (!artefact_has(file, "exit_position")) return EHD_OK;
-    double *exits = malloc(stored->num_lines * each * sizeof *exits);
+    double *exits = array_new(stored->num_lines, each, sizeof *exits);
     if (!exits) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
     ehd_status status = artefact_get(file, "exit_position", exits, error);
@@ -282,7 +283,7 @@ static ehd_status get_scalars(stored_result *stored, artefact *file, ehd_error *
 static ehd_status get_field(double **field, size_t num_inner, artefact *file, const char *name,
                             ehd_error *error) {
     if (!artefact_has(file, name)) return EHD_OK;
-    *field = malloc(num_inner * sizeof **field);
+    *field = array_new(num_inner, 1, sizeof **field);
     if (!*field)
         return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
                         artefact_path(file), name, num_inner);

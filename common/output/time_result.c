@@ -4,6 +4,7 @@
 #include "common/output/grid_file.h"
 #include "common/output/inputs.h"
 #include "common/output/result.h"
+#include "common/program/arena.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -299,13 +300,13 @@ static double **series_array(time_series *series, size_t scalar) {
 
 static ehd_status allocate(time_series *series, const char *path, ehd_error *error) {
     size_t count = series->num_times;
-    bool allocated = (series->time = calloc(count, sizeof(double))) != NULL;
+    bool allocated = (series->time = array_new(count, 1, sizeof(double))) != NULL;
 
     for (size_t i = 0; i < NUM_REALS && allocated; i++)
-        allocated = (*series_array(series, i) = calloc(count, sizeof(double))) != NULL;
-    series->exit_position = calloc(count, sizeof(double));
-    series->newton_iterations = calloc(count, sizeof(int64_t));
-    series->status = calloc(count, sizeof(int64_t));
+        allocated = (*series_array(series, i) = array_new(count, 1, sizeof(double))) != NULL;
+    series->exit_position = array_new(count, 1, sizeof(double));
+    series->newton_iterations = array_new(count, 1, sizeof(int64_t));
+    series->status = array_new(count, 1, sizeof(int64_t));
     if (allocated && series->exit_position && series->newton_iterations && series->status)
         return EHD_OK;
     return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu times", path, count);
@@ -331,7 +332,7 @@ static ehd_status get_real(double *values, size_t num_times, artefact *file, con
     for (size_t t = 0; t < num_times; t++)
         values[t] = NAN;
     if (!artefact_has(file, name)) return EHD_OK;
-    double *all = malloc(num_times * each * sizeof *all);
+    double *all = array_new(num_times, each, sizeof *all);
     if (!all) return ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
 
     ehd_status status = artefact_get(file, name, all, error);

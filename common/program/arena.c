@@ -9,13 +9,34 @@ struct arena_block {
     max_align_t array[];
 };
 
+/* *bytes = more + rows * columns * size; false where that overflows. */
+static bool count_bytes(size_t *bytes, size_t more, size_t rows, size_t columns, size_t size) {
+    return !__builtin_mul_overflow(rows, columns, bytes) &&
+           !__builtin_mul_overflow(*bytes, size, bytes) &&
+           !__builtin_add_overflow(*bytes, more, bytes);
+}
+
+void *array_new(size_t rows, size_t columns, size_t size) {
+    size_t bytes;
+
+    return count_bytes(&bytes, 1, rows, columns, size) ? calloc(1, bytes) : NULL;
+}
+
+void *array_resize(void *array, size_t rows, size_t columns, size_t size) {
+    size_t bytes;
+
+    return count_bytes(&bytes, 1, rows, columns, size) ? realloc(array, bytes) : NULL;
+}
+
 void *arena_array(arena *self, size_t count, size_t size) {
+    return arena_table(self, count, 1, size);
+}
+
+void *arena_table(arena *self, size_t rows, size_t columns, size_t size) {
     arena_block *block = NULL;
     size_t bytes;
 
-    if (!__builtin_mul_overflow(count, size, &bytes) &&
-        !__builtin_add_overflow(bytes, sizeof *block + 1, &bytes))
-        block = calloc(1, bytes);
+    if (count_bytes(&bytes, sizeof *block + 1, rows, columns, size)) block = calloc(1, bytes);
     if (!block) {
         self->failed = true;
         return NULL;

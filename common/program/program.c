@@ -78,6 +78,18 @@ double program_memory(void) {
     return bytes;
 }
 
+ehd_status program_check_memory(const char *object, const char *part, size_t count,
+                                const char *things, const char *with, double bytes,
+                                ehd_error *error) {
+    const double megabyte = 1e6, there = program_memory();
+
+    if (bytes <= there) return EHD_OK;
+    return ehd_fail(error, EHD_MEMORY,
+                    "%s: %s: found %zu %s, which take about %.0f MB%s, expected at most %.0f MB, "
+                    "which are free",
+                    object, part, count, things, bytes / megabyte, with, there / megabyte);
+}
+
 bool program_interrupted(void) {
     return interrupted != 0;
 }

@@ -112,6 +112,11 @@ bool program_interrupted(void);
 /* Bytes of memory available to this process: what the system has free, within the process's limit;
  * infinite where neither is known. */
 double program_memory(void);
+/* EHD_MEMORY, with both numbers, where that is less than `bytes`, which `count` `things` of `part`
+ * of an object take `with` (" with --jobs 4", or ""). To be asked before they are taken. */
+ehd_status program_check_memory(const char *object, const char *part, size_t count,
+                                const char *things, const char *with, double bytes,
+                                ehd_error *error);
 
 /* Monotonic seconds. */
 double program_seconds(void);

@@ -63,25 +63,14 @@ ehd_status modes_write(artefact *file, const char *field, const double *modes, c
     return status;
 }
 
-static ehd_status get_finite(double *values, artefact *file, const char *field, size_t count,
-                             ehd_error *error) {
-    ehd_status status = artefact_get(file, field, values, error);
-
-    for (size_t i = 0; i < count && !status; i++)
-        if (!isfinite(values[i]))
-            status = ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
-                              artefact_path(file), field);
-    return status;
-}
-
 ehd_status modes_read(double **modes, artefact *file, const char *field, const ehd_grid *grid,
                       size_t num_modes, bool inner, ehd_error *error) {
     size_t length = inner ? grid->num_inner : grid->num_nodes;
-    double *transposed = malloc(length * num_modes * sizeof *transposed);
-    *modes = calloc(grid->num_nodes * num_modes, sizeof(double));
+    double *transposed = array_new(length, num_modes, sizeof *transposed);
+    *modes = array_new(grid->num_nodes, num_modes, sizeof(double));
     ehd_status status = transposed && *modes ? EHD_OK : no_memory(file, error);
 
-    if (!status) status = get_finite(transposed, file, field, length * num_modes, error);
+    if (!status) status = artefact_get(file, field, transposed, error);
     for (size_t j = 0; j < num_modes && !status; j++)
         for (size_t k = 0; k < length; k++)
             (*modes)[node_of(grid, k, inner) * num_modes + j] = transposed[j * length + k];
@@ -126,7 +115,7 @@ static ehd_status get_trajectory_marks(reduced_states *states, artefact *file, i
     for (size_t s = 0; s < states->num_states && !status; s++)
         if (artefact_has(file, "state_stationary")) states->stationary[s] = work[s] != 0;
     if (!status && artefact_has(file, "state_rate"))
-        status = get_finite(states->rate, file, "state_rate", states->num_states, error);
+        status = artefact_get(file, "state_rate", states->rate, error);
     return status;
 }
 
@@ -233,16 +222,16 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         on_line ? (int64_t)(-grid->x_min / grid->step) + 1 + (int64_t)reynolds_reach_back(grid) : 0;
     size_t num_states = artefact_length(file, "state");
     size_t num_unknowns = reduced_num_unknowns(num_pressure, num_deformation);
-    double *part = malloc(num_states * num_unknowns * sizeof *part);
+    double *part = array_new(num_states, num_unknowns, sizeof *part);
     size_t num_exits = num_states * grid->inner_lines;
-    int64_t *exits = malloc(num_exits * sizeof *exits);
+    int64_t *exits = array_new(num_states, grid->inner_lines, sizeof *exits);
     ehd_status status = part && exits ? EHD_OK : no_memory(file, error);
 
     if (!status)
         status = reduced_states_init(states, num_states, grid_lines(grid), num_unknowns, error);
     for (size_t i = 0; i < 3 && !status; i++)
         if (parts[i].width > 0) {
-            status = get_finite(part, file, parts[i].field, num_states * parts[i].width, error);
+            status = artefact_get(file, parts[i].field, part, error);
             if (!status) copy_coordinates(part, states, parts[i].first, parts[i].width, 0);
         }
     if (!status) status = artefact_get_integers(file, "state_exit_node", exits, error);
@@ -256,8 +245,8 @@ ehd_status states_read(reduced_states *states, artefact *file, size_t num_pressu
         else
             states->exit[exit_index(grid, states, i)] = (size_t)exits[i] + 1;
     }
-    if (!status) status = get_finite(states->moes_M, file, "state_moes_M", num_states, error);
-    if (!status) status = get_finite(states->alpha_p_H, file, "state_alpha_p_H", num_states, error);
+    if (!status) status = artefact_get(file, "state_moes_M", states->moes_M, error);
+    if (!status) status = artefact_get(file, "state_alpha_p_H", states->alpha_p_H, error);
     if (!status && artefact_has(file, "state_central_film_thickness"))
         status = artefact_get(file, "state_central_film_thickness", states->central_film_thickness,
                               error);

@@ -4,7 +4,6 @@
 #include "romrun/model/model_file.h"
 #include "romrun/model/weighting.h"
 
-#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdlib.h>
@@ -33,18 +32,14 @@ static ehd_status choose_size(size_t *size, size_t wanted, size_t stored, const 
 static ehd_status read_part(double **part, arena *memory, artefact *file, const char *field,
                             size_t rows, size_t columns, const size_t *kept_rows, size_t num_kept,
                             size_t kept_columns, ehd_error *error) {
-    double *whole = malloc((rows * columns + 1) * sizeof *whole);
+    double *whole = array_new(rows, columns, sizeof *whole);
 
-    *part = arena_array(memory, num_kept * kept_columns, sizeof **part);
+    *part = arena_table(memory, num_kept, kept_columns, sizeof **part);
     ehd_status status = whole && *part ? EHD_OK : no_memory(file, error);
     if (!status && !artefact_has(file, field))
         status = ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected it for this basis",
                           artefact_path(file), field);
     if (!status) status = artefact_get(file, field, whole, error);
-    for (size_t i = 0; i < rows * columns && !status; i++)
-        if (!isfinite(whole[i]))
-            status = ehd_fail(error, EHD_DATA, "%s: %s: found a value that is not finite",
-                              artefact_path(file), field);
     for (size_t i = 0; i < num_kept && !status; i++)
         memcpy(*part + i * kept_columns, whole + (kept_rows ? kept_rows[i] : i) * columns,
                kept_columns * sizeof(double));
@@ -54,19 +49,13 @@ static ehd_status read_part(double **part, arena *memory, artefact *file, const 
 
 static ehd_status read_nodes(size_t **nodes, arena *memory, artefact *file, const char *field,
                              size_t count, bool inner, const ehd_grid *grid, ehd_error *error) {
-    int64_t *indices = malloc((count + 1) * sizeof *indices);
+    int64_t *indices = array_new(count, 1, sizeof *indices);
 
     *nodes = arena_array(memory, count, sizeof **nodes);
     ehd_status status = indices && *nodes ? EHD_OK : no_memory(file, error);
     if (!status) status = artefact_get_integers(file, field, indices, error);
-    for (size_t i = 0; i < count && !status; i++) {
-        int64_t last = (int64_t)(inner ? grid->num_inner : grid->num_nodes) - 1;
-        if (indices[i] < 0 || indices[i] > last)
-            status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 0 to %lld",
-                              artefact_path(file), field, (long long)indices[i], (long long)last);
-        else
-            (*nodes)[i] = inner ? grid_node_of_row(grid, (size_t)indices[i]) : (size_t)indices[i];
-    }
+    for (size_t i = 0; i < count && !status; i++)
+        (*nodes)[i] = inner ? grid_node_of_row(grid, (size_t)indices[i]) : (size_t)indices[i];
     free(indices);
     return status;
 }
@@ -111,10 +100,6 @@ static ehd_status reweigh(reduced_model *model, artefact *file, const stored_siz
     if (!status)
         status = read_part(&sampled, &memory, file, "row_jacobian_modes", stored->rows,
                            stored->jacobian, NULL, num_rows, num_modes, error);
-    for (size_t r = 0; r < num_rows && !status; r++)
-        if (!(before[r] > 0))
-            status = ehd_fail(error, EHD_DATA, "%s: row_factor: found %g, expected above 0",
-                              artefact_path(file), before[r]);
     if (!status) status = weights->weigh(factors, sampled, num_rows, num_modes, error);
     for (size_t r = 0; r < num_rows && !status; r++)
         model->rows.weight[r] *= factors[r] / before[r];
@@ -189,8 +174,7 @@ static ehd_status check_lines(const reduced_model *model, const artefact *file, 
 
 static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *error) {
     size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
-    const int64_t last = (int64_t)grid_width(&model->grid);
-    int64_t *values = malloc(num_inner * sizeof *values);
+    int64_t *values = array_new(num_inner, 1, sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
     for (size_t l = 0; l < model->band.num_lines; l++)
@@ -201,14 +185,8 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
                               "%s: found no dataset %s, expected it for a point contact",
                               artefact_path(file), band_fields[f]);
         if (!status) status = artefact_get_integers(file, band_fields[f], values, error);
-        for (size_t l = 0; l < num_inner && !status; l++) {
-            if (values[l] < 1 || values[l] > last)
-                status = ehd_fail(error, EHD_DATA, "%s: %s: found %lld, expected 1 to %lld",
-                                  artefact_path(file), band_fields[f], (long long)values[l],
-                                  (long long)last);
-            else
-                *band_value(&model->band.lines[first + l], f) = (size_t)values[l];
-        }
+        for (size_t l = 0; l < num_inner && !status; l++)
+            *band_value(&model->band.lines[first + l], f) = (size_t)values[l];
     }
     free(values);
     for (size_t l = 1; l < model->band.num_lines && !status; l++)
@@ -268,8 +246,8 @@ static ehd_status read_cut(reduced_model *model, artefact *file, const stored_si
                                   1, num_pressure, error);
 
     cut->num_rows = (coupled ? model->rows.num_needed : width) + 1;
-    cut->base = arena_array(&model->memory, cut->num_rows * num_pressure, sizeof(double));
-    cut->left = arena_array(&model->memory, model->band.num_nodes * cut->num_rows, sizeof(double));
+    cut->base = arena_table(&model->memory, cut->num_rows, num_pressure, sizeof(double));
+    cut->left = arena_table(&model->memory, model->band.num_nodes, cut->num_rows, sizeof(double));
     if (!status && (!cut->base || !cut->left)) status = no_memory(file, error);
     if (!status && !coupled)
         status = read_part(&elasticity, &memory, file, "elasticity_jacobian", stored->deformation,
@@ -464,7 +442,7 @@ static ehd_status read_modes(double **modes, artefact *file, const char *field,
     double *whole = NULL;
     ehd_status status = modes_read(&whole, file, field, grid, stored, inner, error);
 
-    *modes = status ? NULL : malloc(num_nodes * wanted * sizeof(double));
+    *modes = status ? NULL : array_new(num_nodes, wanted, sizeof(double));
     if (!status && !*modes) status = no_memory(file, error);
     for (size_t k = 0; k < num_nodes && !status; k++)
         memcpy(*modes + k * wanted, whole + k * stored, wanted * sizeof(double));

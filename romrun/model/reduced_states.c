@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/reduced_model.h"
 
+#include "common/program/arena.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,15 +32,15 @@ ehd_status reduced_states_init(reduced_states *states, size_t num_states, size_t
     states->num_states = num_states;
     states->num_lines = num_lines;
     states->num_unknowns = num_unknowns;
-    states->coordinates = calloc(num_states * num_unknowns, sizeof(double));
-    states->exit = calloc(num_states * num_lines, sizeof *states->exit);
-    states->moes_M = calloc(num_states, sizeof(double));
-    states->alpha_p_H = calloc(num_states, sizeof(double));
-    states->central_film_thickness = calloc(num_states, sizeof(double));
-    states->stationary = malloc((num_states + 1) * sizeof *states->stationary);
-    states->rate = calloc(num_states, sizeof(double));
-    states->effects = malloc((num_states + 1) * sizeof *states->effects);
-    states->rises = malloc((num_states + 1) * sizeof *states->rises);
+    states->coordinates = array_new(num_states, num_unknowns, sizeof(double));
+    states->exit = array_new(num_states, num_lines, sizeof *states->exit);
+    states->moes_M = array_new(num_states, 1, sizeof(double));
+    states->alpha_p_H = array_new(num_states, 1, sizeof(double));
+    states->central_film_thickness = array_new(num_states, 1, sizeof(double));
+    states->stationary = array_new(num_states, 1, sizeof *states->stationary);
+    states->rate = array_new(num_states, 1, sizeof(double));
+    states->effects = array_new(num_states, 1, sizeof *states->effects);
+    states->rises = array_new(num_states, 1, sizeof *states->rises);
     if (!states->coordinates || !states->exit || !states->moes_M || !states->alpha_p_H ||
         !states->central_film_thickness || !states->stationary || !states->rate ||
         !states->effects || !states->rises) {

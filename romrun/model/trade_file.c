@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/trade_file.h"
 
+#include "common/program/arena.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -211,7 +213,7 @@ ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *erro
 // ---- reading
 
 static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *error) {
-    int64_t *values = malloc(table->num_positions * sizeof *values);
+    int64_t *values = array_new(table->num_positions, 1, sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
     for (size_t c = 0; c < NUM_COUNTS && !status; c++) {
@@ -234,10 +236,10 @@ static ehd_status get_counts(trade_table *table, artefact *file, ehd_error *erro
     return status;
 }
 
-/* Unknown values are NaN, and none is negative. */
+/* Unknown values are NaN. */
 static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error) {
     size_t num_positions = table->num_positions;
-    double *values = malloc(num_positions * NUM_TRADE_QUANTILES * sizeof *values);
+    double *values = array_new(num_positions, NUM_TRADE_QUANTILES, sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
     for (size_t c = 0; c < NUM_REALS && !status; c++) {
@@ -248,33 +250,24 @@ static ehd_status get_reals(trade_table *table, artefact *file, ehd_error *error
     }
     for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
         status = artefact_get(file, deviation_fields[q], values, error);
-        for (size_t i = 0; i < num_positions * NUM_TRADE_QUANTILES && !status; i++) {
+        for (size_t i = 0; i < num_positions * NUM_TRADE_QUANTILES && !status; i++)
             table->positions[i / NUM_TRADE_QUANTILES].deviation[q][i % NUM_TRADE_QUANTILES] =
                 values[i];
-            if (values[i] < 0)
-                status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
-                                  artefact_path(file), deviation_fields[q], values[i]);
-        }
     }
     free(values);
     return status;
 }
 
-/* Finite and at least 0. */
 static ehd_status get_of_indicator(trade_table *table, double *values, const column *self,
                                    artefact *file, ehd_error *error) {
     ehd_status status = artefact_get(file, self->field, values, error);
 
-    for (size_t i = 0; i < table->num_positions && !status; i++) {
+    for (size_t i = 0; i < table->num_positions && !status; i++)
         *(double *)member(&table->positions[i], self->offset) = values[i];
-        if (!(values[i] >= 0 && isfinite(values[i])))
-            status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
-                              artefact_path(file), self->field, values[i]);
-    }
     return status;
 }
 
-/* A table without shapes has the same factor for all bounds. Finite and at least 0. */
+/* A table without shapes has the same factor for all bounds. */
 static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *error) {
     const size_t count = table->num_positions * NUM_BOUNDED;
     bool known = artefact_length(file, "bounded") == NUM_BOUNDED;
@@ -288,12 +281,8 @@ static ehd_status get_shapes(trade_table *table, artefact *file, ehd_error *erro
             table->positions[i].shape[q] = plain_shape;
     for (size_t f = 0; f < NUM_SHAPE_FIELDS && known && !status; f++) {
         status = artefact_get(file, shape_fields[f].name, values, error);
-        for (size_t i = 0; i < count && !status; i++) {
+        for (size_t i = 0; i < count && !status; i++)
             *shape_member(table, i, shape_fields[f].offset) = values[i];
-            if (!(values[i] >= 0 && isfinite(values[i])))
-                status = ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected at least 0",
-                                  artefact_path(file), shape_fields[f].name, values[i]);
-        }
     }
     free(values);
     return status;
@@ -305,7 +294,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
         !artefact_has(file, "indicator_effectivity") ||
         artefact_length(file, "part") != NUM_TRADE_PARTS)
         return EHD_OK; // written without an indicator
-    double *values = malloc(num_positions * NUM_TRADE_PARTS * sizeof *values);
+    double *values = array_new(num_positions, NUM_TRADE_PARTS, sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
 
     for (size_t c = 0; c < NUM_OF_INDICATOR && !status; c++) {
@@ -328,7 +317,7 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
 }
 
 static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *error) {
-    double *values = malloc(table->num_positions * sizeof *values);
+    double *values = array_new(table->num_positions, 1, sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
     bool both = table->num_trajectories > 0;
 
@@ -346,7 +335,7 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
 
     if (!status)
         status = artefact_get_integer(file, "calibration_trajectories", &num_trajectories, error);
-    if (!status && (num_scenes < 0 || num_trajectories < 0 || num_scenes + num_trajectories < 1))
+    if (!status && num_scenes == 0 && num_trajectories == 0)
         status = ehd_fail(error, EHD_DATA,
                           "%s: calibration_scenes: found %lld and %lld trajectories, expected some",
                           artefact_path(file), (long long)num_scenes, (long long)num_trajectories);
@@ -358,7 +347,7 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
     table->num_scenes = (size_t)num_scenes;
     table->num_trajectories = (size_t)num_trajectories;
     table->num_positions = artefact_length(file, "position");
-    table->positions = calloc(table->num_positions, sizeof *table->positions);
+    table->positions = array_new(table->num_positions, 1, sizeof *table->positions);
     if (!table->positions) return no_memory(file, error);
     status = get_counts(table, file, error);
     if (!status) status = get_reals(table, file, error);

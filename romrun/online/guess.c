@@ -74,15 +74,27 @@ static bool is_own(const neighbour *self) {
     return fabs(self->away[ALONG_VISCOSITY]) < same && fabs(self->away[ALONG_DENSITY]) < same;
 }
 
+/* Whether a state may be a start: a stationary one or, of a model that has none of these, any. */
+static bool is_start(const reduced_states *states, size_t state, bool any) {
+    return any || states->stationary[state];
+}
+
+static bool has_stationary(const reduced_states *states) {
+    for (size_t s = 0; s < states->num_states; s++)
+        if (states->stationary[s]) return true;
+    return false;
+}
+
 /* Lists the nearest stationary states farther away than `beyond`, of those of which an effect of
  * the grid is known, or of the contact's own lubricant; returns their number. */
 static size_t nearest_states(neighbour *nearest, const reduced_states *states,
                              const wanted_place *here, double beyond, int effect, bool own) {
+    const bool any = !has_stationary(states);
     size_t count = 0;
 
     for (size_t s = 0; s < states->num_states; s++) {
         neighbour fresh;
-        if (!states->stationary[s]) continue;
+        if (!is_start(states, s, any)) continue;
         if (effect != ANY_EFFECT && isnan(states->effects[s].of[effect])) continue;
         if (!place_state(&fresh, states, s, here) || (own && !is_own(&fresh))) continue;
         if (!(fresh.distance > beyond) ||
@@ -220,6 +232,11 @@ void reduced_guess(reduced_state *state, const reduced_model *model, double moes
     size_t count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, true);
     if (!fit_weights(weights, nearest, count, &FITS[0], (const bool[NUM_COORDINATES]){false})) {
         count = nearest_states(nearest, &model->states, &here, -1, ANY_EFFECT, false);
+        // the contact's lubricant has no viscosity at any of them: whatever they are of
+        if (count == 0) {
+            const wanted_place of_any = place_wanted(moes_M, alpha_p_H, NULL);
+            count = nearest_states(nearest, &model->states, &of_any, -1, ANY_EFFECT, false);
+        }
         count = best_weights(weights, nearest, count);
     }
     combine_states(state, model, nearest, weights, count);

@@ -32,11 +32,19 @@ const size_t *reduced_state_exits(const reduced_state *state) {
     return state->exits ? state->exits : &state->exit;
 }
 
+static size_t exit_in_band(const band_line *line, size_t exit) {
+    if (exit < line->min_exit) return line->min_exit;
+    return exit > line->max_exit ? line->max_exit : exit;
+}
+
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model,
                              const size_t *exits) {
+    const size_t central = grid_central_line(&model->grid) / grid_width(&model->grid);
+
     state->exit_offset = NAN;
-    state->exit = exits[grid_central_line(&model->grid) / grid_width(&model->grid)];
-    if (state->exits) memmove(state->exits, exits, model->band.num_lines * sizeof *exits);
+    state->exit = exit_in_band(&model->band.lines[central], exits[central]);
+    for (size_t l = 0; l < model->band.num_lines && state->exits; l++)
+        state->exits[l] = exit_in_band(&model->band.lines[l], exits[l]);
 }
 
 void reduced_state_copy(reduced_state *target, const reduced_state *source,

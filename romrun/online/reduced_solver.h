@@ -49,7 +49,8 @@ void reduced_state_free(reduced_state *state);
 void reduced_state_copy(reduced_state *target, const reduced_state *source,
                         const reduced_model *model);
 
-/* Gets and sets the exit line, [num_lines]; at nodes. */
+/* Gets and sets the exit line, [num_lines]; at nodes. One outside of the model's band, as a training
+ * solution without an exit has, is put to its nearest. */
 const size_t *reduced_state_exits(const reduced_state *state);
 void reduced_state_set_exits(reduced_state *state, const reduced_model *model, const size_t *exits);
 

@@ -384,12 +384,12 @@ PYTHON
 
 @test "values that no solver could have found" {
     patch s.h5 "f['pressure'][2, 60] = numpy.nan"
-    refuse 65 "bad.h5: state 2: found values that are not finite" podbuild bad.h5 -o x.h5
+    refuse 65 "bad.h5: pressure: found nan, expected a number that is finite" podbuild bad.h5 -o x.h5
     patch b.h5 "f['weight'][3] = numpy.nan"
-    refuse 65 "bad.h5: weight: found a value that is not finite" \
+    refuse 65 "bad.h5: weight: found nan, expected above 0" \
         snapgen plan.yml --basis bad.h5 -o x.h5
     patch r.h5 "f['weighted_jacobian_step'][3, 5] = numpy.inf"
-    refuse 65 "found inf in state 3 at node 5" deimselect bad.h5 --basis b.h5 -o x.h5
+    refuse 65 "weighted_jacobian_step: found inf, expected a number that is finite" deimselect bad.h5 --basis b.h5 -o x.h5
     patch m.h5 "f['band_pressure_basis'][3, 5] = numpy.nan"
     refuse 65 "bad.h5: band_pressure_basis" romrun scene.yml --model bad.h5 -o x.h5
     patch m.h5 "f['selected_row'][3] = 5000"

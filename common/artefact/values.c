@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the numbers of a file may be, and how many of them it may hold. */
+#include "common/artefact/internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <float.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// ---- ranges
+
+/* What bounds integers above. */
+typedef enum largest_integer {
+    BOUND_NONE,
+    BOUND_X,
+    BOUND_WIDTH,
+    BOUND_INNER,
+    BOUND_FILM,
+    BOUND_STATE
+} largest_integer;
+
+typedef enum order { ORDER_ANY, ORDER_DIFFERENT, ORDER_ASCENDING } order;
+
+static const struct {
+    const char *text;
+    double low, high;      // of real numbers
+    int64_t least;         // of integers
+    largest_integer bound; // the largest is this, less `below`
+    int below;
+    order order;
+    bool nan; // NaN will do, too
+} ranges[] = {
+    [VALUES_ANY] = {"", -INFINITY, INFINITY, INT64_MIN, BOUND_NONE, 0, ORDER_ANY, true},
+    [VALUES_FINITE] = {"finite", -DBL_MAX, DBL_MAX, INT64_MIN, BOUND_NONE, 0, ORDER_ANY, false},
+    [VALUES_KNOWN] = {"finite or NaN", -DBL_MAX, DBL_MAX, 0, BOUND_NONE, 0, ORDER_ANY, true},
+    [VALUES_POSITIVE] = {"above 0", DBL_TRUE_MIN, DBL_MAX, 1, BOUND_NONE, 0, ORDER_ANY, false},
+    [VALUES_POSITIVE_OR_NAN] = {"above 0, or NaN", DBL_TRUE_MIN, DBL_MAX, 1, BOUND_NONE, 0,
+                                ORDER_ANY, true},
+    [VALUES_NOT_NEGATIVE] = {"at least 0", 0, DBL_MAX, 0, BOUND_NONE, 0, ORDER_ANY, false},
+    [VALUES_BOUND] = {"at least 0, infinite or NaN", 0, INFINITY, 0, BOUND_NONE, 0, ORDER_ANY,
+                      true},
+    [VALUES_FLAG] = {"0 or 1", 0, 1, 0, BOUND_NONE, 0, ORDER_ANY, false},
+    [VALUES_COUNT] = {"at least 0", 0, DBL_MAX, 0, BOUND_NONE, 0, ORDER_ANY, false},
+    [VALUES_INDEX_OR_NONE] = {"at least -1", -1, DBL_MAX, -1, BOUND_NONE, 0, ORDER_ANY, false},
+    [VALUES_STATE_OR_NONE] = {"-1 to states - 1", -1, DBL_MAX, -1, BOUND_STATE, 1, ORDER_ANY,
+                              false},
+    [VALUES_COLUMN] = {"0 to length of x", 0, DBL_MAX, 0, BOUND_X, 0, ORDER_ANY, false},
+    [VALUES_FILM_COLUMN] = {"1 to length of x + 2", 1, DBL_MAX, 1, BOUND_WIDTH, 0, ORDER_ANY,
+                            false},
+    [VALUES_ROW] = {"0 to inner nodes - 1, each once", 0, DBL_MAX, 0, BOUND_INNER, 1,
+                    ORDER_DIFFERENT, false},
+    [VALUES_FILM_NODE] = {"0 to film nodes - 1, ascending", 0, DBL_MAX, 0, BOUND_FILM, 1,
+                          ORDER_ASCENDING, false}};
+
+const char *values_text(artefact_values values) {
+    return ranges[values].text;
+}
+
+bool values_have_order(artefact_values values) {
+    return ranges[values].order != ORDER_ANY;
+}
+
+/* Lines of the film, boundary lines counted: y has none of them, and half a domain has one. */
+static int64_t film_lines(const artefact *file) {
+    const int64_t lines = (int64_t)artefact_length(file, "y");
+    int64_t half = 0;
+
+    if (lines == 0) return 1;
+    if (hdf5_has_attribute(file->id, "half")) hdf5_get_number(file->id, "half", H5T_INTEGER, &half);
+    return lines + (half ? 1 : 2);
+}
+
+/* The largest integer of a range in this file. */
+static int64_t largest(const artefact *file, artefact_values values) {
+    const int64_t x = (int64_t)artefact_length(file, "x"), y = (int64_t)artefact_length(file, "y");
+    int64_t bound = INT64_MAX;
+
+    switch (ranges[values].bound) {
+    case BOUND_NONE:
+        return values == VALUES_FLAG ? 1 : bound;
+    case BOUND_X:
+        bound = x;
+        break;
+    case BOUND_WIDTH:
+        bound = x + 2;
+        break;
+    case BOUND_INNER:
+        bound = x * (y > 0 ? y : 1);
+        break;
+    case BOUND_FILM:
+        bound = (x + 2) * film_lines(file);
+        break;
+    case BOUND_STATE:
+        bound = (int64_t)artefact_length(file, "state");
+        break;
+    }
+    return bound - ranges[values].below;
+}
+
+static ehd_status real_misfits(const artefact *file, const char *name, double found,
+                               artefact_values values, ehd_error *error) {
+    return ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected %s%s", shown_name(file), name,
+                    found, values == VALUES_FINITE ? "a number that is " : "", ranges[values].text);
+}
+
+static ehd_status integer_misfits(const artefact *file, const char *name, int64_t found,
+                                  artefact_values values, ehd_error *error) {
+    const int64_t last = largest(file, values);
+
+    if (last == INT64_MAX)
+        return ehd_fail(error, EHD_DATA, "%s: %s: found %" PRId64 ", expected %s", shown_name(file),
+                        name, found, ranges[values].text);
+    return ehd_fail(error, EHD_DATA, "%s: %s: found %" PRId64 ", expected %" PRId64 " to %" PRId64,
+                    shown_name(file), name, found, ranges[values].least, last);
+}
+
+ehd_status check_real(const artefact *file, const char *name, artefact_values values, double found,
+                      ehd_error *error) {
+    const bool fits = (found >= ranges[values].low && found <= ranges[values].high) ||
+                      (ranges[values].nan && isnan(found));
+
+    return fits ? EHD_OK : real_misfits(file, name, found, values, error);
+}
+
+ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
+                         int64_t found, ehd_error *error) {
+    if (found >= ranges[values].least && found <= largest(file, values)) return EHD_OK;
+    return integer_misfits(file, name, found, values, error);
+}
+
+static int compare_integers(const void *a, const void *b) {
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+
+    return (p > q) - (p < q);
+}
+
+static ehd_status check_ascending(const artefact *file, const char *name, const int64_t *found,
+                                  size_t count, const char *expected, ehd_error *error) {
+    for (size_t i = 1; i < count; i++)
+        if (found[i] <= found[i - 1])
+            return ehd_fail(error, EHD_DATA,
+                            "%s: %s: found %" PRId64 " behind %" PRId64 ", expected %s",
+                            shown_name(file), name, found[i], found[i - 1], expected);
+    return EHD_OK;
+}
+
+static ehd_status check_order(const artefact *file, const char *name, artefact_values values,
+                              const int64_t *found, size_t count, ehd_error *error) {
+    if (ranges[values].order == ORDER_ANY) return EHD_OK;
+    if (ranges[values].order == ORDER_ASCENDING)
+        return check_ascending(file, name, found, count, "them ascending", error);
+    int64_t *sorted = array_new(count, 1, sizeof *sorted);
+    if (!sorted)
+        return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory", shown_name(file), name);
+    memcpy(sorted, found, count * sizeof *sorted);
+    qsort(sorted, count, sizeof *sorted, compare_integers);
+    const ehd_status status = check_ascending(file, name, sorted, count, "each once", error);
+    free(sorted);
+    return status;
+}
+
+/* Whether an entry along the field's first axis is to be looked at. */
+static bool is_solved(const artefact *file, const artefact_field *field, size_t entry) {
+    return !file->outcomes || strcmp(field->axes[0], file->outcome_axis) != 0 ||
+           file->outcomes[entry] == 0;
+}
+
+ehd_status check_values(const artefact *file, const artefact_field *field, size_t first,
+                        size_t count, const void *data, ehd_error *error) {
+    const artefact_values values = field->values;
+    const double low = ranges[values].low, high = ranges[values].high;
+    const double *reals = data;
+    const int64_t *integers = data, least = ranges[values].least;
+    ehd_status status = EHD_OK;
+
+    // of a file that is being written, entries are there before their numbers
+    if (values == VALUES_ANY || file->growing || file->partial) return EHD_OK;
+    const size_t each = entry_size(file, field);
+    const int64_t most = largest(file, values);
+    for (size_t e = 0; e < count && !status; e++) {
+        if (!is_solved(file, field, first + e)) continue;
+        for (size_t i = e * each; i < (e + 1) * each && !status; i++)
+            if (field->type == ARTEFACT_INTEGER) {
+                if (!(integers[i] >= least && integers[i] <= most))
+                    status = integer_misfits(file, field->name, integers[i], values, error);
+            } else if (!(reals[i] >= low && reals[i] <= high)) {
+                status = check_real(file, field->name, values, reals[i], error);
+            }
+    }
+    if (status || field->type != ARTEFACT_INTEGER) return status;
+    return check_order(file, field->name, values, integers, count * each, error);
+}
+
+ehd_status learn_outcomes(artefact *file, ehd_error *error) {
+    const artefact_field *field = find_field(file, "status");
+    if (!field || file->growing || file->partial || !field_exists(file, field)) return EHD_OK;
+
+    const size_t count = artefact_length(file, field->axes[0]);
+    ehd_status status = check_memory(file, field, count, error);
+    if (status) return status;
+    file->outcomes = array_new(count, 1, sizeof *file->outcomes);
+    file->outcome_axis = field->axes[0];
+    if (!file->outcomes)
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", shown_name(file));
+    return transfer(file, field->name, ARTEFACT_INTEGER, 0, WHOLE_FIELD, file->outcomes, NULL,
+                    error);
+}
+
+// ---- sizes
+
+ehd_status check_axis_length(const artefact *file, const char *object, const char *axis,
+                             size_t length, ehd_error *error) {
+    const artefact_axis *found = file->schema->axes;
+
+    while (found->name && strcmp(found->name, axis) != 0)
+        found++;
+    if (length <= found->max) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: %s: found length %zu along %s, expected at most %zu",
+                    shown_name(file), object, length, axis, found->max);
+}
+
+size_t num_entries(const artefact *file, const artefact_field *field) {
+    const char *axes[ARTEFACT_MAX_RANK] = {""};
+
+    artefact_axes(axes, file, field);
+    return artefact_length(file, axes[0]);
+}
+
+size_t entry_size(const artefact *file, const artefact_field *field) {
+    const char *axes[ARTEFACT_MAX_RANK];
+    const size_t rank = artefact_axes(axes, file, field);
+    size_t size = 1;
+
+    for (size_t i = 1; i < rank; i++)
+        size *= artefact_length(file, axes[i]);
+    return size;
+}
+
+/* Bytes of a file that are on the disk, without its holes. */
+static double bytes_on_disk(const char *path) {
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    const off_t end = descriptor < 0 ? 0 : lseek(descriptor, 0, SEEK_END);
+    double bytes = 0;
+
+    for (off_t at = 0; at < end;) {
+        const off_t data = lseek(descriptor, at, SEEK_DATA);
+        if (data < 0 && errno == ENXIO) break; // a hole up to the end
+        off_t hole = data < 0 ? -1 : lseek(descriptor, data, SEEK_HOLE);
+        if (hole < 0) hole = end; // a file system that does not tell
+        bytes += (double)(hole - (data < 0 ? at : data));
+        at = hole;
+    }
+    if (descriptor >= 0) close(descriptor);
+    return bytes;
+}
+
+/* Largest ratio of gzip: two bits stand for at most 258 bytes (RFC 1951). */
+static const double MAX_UNPACKING = 1032;
+
+/* As double, since the product may not fit. */
+static double count_numbers(const artefact *file, const artefact_field *field) {
+    const char *axes[ARTEFACT_MAX_RANK];
+    const size_t rank = artefact_axes(axes, file, field);
+    double count = 1;
+
+    for (size_t i = field->by_entry ? 1 : 0; i < rank; i++)
+        count *= (double)artefact_length(file, axes[i]);
+    return count;
+}
+
+/* A chunk is unpacked at once, whatever is read of it. */
+static ehd_status check_chunk(const artefact *file, const char *name, double numbers,
+                              ehd_error *error) {
+    const double small = 1 << 20, most = fmax(numbers, small);
+    const double found = hdf5_chunk_numbers(file->id, name);
+
+    if (found <= most) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: %s: found a chunk of %.0f numbers, expected at most %.0f",
+                    shown_name(file), name, found, most);
+}
+
+/* What a reader may take of the file at once. */
+static ehd_status add_numbers(double *numbers, const artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++) {
+        const double count = (double)artefact_length(file, axis->name);
+        if (!hdf5_has_dataset(file->id, axis->name)) continue;
+        *numbers += count;
+        status = check_chunk(file, axis->name, count, error);
+    }
+    for (const artefact_field *field = file->schema->fields; field->name && !status; field++) {
+        const double count = count_numbers(file, field);
+        if (!hdf5_has_dataset(file->id, field->name)) continue;
+        *numbers += count;
+        status = check_chunk(file, field->name, count, error);
+    }
+    return status;
+}
+
+ehd_status check_unpacking(const artefact *file, ehd_error *error) {
+    const double nodes =
+        fmax((double)artefact_length(file, "x"), 1) * fmax((double)artefact_length(file, "y"), 1);
+    double numbers = 0;
+
+    if (nodes > ARTEFACT_MAX_NODES)
+        return ehd_fail(error, EHD_DATA, "%s: x: found %.0f nodes, expected at most %d",
+                        shown_name(file), nodes, ARTEFACT_MAX_NODES);
+    const ehd_status status = add_numbers(&numbers, file, error);
+    if (status) return status;
+    const double bytes = numbers * (double)sizeof(double);
+    const double stored = bytes_on_disk(shown_name(file));
+    if (bytes <= MAX_UNPACKING * stored) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found numbers that take %.3g MB in a file with %.3g MB of data, expected "
+                    "at most %.0f times as much",
+                    shown_name(file), bytes * 1e-6, stored * 1e-6, MAX_UNPACKING);
+}
+
+ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
+                        ehd_error *error) {
+    const double small = 64e6; // not worth asking
+    const double bytes = (double)entries * (double)entry_size(file, field) * (double)sizeof(double);
+
+    if (bytes < small) return EHD_OK;
+    return program_check_memory(shown_name(file), field->name, entries * entry_size(file, field),
+                                "numbers", "", bytes, error);
+}

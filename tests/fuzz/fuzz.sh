@@ -1,0 +1,35 @@
+#!/bin/bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Fuzzes a target for some seconds, and says on one line what that came to. What is new stays in
+# build/found/TARGET, from which the next run goes on; what fails is build/crashes/TARGET-..., with the log.
+#
+#     tests/fuzz/fuzz.sh LIBFUZZER TARGET SECONDS
+set -u
+
+fuzzer=$(realpath "$1") target=$2 seconds=$3
+here=$(dirname "$(realpath "$0")")
+build=$here/../../build
+mkdir -p "$build/found/$target" "$build/crashes"
+found=$(realpath "$build/found/$target") crashes=$(realpath "$build/crashes")
+log=$crashes/$target.log
+case $target in
+scene) seeds=$(find "$here/../../scenes" -name '*scene*.yml') ;;
+plan) seeds=$(find "$here/../../scenes" -name '*plan*.yml') ;;
+*) seeds= ;;
+esac
+for seed in $seeds; do cp "$seed" "$found/$(cksum <"$seed" | tr ' ' -)"; done
+corpus=$here/corpus/$target
+[[ -d $corpus ]] || corpus=
+
+before=$(find "$crashes" -name "$target-*" | wc -l)
+TARGET=$target "$here/with-bases.sh" nice "$fuzzer" -max_total_time="$seconds" -close_fd_mask=3 -print_final_stats=1 \
+    -max_len=4096 -timeout=30 -rss_limit_mb=4096 -malloc_limit_mb=100000 -artifact_prefix="$crashes/$target-" \
+    "$found" ${corpus:+"$corpus"} >"$log" 2>&1
+code=$?
+awk -v target="$target" -v crashes="$(($(find "$crashes" -name "$target-*" | wc -l) - before))" '
+    /^#[0-9]+\t/ { for (i = 1; i < NF; i++) if ($i == "cov:") edges = $(i + 1) }
+    /number_of_executed_units/ { runs = $2 }
+    /^Done/ { seconds = $5 }
+    END { printf "%-18s %9d executions, %5d s, %5d edges, %d failures\n", target, runs, seconds, edges, crashes }' "$log"
+((code == 0)) || echo "see $log" >&2
+exit $code
