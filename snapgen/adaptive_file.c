@@ -46,24 +46,31 @@ static ehd_status put_choice(artefact *file, size_t place, const adaptive_state 
     return status;
 }
 
+/* The numbers of the states from `first` on, behind which the axis has its length. */
+static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_error *error) {
+    double *numbers = malloc((count + 1) * sizeof *numbers);
+    if (!numbers)
+        return ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points",
+                        artefact_path(file), count);
+
+    for (size_t i = 0; i < count; i++)
+        numbers[i] = (double)(first + i);
+    ehd_status status = artefact_put_axis_part(file, "state", first, count, numbers, error);
+    free(numbers);
+    return status ? status : artefact_flush(file, error);
+}
+
 ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
                              size_t first, size_t count, ehd_error *error) {
-    double *numbers = malloc((count + 1) * sizeof *numbers);
-    ehd_status status = numbers ? EHD_OK
-                                : ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu points",
-                                           artefact_path(file), count);
+    ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < count && !status; i++) {
         const adaptive_state *state = &states[first + i];
-        numbers[i] = (double)(first + i);
         status = snapshots_put_contact(file, first + i, &set->contacts[state->point], error);
         if (!status) status = put_choice(file, first + i, state, error);
     }
     // the axis last and once, so that a round that is read is whole
-    if (!status) status = artefact_put_axis_part(file, "state", first, count, numbers, error);
-    if (!status) status = artefact_flush(file, error);
-    free(numbers);
-    return status;
+    return status ? status : put_numbers(file, first, count, error);
 }
 
 // ---- resuming
@@ -141,6 +148,8 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     size_t count = artefact_length(*file, "state");
     status = check_count(count, set, artefact_path(*file), error);
     if (!status) status = artefact_cut_axis(*file, "state", count, error);
+    // a disk that fails may have left the length without the numbers
+    if (!status && count > 0) status = put_numbers(*file, 0, count, error);
     if (!status) status = read_states(states, films, points, *file, count, error);
     *num_states = count;
     if (status) artefact_close(file);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/artefact/internal.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@ enum { PIECE_BYTES = 60000 };
 
 void hdf5_start(void) {
     static _Thread_local bool started = false;
+    errno = 0;
     if (started) return;
     started = true;
     H5dont_atexit(); // must come first
@@ -21,25 +23,26 @@ void hdf5_start(void) {
 
 // ---- errors
 
-/* The first frame of the walk is the one that found the trouble. */
+// the driver says "…, errno = 28, error message = 'No space left on device', buf = …"
+static const char system_key[] = "error message = '";
+
+/* The first frame of the walk is the one that found the trouble, unless the system tells of it. */
 static herr_t take_first(unsigned depth, const H5E_error2_t *frame, void *data) {
     hdf5_reason *reason = data;
-    if (depth == 0 && frame->desc) {
+    if (frame->desc && (depth == 0 || strstr(frame->desc, system_key)))
         snprintf(reason->text, sizeof reason->text, "%s", frame->desc);
-    }
     return 0;
 }
 
 hdf5_reason hdf5_last_reason(void) {
-    hdf5_reason reason = {.text = ""};
+    // some of its functions forget what failed below them, but errno stays
+    hdf5_reason reason = {.text = "", .system = errno == EIO, .memory = errno == ENOMEM};
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, take_first, &reason);
 
-    // the driver says "…, errno = 28, error message = 'No space left on device', buf = …"
-    static const char key[] = "error message = '";
-    char *start = strstr(reason.text, key);
+    char *start = strstr(reason.text, system_key);
     if (start) {
         reason.system = true;
-        start += sizeof key - 1;
+        start += sizeof system_key - 1;
         size_t length = strcspn(start, "'");
         memmove(reason.text, start, length);
         reason.text[length] = '\0';
@@ -54,21 +57,48 @@ void hdf5_release(hid_t id) {
     H5Eset_current_stack(stack);
 }
 
+/* What a look-up could not tell, and why; of all files, since only one thread is here at a time. */
+static hdf5_reason unknown;
+static bool has_unknown;
+
+static bool exists(htri_t found) {
+    if (found < 0 && !has_unknown) {
+        unknown = hdf5_last_reason();
+        has_unknown = true;
+    }
+    return found > 0;
+}
+
+ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
+    const bool unread = has_unknown;
+    has_unknown = false;
+    if (status == EHD_MEMORY || status == EHD_INTERRUPTED) return status;
+    if ((errno == ENOMEM && status != EHD_OK) || (unread && unknown.memory))
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+    if (unread && status != EHD_IO)
+        return ehd_fail(error, unknown.system ? EHD_IO : EHD_DATA,
+                        "%s: found a read failure (%s), expected to look up what is there", path,
+                        unknown.text);
+    return status;
+}
+
 ehd_status hdf5_write_failed(artefact *file, const char *object, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
     file->failed = true;
-    return ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
-                    file->partial, object, reason.text);
+    ehd_fail(error, EHD_IO, "%s: %s: found a write failure (%s), expected it to be written",
+             file->partial, object, reason.text);
+    return hdf5_blame(EHD_IO, file->partial, error);
 }
 
 ehd_status hdf5_read_failed(const artefact *file, const char *object, ehd_error *error) {
     hdf5_reason reason = hdf5_last_reason();
-    if (reason.system) {
-        return ehd_fail(error, EHD_IO, "%s: %s: found a read failure (%s), expected it to be read",
-                        shown_name(file), object, reason.text);
-    }
-    return ehd_fail(error, EHD_DATA, "%s: %s: found damaged data (%s), expected it to be whole",
-                    shown_name(file), object, reason.text);
+    const ehd_status status =
+        reason.system
+            ? ehd_fail(error, EHD_IO, "%s: %s: found a read failure (%s), expected it to be read",
+                       shown_name(file), object, reason.text)
+            : ehd_fail(error, EHD_DATA, "%s: %s: found damaged data (%s), expected it to be whole",
+                       shown_name(file), object, reason.text);
+    return hdf5_blame(status, shown_name(file), error);
 }
 
 // ---- files
@@ -146,11 +176,11 @@ hid_t hdf5_create(const char *path) {
 }
 
 bool hdf5_has_dataset(hid_t root, const char *name) {
-    return H5Lexists(root, name, H5P_DEFAULT) > 0;
+    return exists(H5Lexists(root, name, H5P_DEFAULT));
 }
 
 bool hdf5_has_attribute(hid_t object, const char *name) {
-    return H5Aexists(object, name) > 0;
+    return exists(H5Aexists(object, name));
 }
 
 typedef struct attribute_visitor {

@@ -34,15 +34,22 @@ struct artefact {
 // ---- hdf5.c: the library's manners and attributes
 
 /* To be called before anything else of HDF5, in each thread: it prints nothing, loads no plugins, and
- * does nothing at exit, where it would try again to write what could not be written. */
+ * does nothing at exit, where it would try again to write what could not be written. Memory that was
+ * refused before is forgotten. */
 void hdf5_start(void);
 
 /* The innermost message of the last failed HDF5 call; call it before any other HDF5 function. */
 typedef struct hdf5_reason {
     char text[256];
     bool system; // the operating system refused, not the content
+    bool memory; // memory was refused
 } hdf5_reason;
 hdf5_reason hdf5_last_reason(void);
+
+/* What an outcome of this status was in truth: a failure is EHD_MEMORY where memory was refused since
+ * hdf5_start, and any outcome EHD_IO or EHD_DATA where it could not be looked up what there is. `path`
+ * is for the message. */
+ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error);
 
 /* Closes whatever the id stands for and keeps the last reason; accepts negative ids. */
 void hdf5_release(hid_t id);
@@ -76,6 +83,7 @@ char *hdf5_get_text(hid_t root, const char *name);
  */
 bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *value);
 
+/* Where they cannot tell, they say no, and hdf5_blame knows. */
 bool hdf5_has_dataset(hid_t root, const char *name);
 bool hdf5_has_attribute(hid_t object, const char *name);
 /* Visits the names of all attributes of an object, in the order of their names. */

@@ -414,6 +414,7 @@ static ehd_status open_file(artefact **result, const char *path,
                               path);
     }
     if (status == EHD_OK) status = examine(file, schemas, error);
+    status = hdf5_blame(status, path, error);
     if (status != EHD_OK) artefact_close(&file);
     *result = file;
     return status;

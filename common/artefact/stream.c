@@ -33,7 +33,7 @@ ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
     if (file->streaming) return EHD_OK;
     ehd_status status = check_fields_written(file, error);
     if (status == EHD_OK) status = check_attributes_written(file, false, error);
-    if (status != EHD_OK) return status;
+    if (status != EHD_OK) return hdf5_blame(status, file->path, error);
     if (H5Fstart_swmr_write(file->id) < 0) return hdf5_write_failed(file, "file", error);
     status = sync_file(file, error);
     if (status == EHD_OK && file->on_copy) status = keep_copy(file, error);
@@ -118,7 +118,7 @@ ehd_status artefact_resume(artefact **result, const char *path, const artefact_s
     ehd_status status = writer_new(&file, path, schema, caller, 0, error);
     if (status != EHD_OK) return status;
     file->keep = true;
-    status = resume_streaming(file, caller, settings_text, error);
+    status = hdf5_blame(resume_streaming(file, caller, settings_text, error), path, error);
     if (status != EHD_OK) artefact_close(&file);
     *result = file;
     return status;
@@ -208,7 +208,7 @@ ehd_status artefact_finish(artefact **file, ehd_error *error) {
         artefact_close(file);
         return EHD_INTERRUPTED;
     }
-    ehd_status status = write_last(*file, error);
+    ehd_status status = hdf5_blame(write_last(*file, error), (*file)->path, error);
     if (status == EHD_OK) status = give_final_name(*file, error);
     artefact_delete(*file);
     *file = NULL;

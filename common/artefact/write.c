@@ -58,6 +58,7 @@ static ehd_status create_file(artefact **result, const char *path, const artefac
     } else {
         status = put_provenance(file, caller, settings_text, inputs, error);
     }
+    status = hdf5_blame(status, path, error);
     if (status != EHD_OK) artefact_close(&file);
     *result = file;
     return status;
@@ -256,6 +257,7 @@ ehd_status artefact_declare_apart(artefact *file, const char *name, ehd_error *e
 
 static ehd_status put(artefact *file, const char *name, artefact_type type, size_t first,
                       size_t count, const void *data, ehd_error *error) {
+    hdf5_start();
     const artefact_field *field = find_field(file, name);
     if (!field || field->type != type) {
         return ehd_fail(error, EHD_INTERNAL,
@@ -265,8 +267,9 @@ static ehd_status put(artefact *file, const char *name, artefact_type type, size
     ehd_status status = EHD_OK;
     if (!field_exists(file, field)) {
         if (file->streaming) {
-            return ehd_fail(error, EHD_INTERNAL, "%s: found field %s, expected a declared one",
-                            file->path, name);
+            status = ehd_fail(error, EHD_INTERNAL, "%s: found field %s, expected a declared one",
+                              file->path, name);
+            return hdf5_blame(status, file->path, error);
         }
         status = declare(file, field, LAYOUT_PLAIN, error);
     }
