@@ -9,7 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NUM_NEIGHBOURS = 24, MAX_STARTS = 8 };
+enum { NUM_NEIGHBOURS = 24 };
+
+/* Of 482 random scenes inside the lower training, of five laws and two densities (scenes/studies/
+ * silent-failures, seed 42), the first start solves 434; of the others the 1st to 11th other one solves
+ * 8 9 2 2 3 4 2 0 2 1 5, the twelve after them 5; two come to another film, and three to none. Of 101
+ * outside that the first does not solve it is 3 21 3 5 4 0 2 1 2 1 0 and 8; 46 come to none. A start that
+ * leads nowhere takes 38 iterations. */
+enum { MAX_STARTS = 11 };
 
 /* Coordinates of a training solution beside a contact: differences of ln M, of half of ln(1 + alpha
  * p_H), since the film follows powers of M and of the viscosity's rise, and what the lubricant was

@@ -277,7 +277,24 @@ static void guess_at_a_training_point_is_that_state(void **state) {
     trained_free(&training);
 }
 
-/* Where a start leads nowhere the next trained solutions are tried. */
+/* Makes the nearest states of a contact's own lubricant lead nowhere. */
+static void spoil_nearest(reduced_states *states, const ehd_contact *contact, size_t count) {
+    double distance[TRAINED_STATES];
+
+    for (size_t s = 0; s < TRAINED_STATES; s++)
+        distance[s] = hypot(log(states->moes_M[s] / contact->moes_M),
+                            0.5 * log1p(states->alpha_p_H[s]) - 0.5 * log1p(contact->alpha_p_H));
+    for (size_t i = 0; i < count; i++) {
+        size_t nearest = 0;
+        for (size_t s = 1; s < TRAINED_STATES; s++)
+            if (distance[s] < distance[nearest]) nearest = s;
+        distance[nearest] = INFINITY;
+        for (size_t j = 0; j < states->num_unknowns; j++)
+            states->coordinates[nearest * states->num_unknowns + j] *= -50;
+    }
+}
+
+/* Where a start leads nowhere the next trained solutions are tried, and so is the eleventh. */
 static void goes_on_to_other_starts(void **state) {
     (void)state;
     trained training;
@@ -287,10 +304,8 @@ static void goes_on_to_other_starts(void **state) {
     trained_init(&training, 0.02);
     trained_basis(&coupled, &training, DEFORMATION_COUPLED, 0, 0);
     reduced_problem_init(&reduced, &coupled, NULL, 0, &strict_settings);
-    const size_t n = reduced.model.num_unknowns;
-    for (size_t j = 0; j < n; j++)
-        reduced.model.states.coordinates[3 * n + j] *= -50;
     const ehd_contact *contact = &training.contacts[3];
+    spoil_nearest(&reduced.model.states, contact, 10);
     reduced_guess(&reduced.state, &reduced.model, contact->moes_M, contact->alpha_p_H,
                   &contact->lubricant);
     assert_int_equal(

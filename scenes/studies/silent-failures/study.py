@@ -14,8 +14,10 @@ import json
 import os
 import re
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
+import h5py
 import numpy as np
 
 import results
@@ -28,7 +30,10 @@ LAWS = {"law: wlf, preset: no1": (23.60e-9, 9e9), "law: wlf, preset: no2": (12.5
 DENSITIES = ["dowson-higginson", "incompressible"]
 MOST_L = 40
 
-RUN = ["promise", "where", "whose", "code", "central", "minimum", "full_central", "full_minimum"]
+FILMS = ["central", "minimum"]
+RUN = ["promise", "where", "whose", "code", "central", "minimum", "indicated_central", "indicated_minimum", "fields",
+       "full_central", "full_minimum"]
+LEAST_OFF = 1e-7  # below, deviations are no longer those of the model
 
 
 # ---- Scenes
@@ -119,32 +124,82 @@ def draw(folder, seed, count, model, scene_file, own=""):
 # ---- Runs
 
 
+def beyond_neighbours(field, other):
+    """How far a field [x] or [y, x] is at most outside of the range of the other at the node and its neighbours, and the
+    other of its: what is shifted by less than a node is not."""
+    def once(a, b):
+        padded = np.pad(b, 1, mode="edge")
+        around = [padded[tuple(slice(s, s + n) for s, n in zip(shift, b.shape))] for shift in np.ndindex(*[3] * b.ndim)]
+        return max(np.max(a - np.max(around, axis=0)), np.max(np.min(around, axis=0) - a))
+    return max(once(field, other), once(other, field))
+
+
+def fields_off(file, pressure, film, central):
+    """The larger deviation of both fields: of P in Hertz pressures, of H over the central film where there is P."""
+    pressure, film = np.squeeze(pressure), np.squeeze(film)
+    found = np.squeeze(file["pressure"][()]), np.squeeze(file["film_thickness"][()])
+    inside = pressure > 0
+    film_off = beyond_neighbours(np.where(inside, found[1], 0), np.where(inside, film, 0))
+    return max(beyond_neighbours(found[0], pressure), film_off / central)
+
+
+def read_run(file, full, i):
+    """Films, indicated deviations and deviation of the fields of a result: texts, empty where there is none."""
+    if not os.path.exists(file):
+        return [""] * 5
+    with h5py.File(file) as result:
+        numbers = [f"{kind}{which}{end}" for kind, end in (("", "_film_thickness"), ("indicated", ""))
+                   for which in FILMS]
+        names = dict(zip(numbers[2:], ("indicated_deviation", "indicated_deviation_minimum")))
+        found = [repr(float(np.squeeze(result[name][()]))) if name in result else ""
+                 for name in (names.get(number, number) for number in numbers)]
+        off = ""
+        if full["status"][i] == results.SOLVED and int(np.squeeze(result["status"][()])) != results.NOT_CONVERGED:
+            off = repr(float(fields_off(result, full["pressure"][i], full["film_thickness"][i],
+                                        full["central_film_thickness"][i])))
+    return found + [off]
+
+
 def run(folder, model, settings, *promises):
-    """Solves the scenes with promises, two at a time: exit code of romrun, H_c and H_min reduced and full, or empty. A
-    promise that is none asks for nothing, so that 1 % holds. Settings: more options of romrun."""
+    """Solves the scenes with promises, two at a time: exit code of romrun, what read_run finds, and H_c and H_min of the
+    full model, or empty. A promise that is none asks for nothing, so that 1 % holds. Settings: more options of romrun."""
     with open(f"{folder}/scenes.json") as source:
         scenes = json.load(source)
-    full = [[repr(float(film)) if status == results.SOLVED else "" for film in films] for status, *films in
-            zip(*results.printed(f"{folder}/full.h5", "status", "central_film_thickness",
-                                 "minimum_film_thickness").values())]
+    with h5py.File(f"{folder}/full.h5") as file:
+        full = {name: file[name][()] for name in
+                ("status", "central_film_thickness", "minimum_film_thickness", "pressure", "film_thickness")}
+    films = [[repr(float(full[f"{which}_film_thickness"][i])) if full["status"][i] == results.SOLVED else ""
+              for which in FILMS] for i in range(len(scenes))]
 
-    def solve(promise, scene):
+    def solve(promise, i, place):
         asked = [] if promise == "none" else ["--accuracy", promise]
-        done = results.run("romrun", scene["scene"], "--model", model, *asked, "--quiet",
-                           *settings.split(), *results.sets(scene["settings"]), outcomes=range(-255, 256))
-        films = [re.search(rf"^{which} film thickness *(\S+)", done.stdout, re.M) for which in ("central", "minimum")]
-        return done.returncode, *(film[1] if film else "" for film in films)
+        file = f"{place}/{promise}-{i}.h5"
+        done = results.run("romrun", scenes[i]["scene"], "--model", model, *asked, "--quiet", "-o", file,
+                           "--set", "output.fields=true", *settings.split(), *results.sets(scenes[i]["settings"]),
+                           outcomes=range(-255, 256))
+        found = read_run(file, full, i)
+        if os.path.exists(file):
+            os.remove(file)
+        return done.returncode, *found
 
     runs = []
-    with ThreadPoolExecutor(2) as two:
+    with ThreadPoolExecutor(2) as two, tempfile.TemporaryDirectory() as place:
         for promise in promises:
-            solved = two.map(solve, [promise] * len(scenes), scenes)
-            runs += [[promise, scene["where"], scene["whose"], *reduced, *films]
-                     for scene, reduced, films in zip(scenes, solved, full)]
+            solved = two.map(solve, [promise] * len(scenes), range(len(scenes)), [place] * len(scenes))
+            runs += [[promise, scene["where"], scene["whose"], *reduced, *full_films]
+                     for scene, reduced, full_films in zip(scenes, solved, films)]
     results.write_csv(f"{folder}/runs.csv", RUN, runs)
 
 
 # ---- Table
+
+
+def promised(run):
+    return 0.01 if run["promise"] == "none" else float(run["promise"])
+
+
+def off_of(run, which):
+    return abs(float(run[which]) / float(run[f"full_{which}"]) - 1)
 
 
 def outcome(run):
@@ -157,17 +212,38 @@ def outcome(run):
         return "not solved", 0
     if code not in (results.SOLVED, results.NOT_TRUSTED):
         return "error", 0
-    off = max(abs(float(run[film]) / float(run[f"full_{film}"]) - 1) for film in ("central", "minimum"))
-    promise = 0.01 if run["promise"] == "none" else float(run["promise"])
+    off = max(off_of(run, film) for film in FILMS)
     flagged = "flagged" if code == results.NOT_TRUSTED else "not flagged"
-    return f"{'good' if off <= promise else 'bad'} {flagged}", off
+    return f"{'good' if off <= promised(run) else 'bad'} {flagged}", off
+
+
+def print_fields(runs):
+    """Fields of results that are not flagged, over what was promised of the films."""
+    quiet = [float(run["fields"]) / promised(run) for run in runs if run["code"] == "0" and run["fields"]]
+    if quiet:
+        far = sum(off > 3 for off in quiet)
+        print(f"  fields off by more than 3 times that, not flagged: {far} of {len(quiet)}; "
+              f"the worst {max(quiet):.2g} times")
+
+
+def print_effectivity(runs):
+    """Indicated over true deviation of those inside that are solved."""
+    for which in FILMS:
+        over = [float(run[f"indicated_{which}"]) / off_of(run, which) for run in runs
+                if run["where"] == "inside" and outcome(run)[0].startswith(("good", "bad"))
+                and run[f"indicated_{which}"] and off_of(run, which) > LEAST_OFF]
+        if over:
+            median, most = np.quantile(over, [0.5, 0.95])
+            print(f"  indicated over true deviation inside, {which} film: {sum(one < 1 for one in over)} of {len(over)} "
+                  f"below 1, least {min(over):.2g}, median {median:.2g}, 95 % {most:.2g}")
 
 
 def table(file, seed, calibration):
     """What was flagged and what was not."""
     groups = {"inside own": "inside, own lubricant", "inside other": "inside, other lubricants",
               "outside": "outside, any lubricant"}
-    runs = [(run["promise"], f"{run['where']} {run['whose']}", *outcome(run)) for run in results.read_csv(file)]
+    lines = list(results.read_csv(file))
+    runs = [(run["promise"], f"{run['where']} {run['whose']}", *outcome(run)) for run in lines]
     print(f"seed {seed}, calibrated on seed {calibration}\n")
     layout = "{:24} {:>8} {:>8} {:>12} {:>16} {:>8} {:>10} {:>12}"
     print(layout.format("", "good,", "good,", "of the good", "bad, not", "bad,", "not", "full model"))
@@ -179,6 +255,9 @@ def table(file, seed, calibration):
             quiet, loud, *others = (mine.count(what) for what in (
                 "good not flagged", "good flagged", "bad not flagged", "bad flagged", "not solved", "no reference"))
             print(layout.format(f"  {name}", quiet, loud, f"{100 * loud / max(quiet + loud, 1):.1f} %", *others))
+        mine = [run for run in lines if run["promise"] == promise]
+        print_fields(mine)
+        print_effectivity(mine)
     silent = [off for *_, what, off in runs if what == "bad not flagged"]
     errors = sum(what == "error" for *_, what, _ in runs)
     print(f"\nsilent failures: {len(silent)}" + (f", the worst {max(silent):.2g} off" if silent else ""))
