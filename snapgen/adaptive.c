@@ -505,22 +505,13 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- pieces
 
-/* Pieces are told from those of other rounds by a line of their settings. From here on the set is
- * that of the last round's pieces. */
-static ehd_status add_piece_text(adaptive *self, ehd_error *error) {
-    char line[32];
-
-    snprintf(line, sizeof line, "round %zu", self->num_rounds);
-    return training_set_add_text(self->set, line, self->plan_path, error);
-}
-
-/* What others have solved of the last round. The settings in the file are written by then. */
+/* What others have solved of the last round. */
 static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
-    ehd_status status = task->num_pieces > 0 ? add_piece_text(self, error) : EHD_OK;
+    ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < task->num_pieces && !status; i++)
         status = adaptive_file_take(self->file, &self->points, self->films, self->states,
-                                    self->num_states, task->pieces[i], self->set->text, error);
+                                    self->num_states, task->pieces[i], error);
     return status;
 }
 
@@ -786,13 +777,12 @@ ehd_status adaptive_solve(const program *caller, const adaptive_task *task, ehd_
 
     if (!status)
         status = adaptive_file_read(self.states, &self.num_states, self.films, &self.points,
-                                    task->chosen_in, self.set->text, error);
+                                    task->chosen_in, error);
     if (!status) {
         mark_states(&self);
         self.num_rounds = self.num_states > 0 ? self.states[self.num_states - 1].round : 0;
-        status = add_piece_text(&self, error);
+        status = solve_piece(&self, task, error);
     }
-    if (!status) status = solve_piece(&self, task, error);
     adaptive_free(&self);
     return status;
 }
