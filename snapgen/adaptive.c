@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/adaptive.h"
 
+#include "romrun/calibrate/check_scenes.h"
 #include "romrun/calibrate/trade.h"
 #include "romrun/online/indicator.h"
 #include "romrun/online/trained_range.h"
@@ -23,6 +24,9 @@ typedef struct adaptive {
     const adaptive_settings *settings;
     size_t num_workers;
     double started; // program_seconds
+    double solving; // s, of full solutions, so many:
+    size_t num_solved;
+    double judging; // s, of the last round
 
     artefact *file; // what is written: the training, or a piece of a round
     training points;
@@ -393,13 +397,25 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
     self->points.sink = self;
     self->points.with_effects = true;
     self->points.wanted = self->trained;
-    return status ? status : training_run(&self->points, self->num_workers, error);
+    self->points.rest = self->judging;
+    self->points.more = true;
+    const size_t before = self->points.num_done;
+    const double begun = program_seconds();
+    if (!status) status = training_run(&self->points, self->num_workers, error);
+    self->solving += program_seconds() - begun;
+    self->num_solved += self->points.num_done - before;
+    if (!status && self->num_solved > 0)
+        stage_expect(&self->caller->stage, "check",
+                     (double)check_scenes_count(self->points.num_done) * self->solving /
+                         (double)self->num_solved);
+    return status;
 }
 
 // ---- judging
 
 /* Model of all points that are solved. */
-static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_error *error) {
+static ehd_status build_model(reduced_model *model, trial_costs *costs, const adaptive *self,
+                              ehd_error *error) {
     size_t count = 0;
     ehd_contact *contacts = malloc((self->num_states + 1) * sizeof *contacts);
     solved_state *solved = malloc((self->num_states + 1) * sizeof *solved);
@@ -428,7 +444,7 @@ static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_er
                                   .num_points = count,
                                   .contacts = contacts};
     if (!status)
-        status = trial_build(model, self->caller, &trained, solved,
+        status = trial_build(model, costs, self->caller, &trained, solved,
                              self->settings->discarded_energy, self->num_workers, &cause);
     if (status == EHD_INTERRUPTED)
         *error = cause;
@@ -439,12 +455,25 @@ static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_er
     return status;
 }
 
+/* What the stages behind the training take at least: as long as with the present points, and the check
+ * its full solutions (solve_round). How many rounds are to come nobody knows: to extrapolate the worst
+ * that is indicated was tried (scenes/studies/adaptive-training). */
+static void tell_costs(const adaptive *self, const trial_costs *costs) {
+    const stage *here = &self->caller->stage;
+
+    stage_expect(here, "basis", costs->basis);
+    stage_expect(here, "residuals", costs->residuals);
+    stage_expect(here, "rows", costs->rows);
+}
+
 /* Lets the present model judge what is left. */
 static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     size_t num_points = self->set->num_points;
     bool *left = malloc(num_points * sizeof *left);
     reduced_model model = {0};
-    ehd_status status = left ? build_model(&model, self, error)
+    trial_costs costs = {0};
+    const double begun = program_seconds();
+    ehd_status status = left ? build_model(&model, &costs, self, error)
                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
 
     for (size_t i = 0; i < num_points && !status; i++)
@@ -452,6 +481,8 @@ static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     if (!status)
         status = trial_judge(self->verdicts, &model, self->set->contacts, left, num_points,
                              self->num_workers, error);
+    self->judging = program_seconds() - begun;
+    if (!status) tell_costs(self, &costs);
     reduced_model_free(&model);
     free(left);
     return status;

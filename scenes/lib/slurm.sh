@@ -207,7 +207,7 @@ are_made() {
 # ---- state
 
 status() {
-    local folder=$1 snapgen=$2 job name target state now number points
+    local folder=$1 snapgen=$2 job name target state now number points left
     [[ -e $folder/jobs ]] || fail "$folder/jobs: found none, expected jobs of make SLURM=1"
     now=$(queue) || exit
     printf '%-10s %-20s %-28s %-14s %s\n' job task state points log
@@ -225,7 +225,10 @@ status() {
             snapshots-* | piece-*) points=$(count_points "$snapgen" "$target") ;;
             choice) points=$(count_points "$snapgen" "${folder%/*}/snapshots.h5") ;;
         esac
-        printf '%-10s %-20s %-28s %-14s %s\n' "$job" "$name" "$state" "$points" "$folder/$name.log"
+        # by its last line of progress, of all stages
+        left=
+        [[ $state != running* ]] || left=$(grep -o 'stage [0-9]* of [0-9]*.*' "$folder/$name.log" 2>/dev/null | tail -n 1)
+        printf '%-10s %-20s %-28s %-14s %s\n' "$job" "$name" "$state" "$points" "$folder/$name.log${left:+  $left}"
     done <"$folder/jobs"
 }
 

@@ -73,10 +73,17 @@ else
 
 # ---- Training and models
 
+# The stages, of each model four, by which the programs tell how long all of it takes yet (common/program/stage.h).
+# $(call at_stage,NAME): in front of a program. $(call stage_of,NAME): "2/5".
+stages   := training $(foreach model,$(MODELS),$(addprefix $(model)-,basis residuals rows $(if $(filter no,$($(model).CHECK)),,check)))
+at_stage  = EHDROM_STAGES='$(OUT)/stages $1 $(stages)'
+stage_of  = $(words x $(subst ^, ,$(firstword $(subst ^$1^,^ ,^$(subst $(space),^,$(stages))^))))/$(words $(stages))
+space    := $() $()
+
 adaptive = $(if $(ACCURACY),--adaptive)
 
 # $(call snapgen,OUTPUT)
-snapgen = $(BIN)/snapgen $(PLAN) -o $1 --force --allow-failures $(ALLOW_FAILURES) \
+snapgen = $(call at_stage,training) $(BIN)/snapgen $(PLAN) -o $1 --force --allow-failures $(ALLOW_FAILURES) \
           $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(SNAPGEN_JOBS:%=--jobs %) \
           $(SNAPGEN_OPTIONS) $(SET)
 
@@ -88,7 +95,7 @@ scene_files := $(wildcard $(addprefix $(dir $(PLAN)),$(shell sed -n 's/^[^#]*sce
 
 $(SNAPSHOTS): $(PLAN) $(scene_files) $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
               $(call options,snapshots,$(SET) $(ALLOW_FAILURES) $(ACCURACY))
-	$(call quiet,1/4 snapgen   ,$@)$(call resumed,$(call snapgen,$@) $(shard))
+	$(call quiet,$(call stage_of,training) snapgen   ,$@)$(call resumed,$(call snapgen,$@) $(shard))
 
 # A round in parts (slurm.sh): pieces of it; and what takes them over, and chooses the next round or ends the training.
 # Where pieces do not fit (65) they are left out, and where the training is of another plan it begins anew. Of one with too
@@ -119,15 +126,15 @@ deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) \
 
 $(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(SNAPSHOTS) $(BIN)/podbuild \
                                $$(call options,$$*-basis,$$(call podbuild_options,$$*))
-	$(call quiet,2/4 podbuild  ,$@)$(BIN)/podbuild $(SNAPSHOTS) -o $@ --force $(strip $(call podbuild_options,$*))
+	$(call quiet,$(call stage_of,$*-basis) podbuild  ,$@)$(call at_stage,$*-basis) $(BIN)/podbuild $(SNAPSHOTS) -o $@ --force $(strip $(call podbuild_options,$*))
 
 $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(SNAPSHOTS)
-	$(call quiet,3/4 snapgen   ,$@)$(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SNAPGEN_JOBS:%=--jobs %) $(SET)
+	$(call quiet,$(call stage_of,$*-residuals) snapgen   ,$@)$(call at_stage,$*-residuals) $(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SNAPGEN_JOBS:%=--jobs %) $(SET)
 
 # A model with nothing to check it on (exit code 4) is a model all the same, and says so in each run.
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
-	$(call quiet,4/4 deimselect,$@)$(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
+	$(call quiet,$(call stage_of,$*-rows) deimselect,$@)$(call at_stage,$*-rows) $(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
 	    $(strip $(call deimselect_options,$*)) || [ $$? -eq 4 ]
 
 endif
