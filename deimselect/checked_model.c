@@ -167,9 +167,11 @@ static ehd_status measure(check_run *self, const reduced_model *model, ehd_error
 ehd_status checked_model_write(char worth[CHECK_REPORT], const reduced_model *model,
                                const reduced_basis *basis, const model_origin *origin,
                                const program *caller, const check_task *task, ehd_error *error) {
-    check_run self = {.caller = caller, .task = task};
+    program checking = *caller;
+    check_run self = {.caller = &checking, .task = task};
     ehd_error why = {""};
     worth[0] = '\0';
+    stage_next(&checking.stage, "check");
     ehd_status unchecked = check_scenes_choose(
         &self.scenes.set, model, task->plan_text ? task->plan_text : "", task->name, &why);
     ehd_status status = is_unchecked(unchecked) ? EHD_OK : unchecked;
@@ -182,11 +184,12 @@ ehd_status checked_model_write(char worth[CHECK_REPORT], const reduced_model *mo
     }
     if (!status && !unchecked) status = write_draft(&self, model, basis, origin, &why);
     if (!status && !unchecked)
-        status = validation_measure(&self.table, &self.scenes, caller, self.draft, &why);
+        status = validation_measure(&self.table, &self.scenes, &checking, self.draft, &why);
     if (!status && !unchecked) status = trade_write(self.output, &self.table, &why);
     if (!status) status = artefact_finish(&self.output, &why);
     if (!status && !unchecked) status = report(worth, &self, &why);
     check_run_free(&self);
+    if (!status) stage_end(&checking.stage);
     if (status) return ehd_fail(error, status, "%s", why.text);
     if (!unchecked) return EHD_OK;
     return ehd_fail(error, EHD_UNTRUSTED,

@@ -150,6 +150,7 @@ static ehd_status write_model(const program *self, const select_options *options
              choice->num_rows, weights ? weights : "given", choice->num_control);
     if (!status && options->no_check)
         status = model_write(&model, basis, &origin, self, text, inputs, error);
+    if (!status && options->no_check) stage_end(&self->stage);
     if (!status && !options->no_check) {
         const check_task task = {plan_text, self->arguments[0], text, inputs, options->num_jobs};
         status = checked_model_write(worth, &model, basis, &origin, self, &task, error);

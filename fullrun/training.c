@@ -200,6 +200,8 @@ ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
                             .solve = solve_point,
                             .finish = finish_point};
     progress_start(&self->progress, self->program, num_left);
+    self->progress.rest = self->rest;
+    self->progress.more = self->more;
     ehd_status status = pool_run(&work, error);
     progress_finish(&self->progress);
     free(done);

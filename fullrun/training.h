@@ -46,6 +46,8 @@ typedef struct training {
     void *sink;
     progress progress;
     size_t num_before; // points done by an earlier run
+    double rest;       // for the progress: what comes behind the points
+    bool more;
 } training;
 
 /* Reports the memory that a plan needs with num_jobs points or trajectories at a time: solvers, and

@@ -219,5 +219,6 @@ int main(int argc, char **argv) {
                                        own.bases.deformation.num_modes),
                               &error);
     ehd_status status = build(&self, &own, &error);
+    if (!status) stage_end(&self.stage);
     return program_finish(&self, status, &error);
 }

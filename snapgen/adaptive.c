@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "snapgen/adaptive.h"
 
+#include "romrun/calibrate/check_scenes.h"
 #include "romrun/calibrate/trade.h"
 #include "romrun/online/indicator.h"
 #include "romrun/online/trained_range.h"
@@ -23,6 +24,9 @@ typedef struct adaptive {
     const adaptive_settings *settings;
     size_t num_workers;
     double started; // program_seconds
+    double solving; // s, of full solutions, so many:
+    size_t num_solved;
+    double judging; // s, of the last round
 
     artefact *file; // what is written: the training, or a piece of a round
     training points;
@@ -393,13 +397,25 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
     self->points.sink = self;
     self->points.with_effects = true;
     self->points.wanted = self->trained;
-    return status ? status : training_run(&self->points, self->num_workers, error);
+    self->points.rest = self->judging;
+    self->points.more = true;
+    const size_t before = self->points.num_done;
+    const double begun = program_seconds();
+    if (!status) status = training_run(&self->points, self->num_workers, error);
+    self->solving += program_seconds() - begun;
+    self->num_solved += self->points.num_done - before;
+    if (!status && self->num_solved > 0)
+        stage_expect(&self->caller->stage, "check",
+                     (double)check_scenes_count(self->points.num_done) * self->solving /
+                         (double)self->num_solved);
+    return status;
 }
 
 // ---- judging
 
 /* Model of all points that are solved. */
-static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_error *error) {
+static ehd_status build_model(reduced_model *model, trial_costs *costs, const adaptive *self,
+                              ehd_error *error) {
     size_t count = 0;
     ehd_contact *contacts = malloc((self->num_states + 1) * sizeof *contacts);
     solved_state *solved = malloc((self->num_states + 1) * sizeof *solved);
@@ -428,7 +444,7 @@ static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_er
                                   .num_points = count,
                                   .contacts = contacts};
     if (!status)
-        status = trial_build(model, self->caller, &trained, solved,
+        status = trial_build(model, costs, self->caller, &trained, solved,
                              self->settings->discarded_energy, self->num_workers, &cause);
     if (status == EHD_INTERRUPTED)
         *error = cause;
@@ -439,12 +455,25 @@ static ehd_status build_model(reduced_model *model, const adaptive *self, ehd_er
     return status;
 }
 
+/* What the stages behind the training take at least: as long as with the present points, and the check
+ * its full solutions (solve_round). How many rounds are to come nobody knows: to extrapolate the worst
+ * that is indicated was tried (scenes/studies/adaptive-training). */
+static void tell_costs(const adaptive *self, const trial_costs *costs) {
+    const stage *here = &self->caller->stage;
+
+    stage_expect(here, "basis", costs->basis);
+    stage_expect(here, "residuals", costs->residuals);
+    stage_expect(here, "rows", costs->rows);
+}
+
 /* Lets the present model judge what is left. */
 static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     size_t num_points = self->set->num_points;
     bool *left = malloc(num_points * sizeof *left);
     reduced_model model = {0};
-    ehd_status status = left ? build_model(&model, self, error)
+    trial_costs costs = {0};
+    const double begun = program_seconds();
+    ehd_status status = left ? build_model(&model, &costs, self, error)
                              : ehd_fail(error, EHD_MEMORY, "%s: found no memory", self->plan_path);
 
     for (size_t i = 0; i < num_points && !status; i++)
@@ -452,6 +481,8 @@ static ehd_status judge_candidates(adaptive *self, ehd_error *error) {
     if (!status)
         status = trial_judge(self->verdicts, &model, self->set->contacts, left, num_points,
                              self->num_workers, error);
+    self->judging = program_seconds() - begun;
+    if (!status) tell_costs(self, &costs);
     reduced_model_free(&model);
     free(left);
     return status;
@@ -505,22 +536,13 @@ static ehd_status judge_round(adaptive *self, ehd_error *error) {
 
 // ---- pieces
 
-/* Pieces are told from those of other rounds by a line of their settings. From here on the set is
- * that of the last round's pieces. */
-static ehd_status add_piece_text(adaptive *self, ehd_error *error) {
-    char line[32];
-
-    snprintf(line, sizeof line, "round %zu", self->num_rounds);
-    return training_set_add_text(self->set, line, self->plan_path, error);
-}
-
-/* What others have solved of the last round. The settings in the file are written by then. */
+/* What others have solved of the last round. */
 static ehd_status take_pieces(adaptive *self, const adaptive_task *task, ehd_error *error) {
-    ehd_status status = task->num_pieces > 0 ? add_piece_text(self, error) : EHD_OK;
+    ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < task->num_pieces && !status; i++)
         status = adaptive_file_take(self->file, &self->points, self->films, self->states,
-                                    self->num_states, task->pieces[i], self->set->text, error);
+                                    self->num_states, task->pieces[i], error);
     return status;
 }
 
@@ -786,13 +808,12 @@ ehd_status adaptive_solve(const program *caller, const adaptive_task *task, ehd_
 
     if (!status)
         status = adaptive_file_read(self.states, &self.num_states, self.films, &self.points,
-                                    task->chosen_in, self.set->text, error);
+                                    task->chosen_in, error);
     if (!status) {
         mark_states(&self);
         self.num_rounds = self.num_states > 0 ? self.states[self.num_states - 1].round : 0;
-        status = add_piece_text(&self, error);
+        status = solve_piece(&self, task, error);
     }
-    if (!status) status = solve_piece(&self, task, error);
     adaptive_free(&self);
     return status;
 }

@@ -167,9 +167,7 @@ static ehd_status open_same(artefact **file, const char *path, const char *text,
     if (!status) status = artefact_get_text(*file, "settings", &found, error);
     if (!status && strcmp(found, text) != 0)
         status = ehd_fail(error, EHD_DATA,
-                          "%s: found other settings or another round, expected those of this "
-                          "training",
-                          path);
+                          "%s: found other settings, expected those of this training", path);
     if (status) artefact_close(file);
     free(found);
     return status;
@@ -177,9 +175,9 @@ static ehd_status open_same(artefact **file, const char *path, const char *text,
 
 ehd_status adaptive_file_read(adaptive_state *states, size_t *num_states,
                               double (*films)[NUM_FILMS], training *points, const char *path,
-                              const char *text, ehd_error *error) {
+                              ehd_error *error) {
     artefact *file = NULL;
-    ehd_status status = open_same(&file, path, text, error);
+    ehd_status status = open_same(&file, path, points->set->text, error);
     if (status) return status;
 
     *num_states = artefact_length(file, "state");
@@ -272,9 +270,9 @@ static ehd_status take_state(artefact *file, training *points, double (*films)[N
 
 ehd_status adaptive_file_take(artefact *file, training *points, double (*films)[NUM_FILMS],
                               const adaptive_state *states, size_t num_states, const char *path,
-                              const char *text, ehd_error *error) {
+                              ehd_error *error) {
     artefact *piece = NULL;
-    ehd_status status = open_same(&piece, path, text, error);
+    ehd_status status = open_same(&piece, path, points->set->text, error);
     if (status) return status;
 
     const size_t count = artefact_length(piece, "state");

@@ -44,25 +44,24 @@ ehd_status adaptive_file_resume(
     // input:
     const program *caller, ehd_error *error);
 
-/* The same of a file that another process goes on with (artefact_open_unfinished), which has to be of
- * the settings `text`; closed again. EHD_DATA: it is not. */
+/* The same of a file that another process goes on with, as it is; it is closed again. EHD_DATA: it is
+ * of other settings than the points' set; else as artefact_open_unfinished. */
 ehd_status adaptive_file_read(
     // output:
     adaptive_state *states, size_t *num_states, double (*films)[NUM_FILMS],
     // in and out:
     training *points,
     // input:
-    const char *path, const char *text, ehd_error *error);
+    const char *path, ehd_error *error);
 
 /* Takes over what a piece, finished or not, has of states that are not done yet: to `file` and to
- * `points`. EHD_DATA: its settings are not `text`, or a state of it is none of these; else as
- * artefact_open_unfinished and of writing. */
+ * `points`. EHD_DATA: it is of other settings than the points' set, or a state of it is none of these;
+ * else as artefact_open_unfinished and of writing. */
 ehd_status adaptive_file_take(
     // in and out:
     artefact *file, training *points, double (*films)[NUM_FILMS],
     // input:
-    const adaptive_state *states, size_t num_states, const char *path, const char *text,
-    ehd_error *error);
+    const adaptive_state *states, size_t num_states, const char *path, ehd_error *error);
 
 /* The curve; ends the streaming. */
 ehd_status adaptive_file_put_curve(artefact *file, const adaptive_round *rounds, size_t num_rounds,

@@ -12,6 +12,7 @@
 #include "snapgen/snapshots.h"
 #include "snapgen/trajectory.h"
 
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -174,6 +175,7 @@ static ehd_status train_all(const program *self, const training_set *set,
         points.store = snapshots_store;
         points.sink = file;
         points.with_effects = true;
+        points.rest = set->num_trajectories > 0 ? NAN : 0;
         status = training_run(&points, options->num_jobs, error);
         if (!status && set->num_trajectories > 0)
             status = trajectories_train(&trained, self, set, options->num_jobs, error);
@@ -320,7 +322,10 @@ static ehd_status repeat(const program *self, const snapgen_options *options, eh
 }
 
 static ehd_status run(const program *self, const snapgen_options *options, ehd_error *error) {
-    return options->basis ? repeat(self, options, error) : train(self, options, error);
+    ehd_status status = options->basis ? repeat(self, options, error) : train(self, options, error);
+
+    if (!status) stage_end(&self->stage);
+    return status;
 }
 
 int main(int argc, char **argv) {

@@ -42,9 +42,17 @@ static ehd_status repeat_training(residual_snapshots *snapshots, const program *
     return status;
 }
 
-ehd_status trial_build(reduced_model *model, const program *caller, const training_set *set,
-                       const solved_state *states, double discarded_energy, size_t num_workers,
-                       ehd_error *error) {
+/* And from now on. */
+static double seconds_since(double *before) {
+    const double passed = program_seconds() - *before;
+
+    *before += passed;
+    return passed;
+}
+
+ehd_status trial_build(reduced_model *model, trial_costs *costs, const program *caller,
+                       const training_set *set, const solved_state *states, double discarded_energy,
+                       size_t num_workers, ehd_error *error) {
     // as deimselect has it without options
     const row_settings settings = {
         .method = selection_methods, .weights = weightings, .num_control = CONTROL_BY_ITSELF};
@@ -52,12 +60,16 @@ ehd_status trial_build(reduced_model *model, const program *caller, const traini
     reduced_basis basis = {0};
     residual_snapshots snapshots = {0};
     row_choice choice = {0};
+    double before = program_seconds();
     ehd_status status = build_basis(&basis, set, states, discarded_energy, error);
 
     silent.quiet = true;
+    costs->basis = seconds_since(&before);
     if (!status) status = repeat_training(&snapshots, &silent, set, &basis, num_workers, error);
+    costs->residuals = seconds_since(&before);
     if (!status) status = row_choice_make(&choice, &snapshots, &basis, &settings, error);
     if (!status) status = row_choice_model(model, &choice, &basis, error);
+    costs->rows = seconds_since(&before);
     row_choice_free(&choice);
     residual_snapshots_free(&snapshots);
     reduced_basis_free(&basis);

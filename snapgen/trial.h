@@ -8,12 +8,18 @@
 #include "podbuild/snapshot_set.h"
 #include "romrun/model/reduced_model.h"
 
+/* Seconds that podbuild, snapgen --basis and deimselect without a check would take. */
+typedef struct trial_costs {
+    double basis, residuals, rows;
+} trial_costs;
+
 /* A model of stationary solutions, in memory, as podbuild --energy, snapgen --basis and deimselect
  * make it with their defaults. EHD_DATA: too few solutions; EHD_INTERRUPTED with an empty text;
  * EHD_MEMORY, EHD_INTERNAL. */
 ehd_status trial_build(
     // output:
     reduced_model *model, // free with reduced_model_free
+    trial_costs *costs,
     // input:
     const program *caller,      // messages of the parts are not shown
     const training_set *set,    // the points of the solutions

@@ -420,6 +420,7 @@ void program_start(program *self, int argc, char **argv, const program_options *
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     set_signals();
+    self->stage = stage_here();
     openblas_set_num_threads(1); // more only slow down small matrices
 
     const ehd_status status = parse_arguments(self, options, &done, &error);

@@ -4,6 +4,7 @@
 #ifndef EHD_PROGRAM_H
 #define EHD_PROGRAM_H
 
+#include "common/program/stage.h"
 #include "common/program/status.h"
 #include "common/program/text.h"
 #include <stdbool.h>
@@ -59,6 +60,7 @@ typedef struct program {
     size_t num_arguments;
     const program_option *options; // the program's own
     unsigned given;                // a bit for each of them
+    stage stage;                   // of a pipeline, where it is one
 } program;
 
 /* A program: its own options beside the common ones, and its arguments. */
@@ -93,11 +95,15 @@ void program_detail(const program *program, const char *format, ...)
 void program_warn(const program *program, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* Progress of long work: "name: 37/120 M=12 L=7, 4 s left". On a terminal one line that is
- * rewritten; otherwise a line at most every two seconds, and the last one. Silent with --quiet. */
+/* Progress of long work: "name: 37/120 M=12 L=7, 4 s left", and in a pipeline "; stage 1 of 5, about
+ * 9 s in all" as far as that is known (stage.h). On a terminal one line that is rewritten; otherwise a
+ * line at most every two seconds, and the last one. Silent with --quiet. */
 typedef struct progress {
     const program *program;
     size_t total;
+    double
+        rest; // s, what comes behind it in the same stage; NAN: as the stage expects. 0 at the start
+    bool more;         // behind that there may be more
     double started;    // s, monotonic
     double last_shown; // s, monotonic; -inf before the first line
     bool terminal;

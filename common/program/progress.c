@@ -26,21 +26,43 @@ static void show_time(char *shown, size_t size, double seconds, const char *what
         snprintf(shown, size, ", %.1f h%s", seconds / 3600, what);
 }
 
+/* "; stage 1 of 5, about 3 min in all", as far as that is known. */
+static void show_stage(char *shown, size_t size, const progress *self, double left) {
+    const stage *here = &self->program->stage;
+    const bool whole = !isnan(self->rest);
+    char time[64] = "";
+    bool at_least = false;
+
+    *shown = '\0';
+    if (!here->names) return;
+    const double all = stage_left(&at_least, here, whole ? left + self->rest : left, whole);
+    at_least = at_least || self->more;
+    // that it takes at least nothing is no news
+    if (isfinite(all) && (all > 0.5 || !at_least)) show_time(time, sizeof time, all, " in all");
+    // behind the comma
+    snprintf(shown, size, "; stage %zu of %zu%s%s", here->number, here->total,
+             !*time     ? ""
+             : at_least ? ", at least"
+                        : ", about",
+             *time ? time + 1 : "");
+}
+
 void progress_show(progress *self, size_t done, const char *current) {
     const double now = program_seconds(), elapsed = now - self->started;
     const double pause = self->terminal ? terminal_pause : file_pause;
     const bool last = done >= self->total;
-    char time[64] = "";
+    double left = done > 0 ? elapsed / (double)done * (double)(self->total - done) : NAN;
+    char time[64] = "", of_stage[128];
 
     if (self->program->quiet) return;
     if (!last && now - self->last_shown < pause) return;
     if (last)
         show_time(time, sizeof time, elapsed, "");
     else if (done > 0)
-        show_time(time, sizeof time, elapsed / (double)done * (double)(self->total - done),
-                  " left");
-    fprintf(stderr, "%s%s: %zu/%zu %s%s%s", self->terminal ? "\r" : "", self->program->name, done,
-            self->total, current, time, self->terminal ? "\033[K" : "\n");
+        show_time(time, sizeof time, left, " left");
+    show_stage(of_stage, sizeof of_stage, self, last ? 0 : left);
+    fprintf(stderr, "%s%s: %zu/%zu %s%s%s%s", self->terminal ? "\r" : "", self->program->name, done,
+            self->total, current, time, of_stage, self->terminal ? "\033[K" : "\n");
     self->last_shown = now;
 }
 

@@ -74,12 +74,16 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
+size_t check_scenes_count(size_t num_trained) {
+    return smaller(larger(num_trained / 2, MIN_SCENES), MAX_SCENES);
+}
+
 /* Leaves only some of the candidates in the plan that the set is of. */
 static ehd_status choose(plan *between, const training_set *candidates, const training_set *trained,
                          const char *name, ehd_error *error) {
     const size_t num_points = candidates->num_points;
     const size_t num_trajectories = candidates->num_trajectories;
-    const size_t count = smaller(larger(trained->num_points / 2, MIN_SCENES), MAX_SCENES);
+    const size_t count = check_scenes_count(trained->num_points);
     const size_t num_spread = count * PERCENT_SPREAD / 100;
     const size_t num_moved = smaller(larger(trained->num_trajectories / 2, 1), MAX_TRAJECTORIES);
     bool *chosen = calloc(num_points + num_trajectories + 1, sizeof *chosen);

@@ -6,6 +6,9 @@
 #include "common/training/training_set.h"
 #include "romrun/model/reduced_model.h"
 
+/* How many stationary scenes a model of so many is checked on, where there are as many. */
+size_t check_scenes_count(size_t num_trained);
+
 /* Chooses stationary scenes and trajectories half-way between those of the training (between.h),
  * inside of the trained range and none of them trained on: half as many stationary ones as were
  * trained, but 10 to 30, some far from one another, of each lubricant and group at least one, the

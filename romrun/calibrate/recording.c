@@ -130,6 +130,7 @@ ehd_status recordings_make(recording *recordings, const program *caller, const t
     for (size_t t = 0; t < num && !status; t++)
         status = histories_init_forward(&self.histories[t], &set->trajectories[t].scene, error);
     progress_start(&self.progress, caller, num);
+    self.progress.rest = NAN;
     if (!status) status = pool_run(&work, error);
     progress_finish(&self.progress);
     for (size_t t = 0; t < num; t++)

@@ -38,6 +38,7 @@ static ehd_status solve_points(validation *self, const program *caller, size_t n
     if (status) return status;
     self->solutions.store = keep_scalars;
     self->solutions.sink = self->scalars;
+    self->solutions.rest = NAN;
     status = training_run(&self->solutions, num_workers, error);
     for (size_t i = 0; i < num_points && !status; i++)
         if (self->solutions.points[i].pressure)

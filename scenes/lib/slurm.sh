@@ -1,14 +1,17 @@
 #!/bin/bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Runs the targets of training.mk as jobs of Slurm: an array of the pieces of the training, and for each model a job of
-# its basis behind that and one of its rows behind the basis. What a job does is what make does without Slurm.
+# its basis behind that and one of its rows behind the basis. What a job does is what make does without Slurm. Where points
+# are chosen round by round each round is an array of PIECES, and a job behind it that judges and chooses the next one.
 #
 #     slurm.sh run    FOLDER MAKE MAKEFILE SNAPSHOTS OUT MODELS   submits what is missing and waits for it
+#     slurm.sh rounds FOLDER MAKE MAKEFILE PIECES OUT MODELS      the same, with rounds
 #     slurm.sh status FOLDER SNAPGEN                              the state of each task of the last call
 #     slurm.sh task   ...                                         what a job runs
 #
-# FOLDER gets `jobs` (job, name, target), and for each task NAME.log and NAME.state: its state, exit code, seconds of
-# processor. SBATCH_OPTIONS: more options of sbatch. SNAPSHOTS and MODELS are lists in one argument.
+# FOLDER gets `jobs` (job, name, target) and for each task NAME.log and NAME.state (its state, exit code, seconds of
+# processor), of rounds those of the last one; and `spent`, the seconds of all that ended. SBATCH_OPTIONS: more options of sbatch. SNAPSHOTS and MODELS are lists in one argument, PIECES is a number.
+# SNAPGEN: the program.
 set -u
 
 fail() {
@@ -33,6 +36,7 @@ task() {
     spent=$({ time "$make" -f "$makefile" SLURM= SNAPGEN_JOBS="${SLURM_CPUS_PER_TASK:-1}" "$@" >&3 2>&4; } 2>&1) || code=$?
     ((code == 0)) || state=failed
     echo "$state $code ${spent//$'\n'/ }" >"$folder/$name.state"
+    echo "$name ${spent//$'\n'/ }" >>"$folder/spent"
     exit "$code"
 }
 
@@ -53,21 +57,42 @@ submit() {
     job=${job%%;*}
 }
 
-submit_all() {
-    local model after number
-    rm -f "$folder"/*.log "$folder"/*.state "$folder/jobs"
-    submit snapshots snapshots-%a --array="1-${#snapshots[@]}" -- "${snapshots[@]}"
-    after=$job
-    for number in "${!snapshots[@]}"; do
-        echo "$job snapshots-$((number + 1)) ${snapshots[number]}" >>"$folder/jobs"
-    done
+# submit_array NAME TARGET...: an array with a task for each target.
+submit_array() {
+    local name=$1 number=0 target
+    shift
+    submit "$name" "$name-%a" --array="1-$#" -- "$@"
+    for target; do echo "$job $name-$((++number)) $target" >>"$folder/jobs"; done
+}
+
+# submit_one NAME AFTER TARGET: behind that job, where there is one.
+submit_one() {
+    submit "$1" "$1" ${2:+--dependency="afterok:$2"} -- "$3"
+    echo "$job $1 $3" >>"$folder/jobs"
+}
+
+# What the last call left, but for its logs.
+forget_jobs() { rm -f "$folder"/*.state "$folder/jobs"; }
+
+tell_jobs() { echo "  slurm      ${1-}jobs $(cut -d ' ' -f 1 "$folder/jobs" | uniq | tr '\n' ' ')in $folder; make slurm-status" >&2; }
+
+# submit_models AFTER
+submit_models() {
+    local model
     for model in $models; do
-        submit "$model-basis" "$model-basis" --dependency="afterok:$after" -- "$out/$model-basis.h5"
-        echo "$job $model-basis $out/$model-basis.h5" >>"$folder/jobs"
-        submit "$model" "$model" --dependency="afterok:$job" -- "$out/$model.h5"
-        echo "$job $model $out/$model.h5" >>"$folder/jobs"
+        submit_one "$model-basis" "$1" "$out/$model-basis.h5"
+        submit_one "$model" "$job" "$out/$model.h5"
     done
-    echo "  slurm      jobs $(cut -d ' ' -f 1 "$folder/jobs" | uniq | tr '\n' ' ')in $folder; make slurm-status" >&2
+}
+
+# submit_round OPEN: pieces of so many points that are to be solved, none where nothing is known of them; and the choice.
+submit_round() {
+    local number=$(($1 < num_pieces ? $1 : num_pieces)) k targets=()
+    for ((k = 1; k <= number; k++)); do targets+=("$out/piece-$k-of-$number.h5"); done
+    forget_jobs
+    job=
+    ((number == 0)) || submit_array piece "${targets[@]}"
+    submit_one choice "$job" next-round
 }
 
 # ---- waiting
@@ -108,39 +133,87 @@ report_failures() {
 # The last line that is not make's.
 cause() { grep -v '^make' "$1" | tail -n 1; }
 
-run() {
+# begin FOLDER MAKE MAKEFILE LIST OUT MODELS: waits for the jobs of an earlier call.
+begin() {
     folder=$1 make=$2 makefile=$3 out=$5 models=$6
-    read -ra snapshots <<<"$4"
     read -ra options <<<"${SBATCH_OPTIONS-}"
     # of make's flags only the variables: the others are of this call
     flags=
     [[ " $MAKEFLAGS" != *' -- '* ]] || flags="-- ${MAKEFLAGS##*-- }"
     mkdir -p "$folder" || exit
     wait_for_jobs
-    is_made && return
-    submit_all
+}
+
+run() {
+    local snapshots
+    begin "$@"
+    read -ra snapshots <<<"$4"
+    are_made && return
+    forget_jobs
+    rm -f "$folder"/*.log "$folder/spent"
+    submit_array snapshots "${snapshots[@]}"
+    submit_models "$job"
+    tell_jobs
     wait_for_jobs
-    is_made && return
+    end
+}
+
+rounds() {
+    begin "$@"
+    num_pieces=$4
+    are_made && return
+    rm -f "$folder"/*.log "$folder/spent"
+    is_made "$out/snapshots.h5" || train_in_rounds
+    forget_jobs
+    submit_models ''
+    tell_jobs
+    wait_for_jobs
+    end
+}
+
+# The first choice takes over what earlier calls have solved, or begins.
+train_in_rounds() {
+    local open=0
+    until is_made "$out/snapshots.h5"; do
+        submit_round "$open"
+        ((open == 0)) || tell_jobs "$open points, "
+        wait_for_jobs
+        [[ $(cat "$folder/choice.state" 2>/dev/null) == 'done '* ]] || lost
+        # without the seconds, which are of the choice alone
+        sed -n 's/^snapgen: \(round .*\), [0-9.]* s$/  slurm      \1/p' "$folder/choice.log" | tail -n 1 >&2
+        open=$(count_open "$out/snapshots.h5.partial")
+    done
+}
+
+# Points that are chosen and not solved.
+count_open() { [[ ! -e $1 ]] || "$SNAPGEN" --print "$1" status | awk 'NR > 1 && $1 < 0 { n++ } END { print n + 0 }'; }
+
+end() { are_made || lost; }
+
+lost() {
     report_failures
     fail "$folder: found a training that did not end, expected all of it; the same command goes on with it"
 }
 
-is_made() {
+# is_made TARGET...
+is_made() { MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= --question "$@" >/dev/null 2>&1; }
+
+are_made() {
     local model targets=()
     for model in $models; do targets+=("$out/$model.h5"); done
-    MAKEFLAGS=$flags "$make" -f "$makefile" SLURM= --question "${targets[@]}" >/dev/null 2>&1
+    is_made "${targets[@]}"
 }
 
 # ---- state
 
 status() {
-    local folder=$1 snapgen=$2 job name target state now number points
+    local folder=$1 snapgen=$2 job name target state now number points left
     [[ -e $folder/jobs ]] || fail "$folder/jobs: found none, expected jobs of make SLURM=1"
     now=$(queue) || exit
     printf '%-10s %-20s %-28s %-14s %s\n' job task state points log
     while read -r job name target; do
         number=N/A
-        [[ $name == snapshots-* ]] && number=${name#snapshots-}
+        [[ $name == @(snapshots|piece)-* ]] && number=${name##*-}
         state=$(awk -v job="$job" -v number="$number" '$1 == job && $2 == number { print tolower($3) ($3 == "PENDING" ? " (" $4 ")" : "") }' <<<"$now")
         [[ -n $state ]] || read -r state _ 2>/dev/null <"$folder/$name.state" || state='not run'
         case $state in
@@ -148,8 +221,14 @@ status() {
             running) [[ $(queue) == *"$job $number "* ]] || state='ended, not finished' ;;
         esac
         points=
-        [[ $name != snapshots-* ]] || points=$(count_points "$snapgen" "$target")
-        printf '%-10s %-20s %-28s %-14s %s\n' "$job" "$name" "$state" "$points" "$folder/$name.log"
+        case $name in
+            snapshots-* | piece-*) points=$(count_points "$snapgen" "$target") ;;
+            choice) points=$(count_points "$snapgen" "${folder%/*}/snapshots.h5") ;;
+        esac
+        # by its last line of progress, of all stages
+        left=
+        [[ $state != running* ]] || left=$(grep -o 'stage [0-9]* of [0-9]*.*' "$folder/$name.log" 2>/dev/null | tail -n 1)
+        printf '%-10s %-20s %-28s %-14s %s\n' "$job" "$name" "$state" "$points" "$folder/$name.log${left:+  $left}"
     done <"$folder/jobs"
 }
 
@@ -160,6 +239,6 @@ count_points() {
 }
 
 case ${1-} in
-    run | status | task) "$@" ;;
-    *) fail "found ${1:-nothing}, expected run, status or task" ;;
+    run | rounds | status | task) "$@" ;;
+    *) fail "found ${1:-nothing}, expected run, rounds, status or task" ;;
 esac

@@ -7,7 +7,8 @@
 #   MODELS    names of the models to make: model. What each is made of, where not by ENERGY alone (podbuild --help,
 #             deimselect --help): NAME.PRESSURE_MODES, NAME.DEFORMATION, NAME.DEFORMATION_MODES, NAME.WEIGHT; NAME.ROWS,
 #             NAME.METHOD, NAME.WEIGHTS, NAME.STABILITY; NAME.CHECK = no: without a check
-#   SLURM     not empty: train on Slurm, with an array of SHARDS tasks (4) and sbatch's SBATCH_OPTIONS (slurm.sh)
+#   SLURM     not empty: train on Slurm, with an array of SHARDS tasks (4), in a region one a round, and sbatch's
+#             SBATCH_OPTIONS (slurm.sh)
 
 include $(dir $(lastword $(MAKEFILE_LIST)))common.mk
 
@@ -31,16 +32,17 @@ models: $(MODELS:%=$(OUT)/%.h5) ## all models
 # Points at a time; empty: as many as there are processors. Changes no result.
 SNAPGEN_JOBS ?=
 
-# Not empty where the plan has a region, in which points are chosen one after the other.
-chosen := $(shell grep -s '^[^\#]*region:' $(PLAN))
+# Not empty where points are chosen, round by round: of a list that is so wanted, and in a region.
+chosen := $(strip $(ACCURACY) $(shell grep -s '^[^\#]*region:' $(PLAN)))
 
 # Pieces of the training, which together have the bits of one: each is a file. What Slurm has trained stays in pieces.
+# Where points are chosen the pieces are those of a round, and join the one file.
 SLURM  ?=
-SHARDS ?= $(if $(ACCURACY)$(chosen),1,$(or $(file <$(OUT)/shards),$(if $(SLURM),4,1)))
+SHARDS ?= $(or $(if $(chosen),,$(file <$(OUT)/shards)),$(if $(SLURM),4,1))
 SBATCH_OPTIONS ?=
 
-SNAPSHOTS := $(if $(filter 1,$(SHARDS)),$(OUT)/snapshots.h5,$(patsubst %,$(OUT)/snapshots-%-of-$(SHARDS).h5,$(shell seq $(SHARDS))))
-shard      = $(if $(filter-out 1,$(SHARDS)),--shard $(word 2,$(subst -, ,$(notdir $@)))/$(SHARDS))
+SNAPSHOTS := $(if $(or $(chosen),$(filter 1,$(SHARDS))),$(OUT)/snapshots.h5,$(patsubst %,$(OUT)/snapshots-%-of-$(SHARDS).h5,$(shell seq $(SHARDS))))
+shard      = $(if $(or $(chosen),$(filter 1,$(SHARDS))),,--shard $(word 2,$(subst -, ,$(notdir $@)))/$(SHARDS))
 
 TRAINED := $(SNAPSHOTS) $(foreach model,$(MODELS),$(model:%=$(OUT)/%-basis.h5) $(model:%=$(OUT)/%-residuals.h5) $(model:%=$(OUT)/%.h5))
 
@@ -55,11 +57,15 @@ ifneq ($(SLURM),)
 
 $(TRAINED): on-slurm ;
 
+# Empty where one task does all.
+in_rounds = $(and $(chosen),$(filter-out 1,$(SHARDS)))
+
 # Hidden, because make -n would run a line that has it.
 slurm_make = $(MAKE)
 on-slurm:
-	$(file >$(OUT)/shards,$(SHARDS))@SBATCH_OPTIONS='$(SBATCH_OPTIONS)' $(SHARED)slurm.sh run $(OUT)/slurm \
-	    '$(slurm_make)' '$(firstword $(MAKEFILE_LIST))' '$(SNAPSHOTS)' $(OUT) '$(MODELS)'
+	$(if $(chosen),,$(file >$(OUT)/shards,$(SHARDS)))@SBATCH_OPTIONS='$(SBATCH_OPTIONS)' SNAPGEN=$(BIN)/snapgen \
+	    $(SHARED)slurm.sh $(if $(in_rounds),rounds,run) $(OUT)/slurm '$(slurm_make)' '$(firstword $(MAKEFILE_LIST))' \
+	    '$(or $(in_rounds),$(SNAPSHOTS))' $(OUT) '$(MODELS)'
 
 .PHONY: on-slurm
 
@@ -67,21 +73,48 @@ else
 
 # ---- Training and models
 
+# The stages, of each model four, by which the programs tell how long all of it takes yet (common/program/stage.h).
+# $(call at_stage,NAME): in front of a program. $(call stage_of,NAME): "2/5".
+stages   := training $(foreach model,$(MODELS),$(addprefix $(model)-,basis residuals rows $(if $(filter no,$($(model).CHECK)),,check)))
+at_stage  = EHDROM_STAGES='$(OUT)/stages $1 $(stages)'
+stage_of  = $(words x $(subst ^, ,$(firstword $(subst ^$1^,^ ,^$(subst $(space),^,$(stages))^))))/$(words $(stages))
+space    := $() $()
+
 adaptive = $(if $(ACCURACY),--adaptive)
 
-# An interrupted training goes on, unless it was one of another plan (65).
-snapgen = $(BIN)/snapgen $(PLAN) -o $@ --force --allow-failures $(ALLOW_FAILURES) \
-          $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(shard) $(SNAPGEN_JOBS:%=--jobs %) \
+# $(call snapgen,OUTPUT)
+snapgen = $(call at_stage,training) $(BIN)/snapgen $(PLAN) -o $1 --force --allow-failures $(ALLOW_FAILURES) \
+          $(ACCURACY:%=--adaptive --accuracy % --energy $(ENERGY)) $(SNAPGEN_JOBS:%=--jobs %) \
           $(SNAPGEN_OPTIONS) $(SET)
-snapgen_or_resume = code=65; [ ! -e $@.partial ] || { $(snapgen) --resume; code=$$?; }; \
-                    [ $$code -ne 65 ] || { $(snapgen); code=$$?; }; exit $$code
+
+# $(call resumed,COMMAND): a training that was interrupted goes on, unless it was one of another plan (65).
+resumed = code=65; [ ! -e $@.partial ] || { $1 --resume; code=$$?; }; [ $$code -ne 65 ] || { $1; code=$$?; }; exit $$code
 
 # The files of scenes that the plan names.
 scene_files := $(wildcard $(addprefix $(dir $(PLAN)),$(shell sed -n 's/^[^#]*scene: *\([^ ,}{\#]*\).*/\1/p' $(PLAN))))
 
 $(SNAPSHOTS): $(PLAN) $(scene_files) $(filter-out cases.csv,$(wildcard *.csv)) $(BIN)/snapgen \
               $(call options,snapshots,$(SET) $(ALLOW_FAILURES) $(ACCURACY))
-	$(call quiet,1/4 snapgen   ,$@)$(snapgen_or_resume)
+	$(call quiet,$(call stage_of,training) snapgen   ,$@)$(call resumed,$(call snapgen,$@) $(shard))
+
+# A round in parts (slurm.sh): pieces of it; and what takes them over, and chooses the next round or ends the training.
+# Where pieces do not fit (65) they are left out, and where the training is of another plan it begins anew. Of one with too
+# many failures (3) nothing stays.
+pieces      = ls $(OUT)/piece-*.h5 $(OUT)/piece-*.h5.partial 2>/dev/null
+drop_pieces = rm -f $(OUT)/piece-*.h5 $(OUT)/piece-*.h5.partial
+choose      = $(call snapgen,$(OUT)/snapshots.h5) --choose
+
+$(OUT)/piece-%.h5:
+	$(call resumed,$(call snapgen,$@) --chosen-in $(OUT)/snapshots.h5.partial --shard $(subst -of-,/,$*))
+
+next-round:
+	pieces=$$($(pieces)); code=65; partial=$(OUT)/snapshots.h5.partial; \
+	[ ! -e $$partial ] || { $(choose) $$pieces --resume; code=$$?; }; \
+	[ $$code -ne 65 -o -z "$$pieces" -o ! -e $$partial ] || { $(choose) --resume; code=$$?; }; \
+	[ $$code -ne 65 ] || { $(choose); code=$$?; }; \
+	[ $$code -ne 0 ] || $(drop_pieces); [ $$code -ne 3 ] || rm -f $(OUT)/snapshots.h5; exit $$code
+
+.PHONY: next-round
 
 podbuild_options   = --deformation $(or $($1.DEFORMATION),coupled) \
                      $(or $($1.PRESSURE_MODES:%=--pressure-modes %),--energy $(ENERGY)) \
@@ -93,15 +126,15 @@ deimselect_options = --method $(or $($1.METHOD),joint) $($1.ROWS:%=--rows %) \
 
 $(MODELS:%=$(OUT)/%-basis.h5): $(OUT)/%-basis.h5: $(SNAPSHOTS) $(BIN)/podbuild \
                                $$(call options,$$*-basis,$$(call podbuild_options,$$*))
-	$(call quiet,2/4 podbuild  ,$@)$(BIN)/podbuild $(SNAPSHOTS) -o $@ --force $(strip $(call podbuild_options,$*))
+	$(call quiet,$(call stage_of,$*-basis) podbuild  ,$@)$(call at_stage,$*-basis) $(BIN)/podbuild $(SNAPSHOTS) -o $@ --force $(strip $(call podbuild_options,$*))
 
 $(MODELS:%=$(OUT)/%-residuals.h5): $(OUT)/%-residuals.h5: $(OUT)/%-basis.h5 $(SNAPSHOTS)
-	$(call quiet,3/4 snapgen   ,$@)$(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SNAPGEN_JOBS:%=--jobs %) $(SET)
+	$(call quiet,$(call stage_of,$*-residuals) snapgen   ,$@)$(call at_stage,$*-residuals) $(BIN)/snapgen $(PLAN) $(adaptive) --basis $< -o $@ --force $(SNAPGEN_JOBS:%=--jobs %) $(SET)
 
 # A model with nothing to check it on (exit code 4) is a model all the same, and says so in each run.
 $(MODELS:%=$(OUT)/%.h5): $(OUT)/%.h5: $(OUT)/%-residuals.h5 $(OUT)/%-basis.h5 $(BIN)/deimselect \
                          $$(call options,$$*,$$(call deimselect_options,$$*))
-	$(call quiet,4/4 deimselect,$@)$(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
+	$(call quiet,$(call stage_of,$*-rows) deimselect,$@)$(call at_stage,$*-rows) $(BIN)/deimselect $< --basis $(OUT)/$*-basis.h5 -o $@ --force \
 	    $(strip $(call deimselect_options,$*)) || [ $$? -eq 4 ]
 
 endif

@@ -559,9 +559,19 @@ YAML
     PATH=/usr/bin:/bin run make -f ../prefix/share/ehdrom/lib/pipeline.mk PLAN=region.yml ACCURACY=1e-3
     echo "$output"
     [ "$status" -eq 0 ]
-    [[ $output == *"  1/4 snapgen    out/snapshots.h5"*"  2/4 podbuild "*"  3/4 snapgen "*"  4/4 deimselect "*"model: $PWD/out/model.h5" ]]
+    [[ $output == *"  1/5 snapgen    out/snapshots.h5"*"  2/5 podbuild "*"  3/5 snapgen "*"  4/5 deimselect "*"model: $PWD/out/model.h5" ]]
     [[ $output == *"checked on the last "* ]]
+    # how long all stages take yet
+    grep -q '^snapgen: 0/20 M=.*; stage 1 of 5$' <<<"$output"
+    grep -q '^snapgen: 33/33 M=.*; stage 3 of 5' <<<"$output"
+    grep -q '^deimselect: 16/16 M=.*; stage 5 of 5' <<<"$output"
+    [[ $(grep '^deimselect: ' <<<"$output" | tail -n 1) == *"; stage 5 of 5, about 0 s in all" ]]
+    [ "$(cut -d ' ' -f 1,3 out/stages | tr '\n' ,)" = "training 0,model-basis 0,model-residuals 0,model-rows 0,model-check 0," ]
     ../prefix/bin/romrun --check out/model.h5
+    # while points are chosen it is known what the stages behind take at least
+    PATH=/usr/bin:/bin run make -f ../prefix/share/ehdrom/lib/pipeline.mk PLAN=region.yml ACCURACY=1e-3 OUT=new new/snapshots.h5
+    [ "$(cut -d ' ' -f 1,3 new/stages | sort | tr '\n' ,)" = "model-basis 1,model-check 1,model-residuals 1,model-rows 1,training 0," ]
+    awk '$2 < 0 || $2 > 600 { bad = 1 } $1 == "model-check" { check = $2 } END { exit bad || !(check > 0) }' new/stages
     PATH=/usr/bin:/bin run make -n -f ../prefix/share/ehdrom/lib/pipeline.mk PLAN=region.yml ACCURACY=1e-3
     [[ $status == 0 && ! $output =~ $programs ]]
 }

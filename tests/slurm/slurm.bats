@@ -35,10 +35,10 @@ slowly() {
 
 on_slurm() { make SLURM=1 "$@"; }
 
-# until_true COMMAND...: within a minute
+# until_true COMMAND...: within five minutes
 until_true() {
     local try
-    for ((try = 0; try < 600; try++)); do
+    for ((try = 0; try < 3000; try++)); do
         "$@" && return
         sleep 0.1
     done
@@ -176,12 +176,96 @@ $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
     [ "$(grep -c 'points are done' out/slurm/snapshots-2.log)" -eq 0 ]
 }
 
-@test "adaptive training is one task, with the same bits" {
-    sed -i 's/step: 0.005/step: 0.05/' scene.yml
-    make ACCURACY=1e-2 >/dev/null
-    run on_slurm ACCURACY=1e-2 OUT=array
+# A region in which points are chosen in three rounds, 20 in the first.
+small_region() {
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    region: {moes.M: [8, 14], moes.L: [2, 5]}
+YAML
+    echo 'ACCURACY = 1e-2' >>Makefile
+}
+
+# same_training A B: as same_data, but for when rounds were judged
+same_training() {
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+import sys, h5py
+with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
+    assert set(left) == set(right), set(left) ^ set(right)
+    for name in set(left) - {"round_seconds"}:
+        assert left[name][...].tobytes() == right[name][...].tobytes(), name
+PYTHON
+}
+
+@test "a region is trained in rounds of arrays, with the bits of one run and as much work" {
+    small_region
+    sed -i 's/step: 0.005/step: 0.001/' scene.yml
+    TIMEFORMAT='%U %S'
+    { time snapgen plan.yml --accuracy 1e-2 -o whole.h5 --jobs 2 >/dev/null 2>&1; } 2>time.txt
+    run on_slurm OUT=array
     echo "$output"
     [ "$status" -eq 0 ]
+    same_training whole.h5 array/snapshots.h5
+    [ "$(cut -d ' ' -f 2 array/slurm/jobs | tr '\n' ' ')" = "model-basis model " ]
+    rounds=$(grep -c '^  slurm      round [0-9]*: [0-9]* points' <<<"$output")
+    [ "$rounds" -eq "$(snapgen --print whole.h5 round | sed 1d | wc -l)" ]
+    # each piece once, as many as four in a round, and nothing is left of them
+    pieces=$(awk '$1 == "slurm" && $3 == "points," { n += $2 < 4 ? $2 : 4 } END { print n }' <<<"$output")
+    [ "$(grep -c '^piece-' array/slurm/spent)" -eq "$pieces" ]
+    [ "$(grep -c '^choice ' array/slurm/spent)" -eq $((rounds + 1)) ]
+    [ -z "$(find array -name 'piece*.h5*')" ]
+    echo "# seconds of processor: $(awk '/^(piece|choice)/ { s += $2 + $3 } END { print s }' array/slurm/spent) in \
+$rounds rounds of four tasks with make, $(awk '{ print $1 + $2 }' time.txt) with --jobs 2" >&3
+
+    # all is there: no job more, and make without Slurm sees it too
+    before=$(cat array/slurm/jobs)
+    run on_slurm OUT=array
+    [ "$status" -eq 0 ]
+    [ "$(cat array/slurm/jobs)" = "$before" ]
+    run make OUT=array
+    [ "$status" -eq 0 ]
+    [[ ! $output =~ (snapgen|podbuild|deimselect) ]]
+
+    # another plan begins anew, one task does it all where that is asked for
+    sed -i 's/14/13/' plan.yml
+    run on_slurm OUT=array SHARDS=1
+    [ "$status" -eq 0 ]
     [ "$(grep -c snapshots array/slurm/jobs)" -eq 1 ]
-    for file in model-basis model-residuals model; do same_data out/$file.h5 array/$file.h5; done
+}
+
+@test "tasks of a round are killed and requeued: nothing is solved twice, the bits are those of one run" {
+    small_region
+    echo 'model.CHECK = no' >>Makefile
+    sed -i 's/step: 0.005/step: 0.0005/' scene.yml
+    on_slurm SHARDS=2 >make.txt 2>&1 &
+    pid=$!
+    some_points() { [ "$(done_in "out/piece-$1-of-2.h5.partial")" -ge 1 ]; }
+    until_true some_points 1
+    kill -KILL "$(program_of out/piece-1-of-2.h5)"
+    until_true some_points 2
+    job=$(awk '$2 == "piece-2" { print $1 }' out/slurm/jobs)
+    scontrol requeue "${job}_2"
+    pending() { [ "$(squeue --noheader --array --jobs="$job" --format='%K %T' | grep '^2 ')" = "2 PENDING" ]; }
+    until_true pending
+    run make slurm-status
+    echo "$output"
+    [[ $output =~ "piece-2 "\ *"pending ("[A-Za-z]*") "\ *[0-9]+" of 10" ]]
+    [[ $output =~ "choice "\ *"not run "\ *"0 of 20" ]] || [[ $output =~ "choice "\ *"pending (Dependency) "\ *"0 of 20" ]]
+    killed=$(done_in out/piece-1-of-2.h5.partial)
+    before=$(done_in out/piece-2-of-2.h5.partial)
+    echo "done before: $killed, $before"
+    ((killed >= 1 && killed < 10 && before >= 1 && before < 10))
+    ! wait $pid || false
+    cat make.txt
+    grep -q 'slurm.sh: out/slurm/piece-1.log: found exit code' make.txt
+    grep -q "piece-2-of-2.h5.partial: $before of 10 points are done" out/slurm/piece-2.log
+    grep -q "^snapgen: $((10 - before))/$((10 - before)) " out/slurm/piece-2.log
+    [ ! -e out/snapshots.h5 ]
+    run on_slurm SHARDS=2
+    echo "$output"
+    [ "$status" -eq 0 ]
+    # the killed one's points too
+    grep -q "^round 1: $((10 - killed)) points are to be solved, after $((10 + killed))" out/slurm/choice.log
+    snapgen plan.yml --accuracy 1e-2 -o whole.h5 --jobs 2 --quiet
+    same_training whole.h5 out/snapshots.h5
 }

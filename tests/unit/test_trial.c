@@ -30,7 +30,8 @@ static ehd_status build(reduced_model *result, size_t num_workers, size_t num_po
                                    set->alpha_p_H[s],
                                    set->central_film_thickness[s],
                                    set->rises[s]};
-    return trial_build(result, &caller, &points, states, 0, num_workers, &error);
+    trial_costs costs;
+    return trial_build(result, &costs, &caller, &points, states, 0, num_workers, &error);
 }
 
 static int set_up(void **state) {
