@@ -187,7 +187,8 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
 /* Puts all axes, fields and attributes of an opened file that its schema knows into a file of the
- * same schema that has none yet, but for some axes and the fields along them. */
+ * same schema that has none yet, but for some axes and the fields along them. What `from`, which may be
+ * another program's, lacks of NEED_OWN the copy may lack too. */
 ehd_status artefact_copy(
     // output:
     artefact *to,

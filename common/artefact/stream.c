@@ -8,9 +8,14 @@
 
 // ---- streaming
 
+/* A copy of somebody else's file has what that has. */
+static bool must_write(const artefact *file, artefact_need need) {
+    return need == NEED_ALWAYS || (need == NEED_OWN && !file->copied);
+}
+
 static ehd_status check_fields_written(const artefact *file, ehd_error *error) {
     for (const artefact_field *field = file->schema->fields; field->name; field++) {
-        if (field->need != NEED_OPTIONAL && !hdf5_has_dataset(file->id, field->name)) {
+        if (must_write(file, field->need) && !hdf5_has_dataset(file->id, field->name)) {
             return ehd_fail(error, EHD_INTERNAL, "%s: found no %s, expected it in every %s",
                             file->path, field->name, file->schema->name);
         }
@@ -20,7 +25,7 @@ static ehd_status check_fields_written(const artefact *file, ehd_error *error) {
 
 static ehd_status check_attributes_written(const artefact *file, bool own, ehd_error *error) {
     for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
-        bool needed = entry->need == NEED_ALWAYS || (own && entry->need == NEED_OWN);
+        bool needed = own ? must_write(file, entry->need) : entry->need == NEED_ALWAYS;
         if (needed && !hdf5_has_attribute(file->id, entry->name)) {
             return ehd_fail(error, EHD_INTERNAL, "%s: found no %s, expected it in every %s",
                             file->path, entry->name, file->schema->name);
