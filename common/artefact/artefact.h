@@ -182,7 +182,8 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
                                 ehd_error *error);
 
 /* Drops the entries of the growing axis from `length` on, checks those before, and streams again.
- * Only after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged.
+ * Only after artefact_resume. EHD_DATA when the file has fewer entries, those kept are damaged, or no
+ * axis grows.
  */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
