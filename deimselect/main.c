@@ -7,6 +7,7 @@
 #include "common/training/pool.h"
 #include "deimselect/checked_model.h"
 #include "deimselect/row_choice.h"
+#include "podbuild/readers.h"
 #include "romrun/model/basis_file.h"
 #include "romrun/model/model_file.h"
 
@@ -249,7 +250,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self);
+    if (self.check) return output_check(&self, training_readers);
     if (self.print) return output_print(&self);
     ehd_status status = check_usage(&own, &error);
     if (!status) status = run(&self, &own, &error);

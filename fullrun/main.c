@@ -512,7 +512,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self);
+    if (self.check) return output_check(&self, NULL);
     if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);

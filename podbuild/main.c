@@ -5,6 +5,7 @@
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
+#include "podbuild/readers.h"
 #include "podbuild/test_weight.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/model/basis_file.h"
@@ -201,7 +202,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self);
+    if (self.check) return output_check(&self, training_readers);
     if (self.print) return output_print(&self);
     own.bases.deformation.discarded_energy = own.bases.pressure.discarded_energy;
     if (own.weight->needs_contacts != (own.plan != NULL))

@@ -15,6 +15,7 @@
 #include "romrun/calibrate/fallback.h"
 #include "romrun/calibrate/fallback_march.h"
 #include "romrun/calibrate/verify.h"
+#include "romrun/model/readers.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/ehdrom.h"
 
@@ -639,7 +640,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self);
+    if (self.check) return output_check(&self, model_readers);
     if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);

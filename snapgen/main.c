@@ -7,6 +7,7 @@
 #include "common/settings/scene.h"
 #include "common/training/pool.h"
 #include "fullrun/training.h"
+#include "podbuild/readers.h"
 #include "snapgen/adaptive.h"
 #include "snapgen/residuals.h"
 #include "snapgen/snapshots.h"
@@ -347,7 +348,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check) return output_check(&self);
+    if (self.check) return output_check(&self, training_readers);
     if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);

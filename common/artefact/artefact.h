@@ -187,12 +187,14 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
                                 ehd_error *error);
 
 /* Drops the entries of the growing axis from `length` on, checks those before, and streams again.
- * Only after artefact_resume. EHD_DATA when the file has fewer entries or those kept are damaged.
+ * Only after artefact_resume. EHD_DATA when the file has fewer entries, those kept are damaged, or no
+ * axis grows.
  */
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error);
 
 /* Puts all axes, fields and attributes of an opened file that its schema knows into a file of the
- * same schema that has none yet, but for some axes and the fields along them. */
+ * same schema that has none yet, but for some axes and the fields along them. What `from`, which may be
+ * another program's, lacks of NEED_OWN the copy may lack too. */
 ehd_status artefact_copy(
     // output:
     artefact *to,

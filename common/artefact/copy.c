@@ -85,6 +85,7 @@ ehd_status artefact_copy(artefact *to, artefact *from, const char *const *except
     const artefact_schema *schema = from->schema;
     ehd_status status = EHD_OK;
 
+    to->copied = true;
     for (const artefact_attribute *entry = schema->attributes; entry->name && !status; entry++)
         if (hdf5_has_attribute(from->id, entry->name))
             status = copy_attribute(to, from, entry, error);

@@ -27,6 +27,7 @@ struct artefact {
     bool force;          // an existing final file may be replaced
     bool streaming;
     bool keep;   // the partial file is of use to --resume
+    bool copied; // by artefact_copy, of a file that may lack what only our programs write
     bool failed; // a write failed, so the file must not get its final name
     char identity[65];
 };

@@ -8,23 +8,31 @@
 
 // ---- streaming
 
+/* A copy of somebody else's file has what that has. */
+static bool must_write(const artefact *file, artefact_need need) {
+    return need == NEED_ALWAYS || (need == NEED_OWN && !file->copied);
+}
+
+/* A file that is resumed has not been written by this process. */
+static ehd_status not_written(const artefact *file, const char *name, ehd_error *error) {
+    return ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
+                    "%s: found no %s, expected it in every %s", shown_name(file), name,
+                    file->schema->name);
+}
+
 static ehd_status check_fields_written(const artefact *file, ehd_error *error) {
     for (const artefact_field *field = file->schema->fields; field->name; field++) {
-        if (field->need != NEED_OPTIONAL && !hdf5_has_dataset(file->id, field->name)) {
-            return ehd_fail(error, EHD_INTERNAL, "%s: found no %s, expected it in every %s",
-                            file->path, field->name, file->schema->name);
-        }
+        if (must_write(file, field->need) && !hdf5_has_dataset(file->id, field->name))
+            return not_written(file, field->name, error);
     }
     return EHD_OK;
 }
 
 static ehd_status check_attributes_written(const artefact *file, bool own, ehd_error *error) {
     for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++) {
-        bool needed = entry->need == NEED_ALWAYS || (own && entry->need == NEED_OWN);
-        if (needed && !hdf5_has_attribute(file->id, entry->name)) {
-            return ehd_fail(error, EHD_INTERNAL, "%s: found no %s, expected it in every %s",
-                            file->path, entry->name, file->schema->name);
-        }
+        bool needed = own ? must_write(file, entry->need) : entry->need == NEED_ALWAYS;
+        if (needed && !hdf5_has_attribute(file->id, entry->name))
+            return not_written(file, entry->name, error);
     }
     return EHD_OK;
 }
@@ -151,6 +159,8 @@ static ehd_status cut_dataset(artefact *file, const char *name, size_t length, e
 }
 
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error) {
+    if (file->history_line && !file->growing)
+        return not_resumable(file, "axes of which none grows", error);
     if (file->streaming || !file->growing || strcmp(name, file->growing) != 0) {
         return ehd_fail(error, EHD_INTERNAL,
                         "%s: found axis %s, expected the one that grows, before streaming",

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -78,6 +79,21 @@ static void set_scale(const edited *self, const char *field, const char *axis, u
     if (scale >= 0) H5Dclose(scale);
 }
 
+/* A dataset that is replaced. Its storage is not given free where that would take a walk through as many
+ * chunks as a file may name. */
+static void take_away(const edited *self, const char *name) {
+    static unsigned count;
+    char other[32];
+    dataset found;
+    const bool any = dataset_read(&found, self, name);
+    if (any) free(found.numbers);
+    snprintf(other, sizeof other, "taken-away-%u", count++);
+    if (any && found.count > MAX_KEPT)
+        H5Lmove(self->file, name, self->file, other, H5P_DEFAULT, H5P_DEFAULT);
+    else
+        H5Ldelete(self->file, name, H5P_DEFAULT);
+}
+
 /* All pairs of a field and an axis of it that `name` is one of. */
 static void set_scales(const edited *self, const char *name, bool attach) {
     const artefact_field *field = self->schema ? self->schema->fields : NULL;
@@ -132,7 +148,7 @@ static void remake(const edited *self, const char *name, int rank, const hsize_t
     const hid_t space = rank ? H5Screate_simple(rank, lengths, max_lengths) : H5Screate(H5S_SCALAR);
     H5Dclose(before);
     set_scales(self, name, false);
-    H5Ldelete(self->file, name, H5P_DEFAULT);
+    take_away(self, name);
     const hid_t id =
         H5Dcreate2(self->file, name, type < 0 ? same : type, space, H5P_DEFAULT, own, H5P_DEFAULT);
     if (id >= 0) {
@@ -151,7 +167,7 @@ static void remake(const edited *self, const char *name, int rank, const hsize_t
 // ---- the edits: words[1] is a name
 
 static void edit_delete(const edited *self) {
-    H5Ldelete(self->file, self->words[1], H5P_DEFAULT);
+    take_away(self, self->words[1]);
 }
 
 static void edit_put(const edited *self) {
@@ -328,7 +344,7 @@ static void edit_link(const edited *self) {
     const char *name = self->words[1], *kind = self->num_words > 2 ? self->words[2] : "";
     const char *target = self->num_words > 3 ? self->words[3] : name;
     hid_t id = -1;
-    H5Ldelete(self->file, name, H5P_DEFAULT);
+    take_away(self, name);
     if (is(kind, "soft")) H5Lcreate_soft(target, self->file, name, H5P_DEFAULT, H5P_DEFAULT);
     if (is(kind, "hard"))
         H5Lcreate_hard(self->file, target, self->file, name, H5P_DEFAULT, H5P_DEFAULT);

@@ -23,7 +23,7 @@ corpus=$here/corpus/$target
 
 before=$(find "$crashes" -name "$target-*" | wc -l)
 TARGET=$target "$here/with-bases.sh" nice "$fuzzer" -max_total_time="$seconds" -close_fd_mask=3 -print_final_stats=1 \
-    -max_len=4096 -timeout=30 -rss_limit_mb=4096 -malloc_limit_mb=100000 -artifact_prefix="$crashes/$target-" \
+    -detect_leaks=0 -max_len=4096 -timeout=30 -rss_limit_mb=4096 -malloc_limit_mb=100000 -artifact_prefix="$crashes/$target-" \
     "$found" ${corpus:+"$corpus"} >"$log" 2>&1
 code=$?
 awk -v target="$target" -v crashes="$(($(find "$crashes" -name "$target-*" | wc -l) - before))" '

@@ -22,6 +22,13 @@
 static FILE *report; // where standard error led
 static int said;     // what the programs say, a file in memory
 
+const char *__lsan_default_suppressions(void);
+
+/* HDF5 leaks where it refuses. */
+const char *__lsan_default_suppressions(void) {
+    return "leak:libhdf5";
+}
+
 void __sanitizer_set_report_fd(void *descriptor) __attribute__((weak));
 
 void fuzz_start(int standard_error) {
@@ -109,7 +116,9 @@ static int run_command(const char *command) {
     fflush(stderr);
     check_code(command, code);
     check_said(command, code);
-    if (code >= EHD_USAGE && access(OUTPUT, F_OK) == 0)
+    // what is compared after a run in time comes too late for the run, whose result stands
+    const bool compared = strstr(command, "time.yml") && strstr(command, "--against");
+    if (code >= EHD_USAGE && !compared && access(OUTPUT, F_OK) == 0)
         complain(command, code, "an output all the same", "");
     unlink(OUTPUT);
     unlink(OUTPUT ".partial");
