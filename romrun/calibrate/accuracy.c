@@ -13,7 +13,9 @@ static const double DEFAULT_ACCURACY = 0.01;
 static void explain(accuracy_choice *choice, const trade_table *table,
                     const trade_position *position, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
-    const bool indicated = !in_time && position->indicator_factor > 0;
+    const char *part = in_time && position->factor_in_time > 0      ? "two thirds of "
+                       : !in_time && position->indicator_factor > 0 ? "90 % of "
+                                                                    : "";
     char sizes[TRADE_NAME];
 
     trade_name(sizes, &position->sizes);
@@ -22,7 +24,7 @@ static void explain(accuracy_choice *choice, const trade_table *table,
              "%.3g ms%s",
              sizes, table->num_positions,
              in_time && !(position->factor_in_time > 0) ? "central film was" : "films were",
-             indicated ? " indicated to be" : "", price.deviation, indicated ? "90 % of " : "",
+             !in_time && *part ? " indicated to be" : "", price.deviation, part,
              in_time ? table->num_trajectories : table->num_scenes,
              in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");
 }

@@ -67,11 +67,14 @@ static const column of_indicator[] = {
     {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
-/* The same in time, which came later: both or none. */
+/* The same in time, which came later: all or none. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
-     true}};
+     true},
+    {"indicator_floor_in_time_minimum", offsetof(trade_position, floor_in_time_minimum), NULL,
+     true},
+    {"most_in_time", offsetof(trade_position, most_in_time), NULL, true}};
 enum { NUM_IN_TIME = sizeof in_time / sizeof *in_time };
 
 enum { NUM_COUNTS = sizeof counts / sizeof *counts, NUM_REALS = sizeof reals / sizeof *reals };
@@ -262,11 +265,11 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
 static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *error) {
     double *values = malloc(table->num_positions * sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
-    bool both = table->num_trajectories > 0;
+    bool all = table->num_trajectories > 0;
 
     for (size_t c = 0; c < NUM_IN_TIME; c++)
-        both = both && artefact_has(file, in_time[c].field);
-    for (size_t c = 0; c < NUM_IN_TIME && both && !status; c++)
+        all = all && artefact_has(file, in_time[c].field);
+    for (size_t c = 0; c < NUM_IN_TIME && all && !status; c++)
         status = get_of_indicator(table, values, &in_time[c], file, error);
     free(values);
     return status;

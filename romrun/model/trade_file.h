@@ -39,8 +39,11 @@ typedef struct trade_position {
     double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean
     double factor_in_time;         // of the indicator in time, central film; 0: not calibrated
-    double factor_in_time_minimum; // minimum film
-    size_t num_lost;               // trajectories with a step not converged or not trusted
+    double factor_in_time_minimum; // of what arises at the minimum film
+    double floor_in_time_minimum;  // added there
+    double
+        most_in_time; // larger film deviation of two thirds of the trajectories; 1: they are lost
+    size_t num_lost;  // trajectories with a step not converged or not trusted
 } trade_position;
 
 typedef struct trade_table {
