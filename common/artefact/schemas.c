@@ -493,6 +493,7 @@ static const artefact_axis model_axes[] = {
     AXIS("position", "1", "index of the measured size of the model, smallest first"),
     AXIS("quantile", "1", "part of the scenes that deviate by no more: median, 95 %, worst"),
     AXIS("part", "1", "part of the scenes that indicate no more: 5 %, median, 90 %, 95 %"),
+    AXIS("part_in_time", "1", "part of the trajectories that indicate no more"),
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
@@ -639,9 +640,11 @@ static const artefact_field model_fields[] = {
          "position"),
     REAL("indicator_floor_in_time_minimum", "1", NEED_OPTIONAL,
          "deviation that is indicated in time of the minimum film thickness at least", "position"),
-    REAL("most_in_time", "1", NEED_OPTIONAL,
-         "largest deviation of both films in two thirds of the trajectories, 1 where they are lost",
-         "position"),
+    REAL(
+        "indicated_in_time", "1", NEED_OPTIONAL,
+        "largest deviation of both films that is indicated in these trajectories, 1 where they are "
+        "lost",
+        "position", "part_in_time"),
     WORST_IN_TIME("central_film_thickness", "central film thickness"),
     WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
     WORST_IN_TIME("central_pressure", "central pressure"),

@@ -212,11 +212,13 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
 
 /* What the steps of all trajectories are measured to be, and to be indicated as. */
 typedef struct step_sample {
+    size_t trajectory;
     double central, minimum; // deviation of the films
     film_bounds bounds;
 } step_sample;
 
 typedef struct step_samples {
+    size_t trajectory; // of the steps that follow
     size_t count;
     step_sample *samples; // with room for all steps
 } step_samples;
@@ -241,8 +243,8 @@ static void add_step(repetition *self, step_samples *steps, const march_step *ou
 
     for (int q = 0; q < TRADE_PRESSURE; q++)
         self->worst[q] = fmax(self->worst[q], deviation[q]);
-    steps->samples[steps->count++] =
-        (step_sample){deviation[TRADE_CENTRAL_FILM], deviation[TRADE_MINIMUM_FILM], *bounds};
+    steps->samples[steps->count++] = (step_sample){steps->trajectory, deviation[TRADE_CENTRAL_FILM],
+                                                   deviation[TRADE_MINIMUM_FILM], *bounds};
 }
 
 static int compare_minimum(const void *a, const void *b) {
@@ -279,13 +281,18 @@ static void fit_in_time(trade_position *position, const step_samples *steps) {
     position->floor_in_time_minimum = floor_of_minimum;
 }
 
-/* Larger deviation of both films over the steps from `first` on. */
-static double worst_since(const step_samples *steps, size_t first) {
-    double worst = 0;
-
-    for (size_t i = first; i < steps->count; i++)
-        worst = fmax(worst, fmax(steps->samples[i].central, steps->samples[i].minimum));
-    return worst;
+/* What is indicated of the larger film of each trajectory, [num_trajectories]; 1: it is lost. */
+static void find_indicated(double *indicated, const trade_position *position,
+                           const step_samples *steps) {
+    for (size_t i = 0; i < steps->count; i++) {
+        const film_bounds *bounds = &steps->samples[i].bounds;
+        double *worst = &indicated[steps->samples[i].trajectory];
+        const double central = position->factor_in_time * bounds->central;
+        const double minimum = position->factor_in_time * bounds->arriving +
+                               position->factor_in_time_minimum * bounds->arising +
+                               position->floor_in_time_minimum;
+        *worst = fmin(fmax(*worst, fmax(central, minimum)), 1);
+    }
 }
 
 /* The start, or a step that is accepted. */
@@ -339,31 +346,35 @@ ehd_status calibration_measure_in_time(trade_position *position, ehdrom_model *m
     repetition sum = {0};
     step_samples steps = {0};
     size_t num_steps = 0;
-    double *worst = malloc((num_recordings + 1) * sizeof *worst);
+    double *indicated = malloc((num_recordings + 1) * sizeof *indicated);
     ehd_status status = ehdrom_prepare_transient(model, error);
 
     for (size_t t = 0; t < num_recordings; t++)
         num_steps += recordings[t].num_steps;
     steps.samples = malloc((num_steps + 1) * sizeof *steps.samples);
-    if (!status && (!steps.samples || !worst))
+    if (!status && (!steps.samples || !indicated))
         status =
             ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu steps", num_steps);
     position->num_lost = 0;
     for (size_t t = 0; t < num_recordings && !status; t++) {
-        const size_t first = steps.count;
         bool lost = false;
+        steps.trajectory = t;
         status = repeat(&lost, &sum, &steps, model, &recordings[t], error);
         position->num_lost += lost;
-        worst[t] = lost ? 1 : fmin(worst_since(&steps, first), 1);
+        indicated[t] = lost ? 1 : 0;
     }
     for (int q = 0; q < TRADE_PRESSURE; q++)
         position->worst_in_time[q] = sum.num_steps ? sum.worst[q] : NAN;
-    if (!status) fit_in_time(position, &steps);
-    if (!status)
-        position->most_in_time = trade_quantile_of(worst, num_recordings, trade_most_in_time);
+    if (!status) {
+        fit_in_time(position, &steps);
+        find_indicated(indicated, position, &steps);
+        for (int i = 0; i < NUM_TIME_PARTS; i++)
+            position->indicated_in_time[i] =
+                trade_quantile_of(indicated, num_recordings, trade_time_parts[i]);
+    }
     position->step_iterations = sum.num_steps ? sum.iterations / (double)sum.num_steps : NAN;
     position->step_seconds = sum.num_steps ? sum.seconds / (double)sum.num_steps : NAN;
     free(steps.samples);
-    free(worst);
+    free(indicated);
     return status;
 }

@@ -65,7 +65,6 @@ double trade_quantile_of(double *values, size_t count, double quantile) {
 }
 
 const double trade_margin = 2;
-const double trade_most_in_time = 2. / 3;
 
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count) {
     double largest = 0;
@@ -79,9 +78,8 @@ double trade_indicator_factor(const double *deviations, const double *bounds, si
 
 trade_price trade_price_of(const trade_position *position, bool in_time) {
     if (in_time && position->factor_in_time > 0) {
-        const bool lost = !(position->most_in_time < 1);
-        return (trade_price){position->most_in_time, position->step_seconds,
-                             lost ? position->num_lost : 0};
+        const double half = position->indicated_in_time[0];
+        return (trade_price){half, position->step_seconds, half < 1 ? 0 : 1};
     }
     if (in_time)
         return (trade_price){position->worst_in_time[TRADE_CENTRAL_FILM], position->step_seconds,
@@ -108,14 +106,25 @@ bool trade_is_dominated(const trade_table *table, size_t position, bool in_time)
     return false;
 }
 
+double trade_part_in_time(const trade_position *position, double deviation) {
+    double part = 0;
+
+    for (int i = 0; i < NUM_TIME_PARTS && position->factor_in_time > 0; i++)
+        if (position->indicated_in_time[i] <= deviation) part = trade_time_parts[i];
+    return part;
+}
+
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
     size_t best = table->num_positions;
-    double seconds = INFINITY;
+    double seconds = INFINITY, most = 0;
 
+    for (size_t i = 0; i < table->num_positions && in_time; i++)
+        most = fmax(most, trade_part_in_time(&table->positions[i], deviation));
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
         if (price.num_failures > 0 || !(price.deviation <= deviation) || !(price.seconds < seconds))
             continue;
+        if (in_time && trade_part_in_time(&table->positions[i], deviation) < most) continue;
         best = i;
         seconds = price.seconds;
     }

@@ -20,6 +20,8 @@ enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES }
 extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
 extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
+enum { NUM_TIME_PARTS = 6 };
+extern const double trade_time_parts[NUM_TIME_PARTS]; // of trajectories: 0.5, 0.6, ... 1
 
 /* Sizes of the model, with accuracy and time on the scenes that they solved (NaN: none). */
 typedef struct trade_position {
@@ -41,9 +43,9 @@ typedef struct trade_position {
     double factor_in_time;         // of the indicator in time, central film; 0: not calibrated
     double factor_in_time_minimum; // of what arises at the minimum film
     double floor_in_time_minimum;  // added there
-    double
-        most_in_time; // larger film deviation of two thirds of the trajectories; 1: they are lost
-    size_t num_lost;  // trajectories with a step not converged or not trusted
+    // larger deviation of both films at all steps of a part of the trajectories; 1: they are lost
+    double indicated_in_time[NUM_TIME_PARTS];
+    size_t num_lost; // trajectories with a step not converged or not trusted
 } trade_position;
 
 typedef struct trade_table {
