@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reduced march along the path of the fluid, of lines and points. */
+#include "common/physics/minimum.h"
 #include "fullrun/full_march.h"
+#include "romrun/online/fields.h"
 #include "tests/unit/marching.h"
 
 #include <math.h>
@@ -257,6 +259,79 @@ static void what_is_indicated_comes_with_the_fluid(void **state) {
     marching_free(&self);
 }
 
+/* A load that jumps up fills the outlet, to where the grid ends, which training had too: it is no exit
+ * at the edge of what was trained. */
+static void an_exit_may_lie_at_the_end_of_the_grid(void **state) {
+    (void)state;
+    const double step = 1e-3;
+    marching self;
+
+    marching_init(&self, &problems[LINE], true, true);
+    indicate_bounds(&self);
+    contact_frame frame = frame_at(&contact_line, step, (double[]){1.1, 1, 1, 1}, NAN);
+    frame.path = step;
+    self.solver.restart(self.solver.self);
+    step_on(&self.last, &self.solver, &frame, step);
+    assert_true(self.last.scalars.exit_position > 1.9); // of 2
+    assert_string_equal(self.last.reason, "");
+    assert_int_equal(self.last.status, EHD_OK);
+    marching_free(&self);
+}
+
+static double film_in(const void *context, size_t node) {
+    return ((const double *)context)[node];
+}
+
+/* A dip of the film before the band, as one passes the centre in time, is as deep as all nodes say,
+ * not those alone that rows need. */
+static void a_dip_is_found_between_the_needed_nodes(void **state) {
+    (void)state;
+    enum { EVERY = 5, BEGIN = 30 };
+    const problem *of = &problems[LINE];
+    const ehd_grid *grid = &of->basis.grid;
+    const contact_frame start = frame_at(&contact_line, 0, (double[]){1, 1, 1, 1}, NAN);
+    const ehd_contact *contact = &of->training.contacts[STATE];
+    double *pressure = calloc(grid->num_nodes, sizeof *pressure);
+    double *film = calloc(grid->num_nodes, sizeof *film);
+    size_t rows[FEW_ROWS], num_rows = 0, num_dips = 0, num_missed = 0;
+    marching self;
+
+    assert_true(pressure && film);
+    for (size_t k = 20; num_rows < FEW_ROWS && k<115; k += k> 85 ? 1 : EVERY)
+        rows[num_rows++] = k;
+    marching_start_with(&self, contact, &of->basis, rows, num_rows, &start);
+    const size_t num = self.model.num_unknowns;
+    double *z = calloc(num, sizeof *z);
+    assert_non_null(z);
+    for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
+        // no solutions, but sums of them
+        const size_t a = i / TRAINED_STATES, b = i % TRAINED_STATES;
+        const double *of_a = self.model.states.coordinates + a * num;
+        const double *of_b = self.model.states.coordinates + b * num;
+        reduced_state at = {.coordinates = z, .exit = self.model.states.exit[a]};
+        for (size_t k = 0; k < num; k++)
+            z[k] = 3 * of_a[k] - 2 * of_b[k];
+        contact_scalars scalars = reduced_scalars(reduced_march_inner(self.march), &at, contact);
+        check_ok(
+            reduced_fields(pressure, film, &at, &self.model, self.splines.pressure_basis, &error));
+        size_t lowest = BEGIN;
+        for (size_t k = BEGIN; k < at.exit; k++)
+            if (film[k] < film[lowest]) lowest = k;
+        if (lowest == BEGIN || lowest + 2 >= self.model.band.lines[0].begin) continue;
+        num_dips++;
+        const double least = minimum_around(grid, lowest, film_in, film);
+        num_missed += fabs(scalars.minimum_film_thickness - least) > 1e-4 * fabs(least);
+        reduced_find_dip(&scalars, reduced_march_inner(self.march), &at, film_in, film);
+        check_close(scalars.minimum_position, grid_x(grid, lowest), 0, 1e-12);
+        check_close(scalars.minimum_film_thickness, least, 1e-9, 0);
+    }
+    assert_true(num_dips > 10 && num_missed > 5); // the parabola through needed nodes
+    free(z);
+    free(pressure);
+    free(film);
+    marching_free(&self);
+}
+
 /* A load that comes back into the trained range: no step is to be trusted before the last film of
  * outside has gone from the edge of the contact to the exit. */
 static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
@@ -353,6 +428,8 @@ int main(void) {
         cmocka_unit_test(so_does_a_point),
         cmocka_unit_test(few_rows_tell_the_error_of_all),
         cmocka_unit_test(what_is_indicated_comes_with_the_fluid),
+        cmocka_unit_test(an_exit_may_lie_at_the_end_of_the_grid),
+        cmocka_unit_test(a_dip_is_found_between_the_needed_nodes),
         cmocka_unit_test(a_doubtful_film_is_doubtful_until_it_has_left),
         cmocka_unit_test(repeated_and_restored_steps_have_the_same_bits),
     };
