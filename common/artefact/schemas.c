@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What each kind of file holds: one line a field. After a change, tests/unit/test_schemas tells how
- * to bring the pages in schemas/ up to date. */
+/* What each kind of file holds: one line a field. After a change, tests/unit/test_schemas tells
+ * how to bring the pages in schemas/ up to date. */
 #include "common/artefact/artefact.h"
 
 #define AXIS(name, units, max, long_name)                                                          \
@@ -537,6 +537,7 @@ static const artefact_axis model_axes[] = {
     AXIS("bounded", "1", MAX_FEW,
          "what is indicated: central film, minimum film, central pressure, exit position, load, "
          "pressure, film"),
+    AXIS("part_in_time", "1", MAX_FEW, "part of the trajectories that indicate no more"),
     {0}};
 
 /* Measured at a size of the model, over the scenes that it solved. */
@@ -692,9 +693,19 @@ static const artefact_field model_fields[] = {
     REAL("indicator_effectivity", "1", NEED_OPTIONAL, VALUES_BOUND,
          "indicated over true deviation, of the film of which that is less", "position", "part"),
     REAL("indicator_factor_in_time", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
-         "factor of the indicated deviation of the central film thickness in time", "position"),
+         "factor of what is indicated in time of the central film thickness, and of the minimum "
+         "film thickness by errors that come with the fluid",
+         "position"),
     REAL("indicator_factor_in_time_minimum", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
-         "factor of the indicated deviation of the minimum film thickness in time", "position"),
+         "factor of what is indicated in time of the minimum film thickness by rows and exit",
+         "position"),
+    REAL("indicator_floor_in_time_minimum", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
+         "deviation that is indicated in time of the minimum film thickness at least", "position"),
+    REAL(
+        "indicated_in_time", "1", NEED_OPTIONAL, VALUES_BOUND,
+        "largest deviation of both films that is indicated in these trajectories, 1 where they are "
+        "lost",
+        "position", "part_in_time"),
     WORST_IN_TIME("central_film_thickness", "central film thickness"),
     WORST_IN_TIME("minimum_film_thickness", "minimum film thickness"),
     WORST_IN_TIME("central_pressure", "central pressure"),

@@ -111,7 +111,8 @@ static ehd_status fail_at_point(const plan_reader *self, const variation *varied
                                 ehd_status status) {
     char values[256];
     ehd_error cause;
-    if (varied->num_columns + varied->num_ranges == 0 || !self->error) return status;
+    if (varied->num_columns + varied->num_ranges + varied->num_histories == 0 || !self->error)
+        return status;
     cause = *self->error;
     variation_show(varied, point, values, sizeof values);
     return ehd_fail(self->error, status, "%s: point %s: %s", self->path, values, cause.text);
@@ -154,9 +155,10 @@ static ehd_status add_points(const plan_reader *self, const scene_source *base,
 }
 
 static ehd_status read_group(const plan_reader *self, const tree_node *node, size_t group) {
-    static const char *const keys[] = {"scene",  "vary",       "combine", "points",
-                                       "region", "candidates", "where",   NULL};
-    static const char expected[] = "scene, and vary, combine, points, region, candidates or where";
+    static const char *const keys[] = {"scene",      "vary",      "combine", "points", "region",
+                                       "candidates", "histories", "where",   NULL};
+    static const char expected[] =
+        "scene, and vary, combine, points, region, candidates, histories or where";
     variation varied = {0};
     scene_source base;
     char *scene_path = NULL;

@@ -254,6 +254,27 @@ static ehd_status apply_ranges(const variation *self, size_t point, scene_source
     return status;
 }
 
+// ---- histories
+
+static ehd_status read_histories(variation *self, const tree_node *group, const char *path,
+                                 ehd_error *error) {
+    const tree_node *node = tree_find(group, "histories");
+
+    if (!node) return EHD_OK;
+    if (self->num_ranges > 0)
+        return place_fail(error, (place){path, node->line},
+                          "histories: found region beside them, expected only one");
+    ehd_status status = default_histories_read(&self->histories, node, path, error);
+    if (status) return status;
+    self->num_histories = default_histories_count(&self->histories);
+    if (self->num_points > MAX_POINTS / self->num_histories)
+        return place_fail(error, (place){path, node->line},
+                          "histories: found more than %d trajectories in all, expected less",
+                          MAX_POINTS);
+    self->num_points *= self->num_histories;
+    return EHD_OK;
+}
+
 // ---- combination
 
 static ehd_status read_combine(variation *self, const tree_node *group, const char *path,
@@ -317,7 +338,8 @@ ehd_status variation_read(variation *self, const tree_node *group, const char *p
         status = self->grid ? count_grid(self, where, error) : count_list(self, where, error);
     else
         self->num_points = 1;
-    return status ? status : read_region(self, group, plan_path, error);
+    if (!status) status = read_region(self, group, plan_path, error);
+    return status ? status : read_histories(self, group, plan_path, error);
 }
 
 // ---- points
@@ -325,6 +347,7 @@ ehd_status variation_read(variation *self, const tree_node *group, const char *p
 /* The index of a point's value in a column. */
 static size_t value_index(const variation *self, size_t column, size_t point) {
     if (self->num_ranges > 0) point /= self->num_candidates;
+    if (self->num_histories > 0) point /= self->num_histories;
     if (!self->grid) return point;
     for (size_t i = self->num_columns - 1; i > column; i--)
         point /= self->columns[i].num_values;
@@ -334,6 +357,9 @@ static size_t value_index(const variation *self, size_t column, size_t point) {
 ehd_status variation_apply(const variation *self, size_t point, scene_source *source,
                            ehd_error *error) {
     ehd_status status = EHD_OK;
+    if (self->num_histories > 0)
+        status =
+            default_histories_apply(&self->histories, point % self->num_histories, source, error);
     for (size_t i = 0; i < self->num_columns && !status; i++) {
         const variation_column *column = &self->columns[i];
         const size_t k = value_index(self, i, point);
@@ -357,6 +383,10 @@ void variation_show(const variation *self, size_t point, char *shown, size_t siz
         used += (size_t)snprintf(shown + used, size - used, "%s%s=%g",
                                  self->num_columns + r > 0 ? ", " : "", self->ranges[r].row->key,
                                  range_value(self, r, point));
+    if (self->num_histories == 0 || used + 2 >= size) return;
+    if (used > 0) used += (size_t)snprintf(shown + used, size - used, ", ");
+    default_histories_show(&self->histories, point % self->num_histories, shown + used,
+                           size - used);
 }
 
 void variation_free(variation *self) {

@@ -5,6 +5,7 @@
 #define EHD_VARIATION_H
 
 #include "common/settings/csv.h"
+#include "common/settings/default_histories.h"
 #include "common/settings/scene_source.h"
 #include <stdbool.h>
 #include <stddef.h>
@@ -30,15 +31,17 @@ typedef struct variation {
     size_t num_columns;
     bool grid; // all combinations, the last column fastest; else one point a row
     variation_range ranges[MAX_RANGES];
-    size_t num_ranges;     // 0: no region
-    size_t num_candidates; // places in the region, the same for each combination of columns
-    double *candidates;    // [num_candidates, num_ranges] from 0 to 1; NULL: no region
-    size_t num_points;     // at most MAX_POINTS, candidates fastest
-    csv_file points;       // owns the texts that come from a CSV file
+    size_t num_ranges;           // 0: no region
+    size_t num_candidates;       // places in the region, the same for each combination of columns
+    double *candidates;          // [num_candidates, num_ranges] from 0 to 1; NULL: no region
+    default_histories histories; // without quantities: none
+    size_t num_histories;        // trajectories of each combination of columns; 0: none
+    size_t num_points;           // at most MAX_POINTS, candidates or histories fastest
+    csv_file points;             // owns the texts that come from a CSV file
 } variation;
 
-/* Reads `vary` and `combine`, or `points`, and `region` with its `candidates`, of a group; one
- * without them has one point. Candidates are the corners of the region, places along its edges, and
+/* Reads `vary` and `combine`, or `points`, and `region` with its `candidates` or `histories`, of a
+ * group; one without them has one point. Candidates are the corners of the region, places along its edges, and
  * inside of it Sobol's sequence (gsl_qrng_sobol), which leaves no gaps however long it is. `plan_path` is the plan's file, named in errors; `points` is relative to its folder. EHD_DATA,
  * EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
 ehd_status variation_read(

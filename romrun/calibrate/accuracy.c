@@ -11,19 +11,22 @@ static const double DEFAULT_ACCURACY = 0.01;
 
 /* Describes the chosen sizes and their measured accuracy. */
 static void explain(accuracy_choice *choice, const trade_table *table,
-                    const trade_position *position, bool in_time) {
+                    const trade_position *position, double accuracy, bool in_time) {
     const trade_price price = trade_price_of(position, in_time);
-    const bool indicated = !in_time && position->indicator_factor > 0;
-    char sizes[TRADE_NAME];
+    const bool indicated = in_time ? position->factor_in_time > 0 : position->indicator_factor > 0;
+    char sizes[TRADE_NAME], part[32] = "";
+
+    if (indicated)
+        snprintf(part, sizeof part, "%.0f %% of ",
+                 in_time ? 100 * trade_part_in_time(position, accuracy) : 90.0);
 
     trade_name(sizes, &position->sizes);
     snprintf(choice->note, sizeof choice->note,
              "%s, the fastest of %zu sizes whose %s%s at most so far off: %.3g on %s%zu %s, in "
              "%.3g ms%s",
-             sizes, table->num_positions,
-             in_time && !(position->factor_in_time > 0) ? "central film was" : "films were",
-             indicated ? " indicated to be" : "", price.deviation, indicated ? "90 % of " : "",
-             in_time ? table->num_trajectories : table->num_scenes,
+             sizes, table->num_positions, in_time && !indicated ? "central film was" : "films were",
+             indicated ? " indicated to be" : "", in_time && indicated ? accuracy : price.deviation,
+             part, in_time ? table->num_trajectories : table->num_scenes,
              in_time ? "trajectories" : "scenes", price.seconds * 1e3, in_time ? " a step" : "");
 }
 
@@ -54,7 +57,7 @@ ehd_status accuracy_choose(accuracy_choice *choice, const trade_table *table, do
                         sizes);
     choice->fastest = table->positions[chosen].sizes;
     choice->most_accurate = most_accurate->sizes;
-    explain(choice, table, &table->positions[chosen], in_time);
+    explain(choice, table, &table->positions[chosen], accuracy, in_time);
     return EHD_OK;
 }
 

@@ -122,13 +122,16 @@ static void print_best(const trade_table *table, bool in_time) {
     if (best == table->num_positions) return;
     const trade_position *position = &table->positions[best];
     const trade_price price = trade_price_of(position, in_time);
-    bool indicated = !in_time && position->indicator_factor > 0;
+    const bool indicated = !in_time && position->indicator_factor > 0;
+    const bool indicated_in_time = in_time && position->factor_in_time > 0;
     trade_name(name, &position->sizes);
     printf("most accurate%s: %s, %s%s at most %.2g off%s, %.3g ms%s\n", in_time ? " in time" : "",
-           name, in_time && !(position->factor_in_time > 0) ? "central film" : "films",
-           indicated ? " indicated to be" : "", price.deviation,
-           indicated ? " on 90 % of the scenes" : "", price.seconds * 1e3,
-           in_time ? " a step" : "");
+           name, in_time && !indicated_in_time ? "central film" : "films",
+           indicated || indicated_in_time ? " indicated to be" : "", price.deviation,
+           indicated           ? " on 90 % of the scenes"
+           : indicated_in_time ? " on half of the trajectories"
+                               : "",
+           price.seconds * 1e3, in_time ? " a step" : "");
     if (indicated)
         printf("indicated over true deviation there: 5 %% %.2g, median %.2g, 95 %% %.2g\n",
                position->effectivity[PART_5], position->effectivity[PART_50],

@@ -240,15 +240,28 @@ ehd_status calibration_measure(trade_position *position, const ehdrom_model *mod
 
 // ---- in time
 
-/* Measurements on the steps of all trajectories. */
+/* What the steps of all trajectories are measured to be, and to be indicated as. */
+typedef struct step_sample {
+    size_t trajectory;
+    double central, minimum; // deviation of the films
+    film_bounds bounds;
+} step_sample;
+
+typedef struct step_samples {
+    size_t trajectory; // of the steps that follow
+    size_t count;
+    step_sample *samples; // with room for all steps
+} step_samples;
+
+/* Measurements on the trajectories that were not lost. */
 typedef struct repetition {
     double worst[TRADE_PRESSURE];
-    double over_bound[2]; // largest deviation of central and minimum film over its bound
     double iterations, seconds;
     size_t num_steps;
 } repetition;
 
-static void add_step(repetition *self, const march_step *outcome, const recorded_step *step,
+static void add_step(repetition *self, step_samples *steps, const march_step *outcome,
+                     const film_bounds *bounds, const recorded_step *step,
                      const ehd_contact *reference) {
     const contact_scalars *full = &step->scalars;
     const contact_scalars reduced =
@@ -260,9 +273,56 @@ static void add_step(repetition *self, const march_step *outcome, const recorded
 
     for (int q = 0; q < TRADE_PRESSURE; q++)
         self->worst[q] = fmax(self->worst[q], deviation[q]);
-    const double bound[] = {outcome->indicated, outcome->indicated_minimum};
-    for (int q = 0; q < 2; q++)
-        if (bound[q] > 0) self->over_bound[q] = fmax(self->over_bound[q], deviation[q] / bound[q]);
+    steps->samples[steps->count++] = (step_sample){steps->trajectory, deviation[TRADE_CENTRAL_FILM],
+                                                   deviation[TRADE_MINIMUM_FILM], *bounds};
+}
+
+static int compare_minimum(const void *a, const void *b) {
+    const double p = ((const step_sample *)a)->minimum, q = ((const step_sample *)b)->minimum;
+
+    return (p > q) - (p < q);
+}
+
+/* Each step is then indicated to deviate by trade_margin times as much as it does, at least; a
+ * minimum film never by less than what rows do to it, linearly, times that margin. What is usual
+ * of a minimum film, on 95 % of the steps, is a floor: factors of deviations as small as that are
+ * those of noise (8.5 in place of 4.4 in tests/pipeline/calibrate.bats, "step by step"). */
+static void fit_in_time(trade_position *position, const step_samples *steps) {
+    const double usual = 0.95;
+    double factor = 0, minimum = trade_margin;
+
+    qsort(steps->samples, steps->count, sizeof *steps->samples, compare_minimum);
+    const size_t rank = (size_t)(usual * (double)steps->count);
+    const double floor_of_minimum =
+        steps->count > 0 ? trade_margin * steps->samples[rank].minimum : 0;
+    for (size_t i = 0; i < steps->count; i++) {
+        const step_sample *here = &steps->samples[i];
+        if (here->bounds.central > 0)
+            factor = fmax(factor, trade_margin * here->central / here->bounds.central);
+    }
+    for (size_t i = 0; i < steps->count; i++) {
+        const step_sample *here = &steps->samples[i];
+        const double wanted =
+            trade_margin * here->minimum - factor * here->bounds.arriving - floor_of_minimum;
+        if (here->bounds.arising > 0) minimum = fmax(minimum, wanted / here->bounds.arising);
+    }
+    position->factor_in_time = factor;
+    position->factor_in_time_minimum = minimum;
+    position->floor_in_time_minimum = floor_of_minimum;
+}
+
+/* What is indicated of the larger film of each trajectory, [num_trajectories]; 1: it is lost. */
+static void find_indicated(double *indicated, const trade_position *position,
+                           const step_samples *steps) {
+    for (size_t i = 0; i < steps->count; i++) {
+        const film_bounds *bounds = &steps->samples[i].bounds;
+        double *worst = &indicated[steps->samples[i].trajectory];
+        const double central = position->factor_in_time * bounds->central;
+        const double minimum = position->factor_in_time * bounds->arriving +
+                               position->factor_in_time_minimum * bounds->arising +
+                               position->floor_in_time_minimum;
+        *worst = fmin(fmax(*worst, fmax(central, minimum)), 1);
+    }
 }
 
 /* The start, or a step that is accepted. */
@@ -279,9 +339,10 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
     return EHD_OK;
 }
 
-/* Repeats a trajectory. *lost: a step did not converge or was not trusted. */
-static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
-                         const recording *wanted, ehd_error *error) {
+/* Repeats a trajectory. *lost: a step did not converge or was not trusted; what was indicated
+ * before holds all the same. */
+static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
+                         const ehdrom_model *model, const recording *wanted, ehd_error *error) {
     ehdrom_transient *in_time = NULL;
     repetition here = *sum;
     march_step outcome = {.status = EHD_OK};
@@ -289,24 +350,22 @@ static ehd_status repeat(bool *lost, repetition *sum, const ehdrom_model *model,
     if (status) return status;
 
     const march_solver solver = ehdrom_march(in_time);
-    reduced_march_indicate(solver.self, 1, 1); // bounds
+    reduced_march_indicate(solver.self, (film_factors){1, 1, 0}); // it is asked for its bounds
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
         double before = program_seconds();
         status = repeat_step(&outcome, &solver, &wanted->steps[i], i == 0, error);
         double seconds = program_seconds() - before;
         if (program_interrupted()) status = ehd_fail(error, EHD_INTERRUPTED, "%s", "");
         if (status || outcome.status) break;
-        add_step(&here, &outcome, &wanted->steps[i], wanted->reference);
+        const film_bounds bounds = reduced_march_bounds(solver.self);
+        add_step(&here, steps, &outcome, &bounds, &wanted->steps[i], wanted->reference);
         if (i == 0) continue; // the start
         here.seconds += seconds;
         here.iterations += (double)outcome.iterations;
         here.num_steps++;
     }
     *lost = outcome.status != EHD_OK;
-    if (!*lost)
-        *sum = here;
-    else // what it indicated before holds all the same
-        memcpy(sum->over_bound, here.over_bound, sizeof sum->over_bound);
+    if (!*lost) *sum = here;
     ehdrom_transient_free(in_time);
     return status;
 }
@@ -315,19 +374,37 @@ ehd_status calibration_measure_in_time(trade_position *position, ehdrom_model *m
                                        const recording *recordings, size_t num_recordings,
                                        ehd_error *error) {
     repetition sum = {0};
+    step_samples steps = {0};
+    size_t num_steps = 0;
+    double *indicated = malloc((num_recordings + 1) * sizeof *indicated);
     ehd_status status = ehdrom_prepare_transient(model, error);
 
+    for (size_t t = 0; t < num_recordings; t++)
+        num_steps += recordings[t].num_steps;
+    steps.samples = malloc((num_steps + 1) * sizeof *steps.samples);
+    if (!status && (!steps.samples || !indicated))
+        status =
+            ehd_fail(error, EHD_MEMORY, "calibration: found no memory for %zu steps", num_steps);
     position->num_lost = 0;
     for (size_t t = 0; t < num_recordings && !status; t++) {
         bool lost = false;
-        status = repeat(&lost, &sum, model, &recordings[t], error);
+        steps.trajectory = t;
+        status = repeat(&lost, &sum, &steps, model, &recordings[t], error);
         position->num_lost += lost;
+        indicated[t] = lost ? 1 : 0;
     }
     for (int q = 0; q < TRADE_PRESSURE; q++)
         position->worst_in_time[q] = sum.num_steps ? sum.worst[q] : NAN;
-    position->factor_in_time = trade_margin * sum.over_bound[0];
-    position->factor_in_time_minimum = trade_margin * sum.over_bound[1];
+    if (!status) {
+        fit_in_time(position, &steps);
+        find_indicated(indicated, position, &steps);
+        for (int i = 0; i < NUM_TIME_PARTS; i++)
+            position->indicated_in_time[i] =
+                trade_quantile_of(indicated, num_recordings, trade_time_parts[i]);
+    }
     position->step_iterations = sum.num_steps ? sum.iterations / (double)sum.num_steps : NAN;
     position->step_seconds = sum.num_steps ? sum.seconds / (double)sum.num_steps : NAN;
+    free(steps.samples);
+    free(indicated);
     return status;
 }

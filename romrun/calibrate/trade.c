@@ -184,13 +184,13 @@ ehd_status trade_indicator_shape(indicator_shape *shape, const double *deviation
 // ---- choosing
 
 trade_price trade_price_of(const trade_position *position, bool in_time) {
-    if (in_time) {
-        const double *worst = position->worst_in_time;
-        const bool indicated = position->factor_in_time > 0;
-        return (trade_price){indicated ? fmax(worst[TRADE_CENTRAL_FILM], worst[TRADE_MINIMUM_FILM])
-                                       : worst[TRADE_CENTRAL_FILM],
-                             position->step_seconds, position->num_lost};
+    if (in_time && position->factor_in_time > 0) {
+        const double half = position->indicated_in_time[0];
+        return (trade_price){half, position->step_seconds, half < 1 ? 0 : 1};
     }
+    if (in_time)
+        return (trade_price){position->worst_in_time[TRADE_CENTRAL_FILM], position->step_seconds,
+                             position->num_lost};
     if (position->indicator_factor > 0)
         return (trade_price){position->indicated[PART_90], position->seconds,
                              isfinite(position->indicated[PART_90]) ? 0 : position->num_failures};
@@ -199,37 +199,39 @@ trade_price trade_price_of(const trade_position *position, bool in_time) {
                          position->seconds, position->num_failures};
 }
 
-/* Failures that are not held against a size: in time with an indicator, where they are flagged, those
- * of half of the trajectories. A film that ruptures in the inlet after a jump, where no model has an
- * exit, every accurate size loses: 5 of 20 random histories (scenes/studies/silent-in-time). */
-static size_t allowed_failures(const trade_table *table, size_t position, bool in_time) {
-    return in_time && table->positions[position].factor_in_time > 0 ? table->num_trajectories / 2
-                                                                    : 0;
-}
-
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time) {
     const trade_price self = trade_price_of(&table->positions[position], in_time);
 
-    if (self.num_failures > allowed_failures(table, position, in_time)) return true;
+    if (self.num_failures > 0) return true;
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price other = trade_price_of(&table->positions[i], in_time);
-        if (other.num_failures <= allowed_failures(table, i, in_time) &&
-            other.seconds <= self.seconds && other.deviation <= self.deviation &&
+        if (other.num_failures == 0 && other.seconds <= self.seconds &&
+            other.deviation <= self.deviation &&
             (other.seconds < self.seconds || other.deviation < self.deviation))
             return true;
     }
     return false;
 }
 
+double trade_part_in_time(const trade_position *position, double deviation) {
+    double part = 0;
+
+    for (int i = 0; i < NUM_TIME_PARTS && position->factor_in_time > 0; i++)
+        if (position->indicated_in_time[i] <= deviation) part = trade_time_parts[i];
+    return part;
+}
+
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
     size_t best = table->num_positions;
-    double seconds = INFINITY;
+    double seconds = INFINITY, most = 0;
 
+    for (size_t i = 0; i < table->num_positions && in_time; i++)
+        most = fmax(most, trade_part_in_time(&table->positions[i], deviation));
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > allowed_failures(table, i, in_time) ||
-            !(price.deviation <= deviation) || !(price.seconds < seconds))
+        if (price.num_failures > 0 || !(price.deviation <= deviation) || !(price.seconds < seconds))
             continue;
+        if (in_time && trade_part_in_time(&table->positions[i], deviation) < most) continue;
         best = i;
         seconds = price.seconds;
     }
@@ -242,9 +244,7 @@ size_t trade_most_accurate(const trade_table *table, bool in_time) {
 
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > allowed_failures(table, i, in_time) ||
-            !(price.deviation < deviation))
-            continue;
+        if (price.num_failures > 0 || !(price.deviation < deviation)) continue;
         best = i;
         deviation = price.deviation;
     }

@@ -27,7 +27,10 @@ double trade_quantile_of(double *values, size_t count, double quantile);
 bool trade_is_dominated(const trade_table *table, size_t position, bool in_time);
 
 /* The fastest position without failures whose worst central film deviates by no more;
- * num_positions: none. */
+ * num_positions: none. In time, with an indicator, which marks the steps that deviate by more: of
+ * the positions of which the most trajectories are indicated to deviate by no more, at least half
+ * of them. Films that rupture in the inlet after a jump, or fill the outlet, are lost or off at all
+ * sizes, 5 of 20 random histories (scenes/studies/silent-in-time). */
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time);
 
 /* The position without failures whose worst central film deviates least; num_positions: none. */
@@ -36,13 +39,17 @@ size_t trade_most_accurate(const trade_table *table, bool in_time);
 /* Deviation and time by which these choose. With an indicator, which marks the scenes that deviate
  * by more, it is enough that 90 % of the scenes are solved and indicated to deviate by no more. */
 typedef struct trade_price {
-    // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time the
-    // worst, without an indicator of the central film alone
+    // of the films: worst or, with an indicator, the 90 % quantile of the indicated; in time that
+    // of half of the trajectories, without an indicator the worst, of the central film alone
     double deviation;
     double seconds;      // of a solution or a step
     size_t num_failures; // with an indicator 0 up to 10 % of the scenes
 } trade_price;
 trade_price trade_price_of(const trade_position *position, bool in_time);
+
+/* The largest part of the trajectories (trade_time_parts) that are indicated to deviate by no more;
+ * 0: less than half, or nothing is indicated. */
+double trade_part_in_time(const trade_position *position, double deviation);
 
 /* "80 pressure modes, 120 rows" */
 enum { TRADE_NAME = 96 };
@@ -51,8 +58,8 @@ void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes);
 /* What a factor has beyond the scenes that were measured, for kinds that were not: 2. */
 extern const double trade_margin;
 
-/* Factor of a film's indicator (indicator.h) with which each scene is indicated to deviate at least
- * twice as much as it does. 0: no scenes. */
+/* Factor of a film's indicator (indicator.h) with which each scene is indicated to deviate at
+ * least twice as much as it does. 0: no scenes. */
 double trade_indicator_factor(const double *deviations, const double *bounds, size_t count);
 
 /* How that factor depends on the bound, so that each scene is covered as by the factor: the line that

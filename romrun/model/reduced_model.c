@@ -32,6 +32,24 @@ grid_position reduced_model_position(const reduced_model *model, size_t node) {
     return (grid_position){reduced_model_line(model, node), reduced_model_column(model, node)};
 }
 
+size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence) {
+    const row_set *rows = &model->rows;
+    const ehd_grid *grid = &model->grid;
+    const double x = grid_x(grid, node), y = grid_y(grid, node);
+    double nearest = INFINITY;
+    size_t row = 0;
+
+    for (size_t r = 0; r < rows->num_rows; r++) {
+        const double along = grid_x(grid, rows->node[r]) - x;
+        const double across = grid_y(grid, rows->node[r]) - y;
+        const double square = along * along + across * across;
+        if (square >= nearest || (influence && influence[r] == 0)) continue;
+        nearest = square;
+        row = r;
+    }
+    return row;
+}
+
 bool reduced_model_has_band(const reduced_model *model, size_t line) {
     return model->band.lines[line].end > model->band.lines[line].begin;
 }
@@ -140,7 +158,8 @@ static ehd_status complete_rows(reduced_model *model, row_set *set, ehd_error *e
 
 // ---- what follows from the stored tables
 
-/* Left sides of the coupled basis without the load: row i is K from band node i to needed nodes. */
+/* Left sides of the coupled basis without the load: row i is K from band node i to needed nodes.
+ * */
 static void fill_left_coupled(reduced_model *model) {
     const double unit = 1;
 

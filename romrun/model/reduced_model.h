@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced model (romrun/README.md; Maier et al. (2015), section 3): bases at the nodes that the
- * selected Reynolds rows need, and tables that cut them at the exit. Level i (all rows) and level n
- * (selected rows) differ in the list of rows only. */
+/* The reduced model (romrun/README.md; Maier et al. (2015), section 3): bases at the nodes that
+ * the selected Reynolds rows need, and tables that cut them at the exit. Level i (all rows) and
+ * level n (selected rows) differ in the list of rows only. */
 #ifndef EHD_REDUCED_MODEL_H
 #define EHD_REDUCED_MODEL_H
 
@@ -104,8 +104,8 @@ typedef struct band_line {
     size_t min_exit, max_exit; // columns at which the exit may lie
 } band_line;
 
-/* The band: nodes among which film minimum and exit lie. A line contact has one line, whose columns
- * are the grid's nodes. */
+/* The band: nodes among which film minimum and exit lie. A line contact has one line, whose
+ * columns are the grid's nodes. */
 typedef struct exit_band {
     size_t num_lines;                   // of the grid
     band_line *lines;                   // [num_lines]
@@ -148,8 +148,8 @@ typedef struct start_shift {
     double *profile; // [num_states, num_points, 2] pressure, and slope times the spacing
 } start_shift;
 
-/* What the online solver holds. Everything here is read-only while solving, so that several solvers
- * in several threads may share it. */
+/* What the online solver holds. Everything here is read-only while solving, so that several
+ * solvers in several threads may share it. */
 typedef struct reduced_model {
     const contact_kind *kind;
     ehd_grid grid;
@@ -216,11 +216,15 @@ grid_position reduced_model_position(const reduced_model *model, size_t node);
 /* Whether a line has nodes in the band: all but boundary lines. */
 bool reduced_model_has_band(const reduced_model *model, size_t line);
 
+/* The selected row nearest to a node among those with an influence, [rows], NULL: among all; 0
+ * where there is none. */
+size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence);
+
 /* Index of a node of the band among its nodes. */
 size_t reduced_model_band_index(const reduced_model *model, size_t node);
 
-/* Adds the deflection at `num_at` neighbouring nodes from `at` on by the pressure, times a sign, of
- * `count` nodes of a line from column `first` on. */
+/* Adds the deflection at `num_at` neighbouring nodes from `at` on by the pressure, times a sign,
+ * of `count` nodes of a line from column `first` on. */
 void reduced_model_deflect(
     // in and out:
     double *film, // [num_at]

@@ -10,13 +10,14 @@
 
 const double trade_quantiles[NUM_TRADE_QUANTILES] = {0.5, 0.95, 1};
 const double trade_parts[NUM_TRADE_PARTS] = {0.05, 0.5, 0.9, 0.95};
+const double trade_time_parts[NUM_TIME_PARTS] = {0.5, 0.6, 0.7, 0.8, 0.9, 1};
 
 void trade_free(trade_table *table) {
     free(table->positions);
     *table = (trade_table){0};
 }
 
-const char *const trade_axes[] = {"position", "quantile", "part", "bounded", NULL};
+const char *const trade_axes[] = {"position", "quantile", "part", "bounded", "part_in_time", NULL};
 
 const indicator_shape plain_shape = {.share = 1, .offset_share = 1};
 
@@ -77,10 +78,12 @@ static const column of_indicator[] = {
     {"indicator_factor_film", offsetof(trade_position, other_factor[INDICATED_FILM]), NULL, false}};
 enum { NUM_OF_INDICATOR = sizeof of_indicator / sizeof *of_indicator };
 
-/* The same in time, which came later: both or none. */
+/* The same in time, which came later: all or none. */
 static const column in_time[] = {
     {"indicator_factor_in_time", offsetof(trade_position, factor_in_time), NULL, true},
     {"indicator_factor_in_time_minimum", offsetof(trade_position, factor_in_time_minimum), NULL,
+     true},
+    {"indicator_floor_in_time_minimum", offsetof(trade_position, floor_in_time_minimum), NULL,
      true}};
 enum { NUM_IN_TIME = sizeof in_time / sizeof *in_time };
 
@@ -129,8 +132,6 @@ static ehd_status put_reals(artefact *file, const trade_table *table, ehd_error 
         if (!is_measured(&reals[c], table)) continue;
         status = put_column(file, values, &reals[c], table, error);
     }
-    for (size_t c = 0; c < NUM_IN_TIME && !status && table->num_trajectories > 0; c++)
-        status = put_column(file, values, &in_time[c], table, error);
     for (size_t q = 0; q < NUM_TRADE_QUANTITIES && !status; q++) {
         for (size_t i = 0; i < table->num_positions * NUM_TRADE_QUANTILES; i++)
             values[i] =
@@ -193,6 +194,22 @@ static ehd_status put_indicator(artefact *file, const trade_table *table, ehd_er
     return status;
 }
 
+static ehd_status put_in_time(artefact *file, const trade_table *table, ehd_error *error) {
+    const size_t count = table->num_positions * NUM_TIME_PARTS;
+    double *values = malloc(count * sizeof *values);
+    ehd_status status = values ? EHD_OK : no_memory(file, error);
+
+    if (!status)
+        status = artefact_put_axis(file, "part_in_time", NUM_TIME_PARTS, trade_time_parts, error);
+    for (size_t c = 0; c < NUM_IN_TIME && !status; c++)
+        status = put_column(file, values, &in_time[c], table, error);
+    for (size_t i = 0; i < count && !status; i++)
+        values[i] = table->positions[i / NUM_TIME_PARTS].indicated_in_time[i % NUM_TIME_PARTS];
+    if (!status) status = artefact_put(file, "indicated_in_time", values, error);
+    free(values);
+    return status;
+}
+
 ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *error) {
     ehd_status status = artefact_put_axis(file, "position", table->num_positions, NULL, error);
 
@@ -207,6 +224,7 @@ ehd_status trade_write(artefact *file, const trade_table *table, ehd_error *erro
     if (!status) status = put_counts(file, table, error);
     if (!status) status = put_reals(file, table, error);
     if (!status && table->num_scenes > 0) status = put_indicator(file, table, error);
+    if (!status && table->num_trajectories > 0) status = put_in_time(file, table, error);
     return status;
 }
 
@@ -317,14 +335,19 @@ static ehd_status get_indicator(trade_table *table, artefact *file, ehd_error *e
 }
 
 static ehd_status get_in_time(trade_table *table, artefact *file, ehd_error *error) {
-    double *values = array_new(table->num_positions, 1, sizeof *values);
+    const size_t count = table->num_positions * NUM_TIME_PARTS;
+    double *values = array_new(table->num_positions, NUM_TIME_PARTS, sizeof *values);
     ehd_status status = values ? EHD_OK : no_memory(file, error);
-    bool both = table->num_trajectories > 0;
+    bool all = table->num_trajectories > 0 && artefact_has(file, "indicated_in_time") &&
+               artefact_length(file, "part_in_time") == NUM_TIME_PARTS;
 
     for (size_t c = 0; c < NUM_IN_TIME; c++)
-        both = both && artefact_has(file, in_time[c].field);
-    for (size_t c = 0; c < NUM_IN_TIME && both && !status; c++)
+        all = all && artefact_has(file, in_time[c].field);
+    for (size_t c = 0; c < NUM_IN_TIME && all && !status; c++)
         status = get_of_indicator(table, values, &in_time[c], file, error);
+    if (all && !status) status = artefact_get(file, "indicated_in_time", values, error);
+    for (size_t i = 0; i < count && all && !status; i++)
+        table->positions[i / NUM_TIME_PARTS].indicated_in_time[i % NUM_TIME_PARTS] = values[i];
     free(values);
     return status;
 }

@@ -20,6 +20,8 @@ enum trade_quantile { TRADE_MEDIAN, TRADE_95, TRADE_WORST, NUM_TRADE_QUANTILES }
 extern const double trade_quantiles[NUM_TRADE_QUANTILES]; // 0.5, 0.95, 1
 enum trade_part { PART_5, PART_50, PART_90, PART_95, NUM_TRADE_PARTS };
 extern const double trade_parts[NUM_TRADE_PARTS]; // 0.05, 0.5, 0.9, 0.95
+enum { NUM_TIME_PARTS = 6 };
+extern const double trade_time_parts[NUM_TIME_PARTS]; // of trajectories: 0.5, 0.6, ... 1
 
 /* The films, and then the other quantities by indicated_quantity. */
 enum { OF_CENTRAL_FILM, OF_MINIMUM_FILM, OF_OTHERS, NUM_BOUNDED = OF_OTHERS + NUM_INDICATED };
@@ -58,8 +60,11 @@ typedef struct trade_position {
     double worst_in_time[TRADE_PRESSURE]; // over all steps; TRADE_PRESSURE is not compared
     double step_iterations, step_seconds; // of a step, mean
     double factor_in_time;         // of the indicator in time, central film; 0: not calibrated
-    double factor_in_time_minimum; // minimum film
-    size_t num_lost;               // trajectories with a step not converged or not trusted
+    double factor_in_time_minimum; // of what arises at the minimum film
+    double floor_in_time_minimum;  // added there
+    // larger deviation of both films at all steps of a part of the trajectories; 1: they are lost
+    double indicated_in_time[NUM_TIME_PARTS];
+    size_t num_lost; // trajectories with a step not converged or not trusted
 } trade_position;
 
 typedef struct trade_table {

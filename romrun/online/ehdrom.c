@@ -20,10 +20,10 @@ struct ehdrom_model {
     double indicator_factor_minimum;
     double largest_residual; // of the scenes of the calibration; infinite: not known
     bool checked_in_time;
-    double most_iterations;                        // of these; infinite: not known
-    double other_factor[NUM_INDICATED];            // 0: not calibrated
-    indicator_shape shape[NUM_BOUNDED];            // of these factors
-    double factor_in_time, factor_in_time_minimum; // NaN: not calibrated at these sizes
+    double most_iterations;             // of these; infinite: not known
+    double other_factor[NUM_INDICATED]; // 0: not calibrated
+    indicator_shape shape[NUM_BOUNDED]; // of these factors
+    film_factors in_time;               // NaN: not calibrated at these sizes
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;
@@ -49,7 +49,7 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
     ehd_status status = trade_read_optional(&table, &calibrated, path, error);
 
     self->largest_residual = self->most_iterations = INFINITY;
-    self->factor_in_time = self->factor_in_time_minimum = NAN;
+    self->in_time = (film_factors){NAN, NAN, NAN};
     if (status || !calibrated) return status;
     for (size_t i = 0; i < table.num_positions; i++) {
         const trade_position *position = &table.positions[i];
@@ -62,8 +62,8 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
         self->checked_in_time = table.num_trajectories > position->num_lost;
         if (position->max_iterations > 0) self->most_iterations = position->max_iterations;
         if (!(position->factor_in_time > 0)) continue;
-        self->factor_in_time = position->factor_in_time;
-        self->factor_in_time_minimum = position->factor_in_time_minimum;
+        self->in_time = (film_factors){position->factor_in_time, position->factor_in_time_minimum,
+                                       position->floor_in_time_minimum};
     }
     trade_free(&table);
     return EHD_OK;
@@ -214,15 +214,16 @@ static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_con
  * before are flagged (scenes/studies/silent-failures, seed 22). */
 static const double MAX_RESIDUAL_OVER_CALIBRATION = 100;
 
-/* Of 1700 random scenes with two trainings of lines, those inside and of the trained density take at
- * most 1.9 times as many as any of 60 scenes of the calibration. Incompressible scenes of these
- * compressible trainings take up to 8 times as many, a twentieth of them, good ones, more than 5. */
+/* Of 1700 random scenes with two trainings of lines, those inside and of the trained density take
+ * at most 1.9 times as many as any of 60 scenes of the calibration. Incompressible scenes of these
+ * compressible trainings take up to 8 times as many, a twentieth of them, good ones, more than 5.
+ * */
 static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 
-/* Hertz pressures. Of 1000 solutions of the trained lubricants in 18 sizes of three trainings, from 14
- * modes on, none goes below -3e-4, and no line of any lubricant that is good to 1 % with all of its
- * model below -4e-4; of those below -1e-3 the fields are off by 0.01 to 4 Hertz pressures
- * (scenes/studies/silent-failures). */
+/* Hertz pressures. Of 1000 solutions of the trained lubricants in 18 sizes of three trainings,
+ * from 14 modes on, none goes below -3e-4, and no line of any lubricant that is good to 1 % with
+ * all of its model below -4e-4; of those below -1e-3 the fields are off by 0.01 to 4 Hertz
+ * pressures (scenes/studies/silent-failures). */
 static const double MOST_NEGATIVE = 1e-3;
 
 /* Marks a result whose pressures cannot be a solution's as not converged. */
@@ -382,8 +383,7 @@ ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_mo
     contact_take_grid(&self->reference, &model->reduced.grid);
     status = reduced_march_create(&self->march, &model->reduced, &model->splines, &self->reference,
                                   &settings, error);
-    if (!status)
-        reduced_march_indicate(self->march, model->factor_in_time, model->factor_in_time_minimum);
+    if (!status) reduced_march_indicate(self->march, model->in_time);
     if (status)
         ehdrom_transient_free(self);
     else

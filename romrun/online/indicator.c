@@ -32,25 +32,6 @@ indicator *indicator_free(indicator *self) {
     return NULL;
 }
 
-/* The nearest row with an influence, NULL: of all; 0 where there is none. */
-static size_t nearest_row(const indicator *self, size_t node, const double *influence) {
-    const row_set *rows = &self->model->rows;
-    const ehd_grid *grid = &self->model->grid;
-    const double x = grid_x(grid, node), y = grid_y(grid, node);
-    double nearest = INFINITY;
-    size_t row = 0;
-
-    for (size_t r = 0; r < rows->num_rows; r++) {
-        const double along = grid_x(grid, rows->node[r]) - x;
-        const double across = grid_y(grid, rows->node[r]) - y;
-        const double square = along * along + across * across;
-        if (square >= nearest || (influence && influence[r] == 0)) continue;
-        nearest = square;
-        row = r;
-    }
-    return row;
-}
-
 indicator *indicator_create(const reduced_model *model) {
     const row_set *control = &model->control;
     size_t num_needed = control->num_needed + 1; // no allocation of size zero
@@ -73,7 +54,7 @@ indicator *indicator_create(const reduced_model *model) {
     self->added = arena_array(memory, model->rows.num_rows, sizeof(double));
     if (memory->failed) return indicator_free(self);
     for (size_t r = 0; r < control->num_rows; r++)
-        self->nearest_of_all[r] = nearest_row(self, control->node[r], NULL);
+        self->nearest_of_all[r] = reduced_model_nearest_row(model, control->node[r], NULL);
     return self;
 }
 
@@ -169,9 +150,10 @@ double indicator_bound(indicator *self, reduced_solver *solver, const reduced_st
     indicator_control_residuals(self, state, contact);
     const double own_rows = reduced_film_error(self->influence, solver, REDUCED_CENTRAL_FILM);
     for (size_t r = 0; r < control->num_rows; r++)
-        self->nearest[r] = self->influence[self->nearest_of_all[r]] != 0
-                               ? self->nearest_of_all[r]
-                               : nearest_row(self, control->node[r], self->influence);
+        self->nearest[r] =
+            self->influence[self->nearest_of_all[r]] != 0
+                ? self->nearest_of_all[r]
+                : reduced_model_nearest_row(self->model, control->node[r], self->influence);
     return bound(self, own_rows, scalars->central_film_thickness);
 }
 

@@ -34,11 +34,11 @@ void kept_factors_set(kept_factors *self, const row_system *system, const node_s
 
 static const double MAX_EXIT_DISTANCE = 0.025; // half widths
 
-/* The same in nodes. On the lines of point contacts, whose steps are longer than that, at least one:
- * with none, moves of a line's exit by a node cost the factors in six steps of seven. 65 nodes a
- * side, periods 1/2 and 3/4: 21 to 25 % fewer instructions, central films 3.4e-5 from the full model
- * in place of 3.6e-5, minimum films 5.2e-4 in place of 5.0e-4. */
-static size_t most_nodes(const reduced_model *model) {
+/* On the lines of point contacts, whose steps are longer than that, at least one: with none, moves
+ * of a line's exit by a node cost the factors in six steps of seven. 65 nodes a side, periods 1/2
+ * and 3/4: 21 to 25 % fewer instructions, central films 3.4e-5 from the full model in place of
+ * 3.6e-5, minimum films 5.2e-4 in place of 5.0e-4. */
+size_t kept_factors_reach(const reduced_model *model) {
     const double nodes = MAX_EXIT_DISTANCE / model->grid.step;
 
     return (size_t)(model->band.num_lines > 1 ? fmax(nodes, 1) : nodes);
@@ -46,7 +46,7 @@ static size_t most_nodes(const reduced_model *model) {
 
 bool kept_factors_are_near(const kept_factors *self, const reduced_model *model,
                            const reduced_state *state) {
-    const size_t max_distance = most_nodes(model);
+    const size_t max_distance = kept_factors_reach(model);
     const size_t *exit = reduced_state_exits(state);
 
     for (size_t l = 0; l < model->band.num_lines; l++)

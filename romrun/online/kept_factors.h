@@ -24,8 +24,11 @@ void kept_factors_free(kept_factors *self);
 void kept_factors_set(kept_factors *self, const row_system *system, const node_state *nodes,
                       double closure_weight);
 
-/* Whether the exit of each line is near that of the Jacobian: farther away the stored factorisation
- * no longer matches the active rows. */
+/* Nodes by which the exit of a line may differ from that of the Jacobian. */
+size_t kept_factors_reach(const reduced_model *model);
+
+/* Whether the exit of each line is near that of the Jacobian: farther away the stored
+ * factorisation no longer matches the active rows. */
 bool kept_factors_are_near(const kept_factors *self, const reduced_model *model,
                            const reduced_state *state);
 

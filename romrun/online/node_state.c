@@ -152,8 +152,8 @@ void nodes_expand_runs(node_state *self, const double *z) {
         nodes_expand_range(self, z, self->runs[r].first, self->runs[r].count);
 }
 
-/* What the films from a node of the band on are made of, [nodes, *width], but for runs of a coupled
- * basis. */
+/* What the films from a node of the band on are made of, [nodes, *width], but for runs of a
+ * coupled basis. */
 static const double *band_film_modes(size_t *width, const node_state *self, size_t node) {
     const reduced_model *model = self->model;
     const bool coupled = model->deformation == DEFORMATION_COUPLED;
@@ -257,30 +257,75 @@ static double film_around(const node_state *self, size_t q) {
     return fall > 0 && rise > 0 ? film[q] - slope * slope / (4 * curvature) : film[q];
 }
 
-/* Smallest film of the needed nodes with pressure, and its node, since in time a minimum also passes
- * through the front of the contact. With the accurate rows that of a line is taken between them
- * before the band. */
-static double smallest_needed(size_t *node, const node_state *self) {
-    const reduced_model *model = self->model;
-    const bool between =
-        model->band.num_lines == 1 && model->grid.discretization == DISCRETIZATION_ACCURATE;
-    const double *film = self->now.film;
-    size_t lowest = model->rows.num_needed, best = 0; // of all, before the band
+/* The same with the films of the nodes in between, as the full model has it. */
+static double film_between(size_t *node, const node_state *self, size_t q, film_function *film,
+                           const void *context) {
+    const size_t *needed = self->model->rows.needed_node;
+    double smallest = self->now.film[q];
 
-    for (size_t q = 0; q < model->rows.num_needed; q++) {
-        if (!self->pressurised[q]) continue;
-        if (lowest == model->rows.num_needed || film[q] < film[lowest]) lowest = q;
-        if (model->rows.needed_node[q] < model->band.lines[0].begin && film[q] < film[best])
-            best = q;
+    *node = needed[q];
+    for (size_t k = needed[q - 1] + 1; k < needed[q + 1]; k++) {
+        const double here = film(context, k);
+        if (!(here < smallest)) continue;
+        smallest = here;
+        *node = k;
     }
-    if (lowest == model->rows.num_needed) return INFINITY;
-    const double smallest = film[lowest];
-    *node = model->rows.needed_node[lowest];
-    if (!between || best == 0 || best + 1 == model->rows.num_needed) return smallest;
-    return fmin(smallest, film_around(self, best));
+    return minimum_around(&self->model->grid, *node, film, context);
 }
 
-double nodes_minimum_film(size_t *node_of_smallest, node_state *self, const double *z) {
+/* The lowest needed node of a line with pressure before the band, inside of the needed ones; 0:
+ * none. */
+static size_t lowest_before_band(const node_state *self) {
+    const reduced_model *model = self->model;
+    size_t best = 0;
+
+    if (model->band.num_lines > 1 || model->grid.discretization != DISCRETIZATION_ACCURATE)
+        return 0;
+    for (size_t q = 0; q + 1 < model->rows.num_needed; q++)
+        if (self->pressurised[q] && model->rows.needed_node[q] < model->band.lines[0].begin &&
+            self->now.film[q] < self->now.film[best])
+            best = q;
+    return best;
+}
+
+bool nodes_have_dip(const node_state *self) {
+    const exit_band *band = &self->model->band;
+    const size_t reach = 2; // of minimum_around
+    const double *film = self->now.film;
+
+    if (lowest_before_band(self) == 0) return false;
+    for (size_t q = 1; q + 1 < self->model->rows.num_needed; q++) {
+        if (self->model->rows.needed_node[q] >= band->lines[0].begin + reach) return false;
+        if (film[q - 1] > film[q] && film[q + 1] >= film[q]) return true;
+    }
+    return false;
+}
+
+/* Smallest film of the needed nodes with pressure, and its node, since in time a minimum also
+ * passes through the front of the contact. With the accurate rows that of a line is taken between
+ * them before the band. */
+static double smallest_needed(size_t *node, const node_state *self, film_function *film,
+                              const void *context) {
+    const row_set *rows = &self->model->rows;
+    const size_t best = lowest_before_band(self);
+    size_t lowest = rows->num_needed, beside;
+
+    for (size_t q = 0; q < rows->num_needed; q++)
+        if (self->pressurised[q] &&
+            (lowest == rows->num_needed || self->now.film[q] < self->now.film[lowest]))
+            lowest = q;
+    if (lowest == rows->num_needed) return INFINITY;
+    const double smallest = self->now.film[lowest];
+    *node = rows->needed_node[lowest];
+    if (best == 0) return smallest;
+    if (!film) return fmin(smallest, film_around(self, best));
+    const double dip = film_between(&beside, self, best, film, context);
+    if (dip < smallest) *node = beside;
+    return fmin(smallest, dip);
+}
+
+double nodes_minimum_film(size_t *node_of_smallest, node_state *self, const double *z,
+                          film_function *film_anywhere, const void *context) {
     const film_of_state film = {self, z};
     const exit_band *band = &self->model->band;
     double smallest = INFINITY;
@@ -297,9 +342,13 @@ double nodes_minimum_film(size_t *node_of_smallest, node_state *self, const doub
         smallest = here;
         *node_of_smallest = node;
     }
+    // at the band's first nodes neighbours are missing in it
     if (isfinite(smallest))
-        smallest = minimum_around(&self->model->grid, *node_of_smallest, film_in_band, &film);
-    const double beside = smallest_needed(&needed, self);
+        smallest =
+            film_anywhere
+                ? minimum_around(&self->model->grid, *node_of_smallest, film_anywhere, context)
+                : minimum_around(&self->model->grid, *node_of_smallest, film_in_band, &film);
+    const double beside = smallest_needed(&needed, self, film_anywhere, context);
     if (beside < smallest) *node_of_smallest = needed;
     return fmin(smallest, beside);
 }

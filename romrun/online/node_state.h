@@ -35,7 +35,8 @@ void nodes_move_exit(node_state *self, const size_t *exit);
 const double *nodes_checkpoint_table(const node_state *self);
 
 /* P, H without gap at the needed nodes and the cut table times z: Maier et al. (2015), eq. 36,
- * applied to a vector. `known`: values of z or NULL; used where they are of the same checkpoint. */
+ * applied to a vector. `known`: values of z or NULL; used where they are of the same checkpoint.
+ * */
 void nodes_expand(node_fields *fields, node_state *self, const reduced_values *known,
                   const double *z);
 
@@ -51,8 +52,8 @@ double nodes_at_centre(const reduced_model *model, const double *values);
 /* Load of the present state, the integral of P. */
 double nodes_load(const node_state *self);
 
-/* P at `count` band nodes from index `first` on; of a line contact from node `from` to before `to`;
- * at the nodes by which the exit differs from its checkpoint's. */
+/* P at `count` band nodes from index `first` on; of a line contact from node `from` to before
+ * `to`; at the nodes by which the exit differs from its checkpoint's. */
 void nodes_expand_range(node_state *self, const double *z, size_t first, size_t count);
 void nodes_expand_band(node_state *self, const double *z, size_t from, size_t to);
 void nodes_expand_runs(node_state *self, const double *z);
@@ -68,8 +69,15 @@ double nodes_band_film(const node_state *self, const double *z, size_t node);
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
-/* Smallest H of the present state at nodes of the band and at needed nodes, and its node. */
-double nodes_minimum_film(size_t *node, node_state *self, const double *z);
+/* Smallest H of the present state at nodes of the band and at needed nodes, and its node. Where
+ * `film` is not NULL, a dip of a line before the band is looked for at the nodes between those
+ * needed too. */
+double nodes_minimum_film(size_t *node, node_state *self, const double *z, film_function *film,
+                          const void *context);
+
+/* Whether the film of a line has a dip at its needed nodes before the band or at its first nodes.
+ * */
+bool nodes_have_dip(const node_state *self);
 
 /* Adds dH/dz at a needed node, times a factor, to [num_unknowns], without the rigid approach. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);

@@ -67,7 +67,9 @@ struct reduced_march {
     error_estimate estimate;
     film_errors taken_up; // along the path
     time_indicator indicator;
-    double factor, factor_minimum; // of the indicator; NaN: it is not asked
+    film_factors of_films; // of the indicator; NaN: it is not asked
+    film_bounds bounds;    // of the attempt
+    double *influence;     // [num_rows] on a film
     // path of the fluid up to which a film is in the contact that was not to be trusted when it
     // formed, of the attempt and of the last accepted state
     double doubtful, last_doubtful;
@@ -125,6 +127,7 @@ static void allocate_arrays(reduced_march *self) {
         arena_array(memory, num_band, sizeof *self->previous.band_attempt);
     self->previous.band_sum = arena_array(memory, num_band, sizeof(double));
     self->entrained = arena_array(memory, num_rows, sizeof(double));
+    self->influence = arena_array(memory, num_rows, sizeof(double));
     self->band_entrained = arena_array(memory, num_band, sizeof(double));
 }
 
@@ -207,7 +210,7 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     self->reference = *reference;
     if (isnan(reference->smoothing)) self->reference.smoothing = model->carriage.smoothing;
     self->ring = bdf_ring_empty();
-    self->factor = self->factor_minimum = NAN;
+    self->of_films = (film_factors){NAN, NAN, NAN};
     self->range = trained_range_create(model);
     allocate_arrays(self);
     bool whole = self->range && !self->memory.failed;
@@ -226,9 +229,12 @@ ehd_status reduced_march_create(reduced_march **created, const reduced_model *mo
     return status;
 }
 
-void reduced_march_indicate(reduced_march *self, double factor, double factor_minimum) {
-    self->factor = factor;
-    self->factor_minimum = factor_minimum;
+void reduced_march_indicate(reduced_march *self, film_factors factors) {
+    self->of_films = factors;
+}
+
+film_bounds reduced_march_bounds(const reduced_march *self) {
+    return self->bounds;
 }
 
 reduced_solver *reduced_march_inner(reduced_march *self) {
@@ -248,13 +254,15 @@ static void add_effort(reduced_march *self, const reduced_info *info) {
 
 // ---- trust
 
-/* Whether an exit lies at the edge of its range; a point contact's may be the grid's end. */
+/* Whether an exit lies at the edge of its range, unless that is the grid's end, where the full
+ * model of the training had it too: for a moment after a rise of the load by a step the whole
+ * outlet is full. */
 static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     const size_t *exit = reduced_state_exits(state), end = grid_width(&model->grid) - 2;
 
     for (size_t l = 0; l < model->band.num_lines; l++) {
         const band_line *line = &model->band.lines[l];
-        bool ends = model->band.num_lines > 1 && line->max_exit == end;
+        const bool ends = line->max_exit == end;
         if (reduced_model_has_band(model, l) &&
             (exit[l] <= line->min_exit || (exit[l] >= line->max_exit && !ends)))
             return true;
@@ -262,8 +270,8 @@ static bool is_at_edge(const reduced_model *model, const reduced_state *state) {
     return false;
 }
 
-/* A film that forms in a step that is not to be trusted is in the contact until it has gone from its
- * edge to the exit, and so long no step is to be trusted. */
+/* A film that forms in a step that is not to be trusted is in the contact until it has gone from
+ * its edge to the exit, and so long no step is to be trusted. */
 static void judge_films(march_step *outcome, reduced_march *self, const contact_frame *frame) {
     const double exit = outcome->scalars.exit_position;
 
@@ -291,7 +299,7 @@ static void judge(march_step *outcome, reduced_march *self, const reduced_state 
     if (outcome->status) return;
     frame_contact(&contact, &self->load_frame, &self->reference);
     // what is indicated tells more than how fast the contacts of the training changed
-    const bool fast_matters = isnan(self->factor) && self->ring.num_previous > 0;
+    const bool fast_matters = isnan(self->of_films.central) && self->ring.num_previous > 0;
     const double rate = fast_matters ? frame_rate(&self->load_frame, &self->last_load_frame) : 0;
     outcome->reason = trained_range_check(self->range, contact.moes_M, contact.alpha_p_H, rate);
     outcome->status = outcome->reason ? EHD_UNTRUSTED : EHD_OK;
@@ -341,8 +349,8 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
     return EHD_OK;
 }
 
-/* d/dX of the base's rho H at a node, as its row has it: what a unit of entrainment leaves of the row
- * where no pressure flows. */
+/* d/dX of the base's rho H at a node, as its row has it: what a unit of entrainment leaves of the
+ * row where no pressure flows. */
 static double entrain(const reduced_march *self, size_t node) {
     const reduced_model *model = self->model;
     reynolds_stencil stencil = reynolds_stencil_at(&model->grid, node);
@@ -388,23 +396,39 @@ static ehd_status use_base(reduced_march *self, ehd_error *error) {
 
 // ---- what is indicated of the films
 
-/* From the errors that the indicator has of the attempt, and what its least squares left. */
-static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact,
-                          double entrainment) {
+/* What rows do to the films of the attempt that has come from a frame; NULL: the start. */
+static void add_local(reduced_march *self, const contact_scalars *scalars,
+                      const contact_frame *then, const contact_frame *now) {
+    double errors[NUM_REDUCED_FILMS];
+
+    for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
+        const double own = reduced_film_error(self->influence, self->solver, (reduced_film)q);
+        errors[q] = hypot(own, time_indicator_at_exit(&self->indicator, self->influence));
+    }
+    time_indicator_add_local(&self->indicator, errors, scalars, then, now);
+}
+
+/* From the errors that the indicator has of the attempt. */
+static void set_indicated(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
+    const time_indicator *indicator = &self->indicator;
+    const film_factors *factors = &self->of_films;
     const contact_scalars *scalars = &outcome->scalars;
+    const double central = scalars->central_film_thickness;
+    const double minimum = scalars->minimum_film_thickness;
     const double at = self->model->band.num_lines > 1 ? 0 : scalars->minimum_position;
     const double density =
         lubricant_density(&contact->lubricant, scalars->central_pressure * contact->hertz_pressure);
-    const double own = entrainment > 0 || self->formula.rate > 0
-                           ? reduced_film_error(NULL, self->solver, REDUCED_MINIMUM_FILM)
-                           : 0; // a start at rest, not solved
-    const double arriving = time_indicator_arriving(&self->indicator, at);
 
-    outcome->indicated = self->factor * time_indicator_central(&self->indicator) /
-                         (scalars->central_film_thickness * density);
-    outcome->indicated_minimum =
-        self->factor_minimum * (arriving / density + own) / scalars->minimum_film_thickness;
-    // no node has pressure, or an iterate was beyond the end of the viscosity law
+    self->bounds =
+        (film_bounds){.central = (time_indicator_central(indicator) / density +
+                                  indicator->local[REDUCED_CENTRAL_FILM]) /
+                                 central,
+                      .arriving = time_indicator_arriving(indicator, at) / density / minimum,
+                      .arising = indicator->local[REDUCED_MINIMUM_FILM] / minimum};
+    outcome->indicated = factors->central * self->bounds.central;
+    outcome->indicated_minimum = factors->central * self->bounds.arriving +
+                                 factors->minimum * self->bounds.arising + factors->floor;
+    // an iterate was beyond the end of the viscosity law
     if (isnan(outcome->indicated)) outcome->indicated = INFINITY;
     if (isnan(outcome->indicated_minimum)) outcome->indicated_minimum = INFINITY;
 }
@@ -413,11 +437,14 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
 static void indicate_start(march_step *outcome, reduced_march *self, const ehd_contact *contact) {
     previous_film *first = state_before(self, 0);
 
-    if (isnan(self->factor)) return;
+    if (isnan(self->of_films.central)) return;
     previous_film_prepare(first, self->model, self->splines, &self->reference);
+    time_indicator_clear(&self->indicator);
+    time_indicator_place(&self->indicator, NULL);
     time_indicator_evaluate(&self->indicator, first, contact, 0, self->splines);
     time_indicator_start(&self->indicator, contact->entrainment);
-    set_indicated(outcome, self, contact, contact->entrainment);
+    if (contact->entrainment > 0) add_local(self, &outcome->scalars, NULL, &first->frame);
+    set_indicated(outcome, self, contact);
 }
 
 static void accept(void *solver);
@@ -671,8 +698,8 @@ static double error_on_the_way(const reduced_march *self, double step) {
     return fmax(sum - lowest, highest - sum) / (step * fmax(self->entrainment, 1));
 }
 
-/* Along the path, whether the film before the centre misses its prediction by more than a step of the
- * march makes: as in the full model, where this is another solution, ruptured in the inlet. */
+/* Along the path, whether the film before the centre misses its prediction by more than a step of
+ * the march makes: as in the full model, where this is another solution, ruptured in the inlet. */
 static bool is_another_solution(const reduced_march *self, double central_film) {
     const double most = march_most_missed * central_film;
     const row_set *rows = &self->model->rows;
@@ -684,7 +711,8 @@ static bool is_another_solution(const reduced_march *self, double central_film) 
     return false;
 }
 
-/* Local error, relative to the central film, as the march takes it (march.h), away from the exit. */
+/* Local error, relative to the central film, as the march takes it (march.h), away from the exit.
+ * */
 static double local_error(reduced_march *self, double central_film, double step) {
     const bool on_the_way = is_along_path(self) && step * self->entrainment <= march_short_path;
 
@@ -731,15 +759,18 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
                      double step) {
     time_indicator *indicator = &self->indicator;
     const previous_film *next = state_before(self, 0);
+    const contact_frame *then = &state_before(self, 1)->frame;
 
-    for (size_t i = 0; i < indicator->num_nodes; i++) {
+    time_indicator_place(indicator, &next->state);
+    for (size_t i = 0; i < indicator->num_nodes; i++)
         indicator->previous[i] =
             sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
-    }
+    for (size_t i = indicator->num_nodes; i < indicator->num_nodes + indicator->num_at_exit; i++)
+        indicator->previous[i] = previous_at(self, indicator->node[i]);
     time_indicator_evaluate(indicator, next, contact, self->formula.rate, self->splines);
-    time_indicator_carry(indicator, &state_before(self, 1)->frame, &next->frame, self->entrainment,
-                         step);
-    set_indicated(outcome, self, contact, self->entrainment);
+    time_indicator_carry(indicator, then, &next->frame, self->entrainment, step);
+    add_local(self, &outcome->scalars, then, &next->frame);
+    set_indicated(outcome, self, contact);
 }
 
 /* Whether a step whose exit did not settle is to be repeated with a shorter one: unless it is
@@ -759,6 +790,13 @@ static void entrained_contact(ehd_contact *contact, double *entrainment, const c
     frame_contact(contact, frame, &self->reference);
     *entrainment = contact->entrainment;
     if (is_along_path(self)) contact->entrainment = 0;
+}
+
+static double film_of_attempt(const void *context, size_t node) {
+    const reduced_march *self = context;
+
+    return previous_film_thickness(&self->states[self->ring.place[0]], node, self->model,
+                                   self->splines);
 }
 
 static ehd_status attempt(march_step *outcome, void *solver, const contact_frame *frame,
@@ -801,9 +839,12 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
             outcome->status = EHD_NOT_CONVERGED;
             outcome->reason = "a film far from its prediction";
         } else {
-            const bool indicates = !isnan(self->factor);
-            if (indicates || (is_along_path(self) && self->formula.error > 0))
+            const bool indicates = !isnan(self->of_films.central);
+            if (indicates || (is_along_path(self) && self->formula.error > 0)) {
                 previous_film_prepare(next, self->model, self->splines, &self->reference);
+                reduced_find_dip(&outcome->scalars, self->solver, &next->state, film_of_attempt,
+                                 self);
+            }
             if (self->formula.error > 0)
                 outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
             set_effects(outcome, self, &contact, step);
@@ -891,7 +932,7 @@ static void accept(void *solver) {
     if (self->formula.rate > 0) renew_factors(self, solved);
     prepare_film(solved, self);
     if (is_along_path(self)) keep_errors(self, solved);
-    if (!isnan(self->factor)) film_errors_keep(&self->indicator.errors);
+    if (!isnan(self->of_films.central)) time_indicator_keep(&self->indicator);
     bdf_ring_accept(&self->ring, solved->frame.time);
     self->last_load_frame = self->load_frame;
     self->last_doubtful = self->doubtful;
@@ -955,8 +996,8 @@ const char *reduced_march_check_range(const reduced_march *self, const contact_f
                                frame_rate(now, before));
 }
 
-/* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes, and
- * the nearest exits that the model has. */
+/* The coordinates of its pressure and, independent, of its deflection in the orthonormal modes,
+ * and the nearest exits that the model has. */
 static void project(reduced_state *target, const reduced_march *self, const handed_state *state) {
     const reduced_model *model = self->model;
     const film_splines *splines = self->splines;
@@ -1001,7 +1042,7 @@ void reduced_march_take(reduced_march *self, size_t steps, const handed_state *s
         self->last_load_frame = *load_frame;
         // films that somebody else has solved have nothing of what this model misses
         self->last_doubtful = -INFINITY;
-        film_errors_set(&self->indicator.errors, NULL);
+        time_indicator_clear(&self->indicator);
     }
     drop_factors(self);
 }
@@ -1080,13 +1121,15 @@ static saved_states saved_states_of(const reduced_march *self) {
         .size = saved_state_size(self->model), .save = save_previous, .restore = restore_previous};
 }
 
-/* Saved after the accepted states: the last load frame, up to where films are doubtful, whether there
- * are kept factors, and rate and frame of these; their state follows, and the indicator's errors. */
+/* Saved after the accepted states: the last load frame, up to where films are doubtful, whether
+ * there are kept factors, rate and frame of these, and what rows do to the films; the factors'
+ * state follows, and the indicator's errors. */
 typedef struct saved_rest {
     contact_frame load_frame;
     double doubtful;
     double valid, rate;
     contact_frame frame;
+    double local[NUM_REDUCED_FILMS];
 } saved_rest;
 
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
@@ -1125,6 +1168,7 @@ static void save(double *saved, const void *solver) {
         rest.frame = self->factors.frame;
         save_state(behind + NUM_REST, &self->factors.state, self->model);
     }
+    memcpy(rest.local, self->indicator.kept_local, sizeof rest.local);
     memcpy(behind, &rest, sizeof rest);
     memcpy(behind + NUM_REST + saved_state_size(self->model), self->indicator.errors.kept,
            sizeof self->indicator.errors.kept);
@@ -1150,6 +1194,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     if (status) return status;
     memcpy(&rest, behind, sizeof rest);
     film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
+    memcpy(self->indicator.kept_local, rest.local, sizeof rest.local);
     self->last_load_frame = rest.load_frame;
     self->last_doubtful = rest.doubtful;
     drop_factors(self);

@@ -19,21 +19,36 @@ ehd_status reduced_march_create(
     const reduced_settings *settings, ehd_error *error);
 reduced_march *reduced_march_free(reduced_march *self); // accepts and returns NULL
 
-/* Has each step indicate how far its films are off, times these factors; NaN, the default: it does
- * not, and how fast the contact changes is held against its training. Before the start. */
-void reduced_march_indicate(reduced_march *self, double factor, double factor_minimum);
+/* Of what is indicated: of the central film, and of what the fluid brings to the minimum; of what
+ * arises there; and what is added to that. */
+typedef struct film_factors {
+    double central, minimum, floor;
+} film_factors;
+
+/* Has each step indicate how far its films are off. NaN, the default: it does not, and how fast
+ * the contact changes is held against its training. Before the start. */
+void reduced_march_indicate(reduced_march *self, film_factors factors);
+
+/* What is indicated of the last attempt, but for the factors: relative deviations of the central
+ * film, and of the minimum film what has come with the fluid, which has the central film's factor,
+ * and what arises at it, which has its own. */
+typedef struct film_bounds {
+    double central, arriving, arising;
+} film_bounds;
+film_bounds reduced_march_bounds(const reduced_march *self);
 
 /* The solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 
-/* As a solver for march_run. The start is the stationary solution, or where the speed is zero a fit
- * through the trained states around. */
+/* As a solver for march_run. The start is the stationary solution, or where the speed is zero a
+ * fit through the trained states around. */
 march_solver reduced_march_solver(reduced_march *self);
 
 /* The last accepted state, and its frame. */
 reduced_state reduced_march_state(const reduced_march *self, contact_frame *frame);
 
-// ---- from and to another solver of the same reference and grid, which goes on where this one stopped
+// ---- from and to another solver of the same reference and grid, which goes on where this one
+// stopped
 
 /* The contact at all factors 1, with what it has from the model. */
 const ehd_contact *reduced_march_reference(const reduced_march *self);
@@ -53,8 +68,8 @@ ehd_status reduced_march_fields_of(double *pressure, double *film, double *rigid
                                    const reduced_march *self, const reduced_state *state,
                                    ehd_error *error);
 
-/* Why a contact that has come from one frame to another, both scaled by the load of their solutions,
- * lies outside of the trained range, or NULL. */
+/* Why a contact that has come from one frame to another, both scaled by the load of their
+ * solutions, lies outside of the trained range, or NULL. */
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
                                       const contact_frame *before);
 
@@ -66,9 +81,9 @@ typedef struct handed_state {
     contact_frame frame;
 } handed_state;
 
-/* Takes an accepted state, at `steps` from 1 to BDF_PREVIOUS in ascending order; those taken so far
- * count. Along the path the base has to be taken before. `load_frame`: the last one's, scaled by the
- * load of its solution. */
+/* Takes an accepted state, at `steps` from 1 to BDF_PREVIOUS in ascending order; those taken so
+ * far count. Along the path the base has to be taken before. `load_frame`: the last one's, scaled
+ * by the load of its solution. */
 void reduced_march_take(reduced_march *self, size_t steps, const handed_state *state,
                         const contact_frame *load_frame);
 

@@ -276,21 +276,21 @@ static const double PRESSURE_TOLERANCE = 1e-4, PRESSURE_OVER_FILM = 1e4;
 // of the place of an exit within a node, steps: a node's move changes the film by 1e-5
 static const double EXIT_OVER_FILM = 1e5;
 // change of P by a node's move of the exit, in time; an iteration that changes it by more is far
-// from the solution. The line under a load of period 1/2 takes 488 steps with 5e-3, 1e-2 and 2e-2, the
-// full model 487; with 5e-2 an exit goes astray, and the minimum film is 2.2 % off.
+// from the solution. The line under a load of period 1/2 takes 488 steps with 5e-3, 1e-2 and
+// 2e-2, the full model 487; with 5e-2 an exit goes astray, and the minimum film is 2.2 % off.
 static const double CYCLE = 5e-3;
 
 /* What another iteration would change, over what this one did. Convergence is taken as quadratic,
- * with the square of the observed rate as the next one; the linear part that Gauss-Newton leaves is
- * slower only where the rate is small. */
+ * with the square of the observed rate as the next one; the linear part that Gauss-Newton leaves
+ * is slower only where the rate is small. */
 static double next_rate(const iterate *now) {
     const double rate = fmin(now->rate, 1);
 
     return rate * rate;
 }
 
-/* Whether another iteration would change film and pressure by less than the tolerances. Damped steps
- * are far from that and show no rate. */
+/* Whether another iteration would change film and pressure by less than the tolerances. Damped
+ * steps are far from that and show no rate. */
 static bool converged(const iterate *before, const iterate *now, double tolerance) {
     const double next = next_rate(now);
 
@@ -321,10 +321,10 @@ static void start_exits(reduced_solver *self, reduced_state *state, const ehd_co
 static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze);
 
-/* The algorithm (Maier et al. (2015), section 3): Gauss-Newton on the weighted least squares of the
- * selected rows, the exit line following in each iteration. In time, once an iteration changes the
- * pressure by less than CYCLE, the Jacobian there serves the others too. Returns an error only where the
- * observer or memory fails; the outcome is info->status. */
+/* The algorithm (Maier et al. (2015), section 3): Gauss-Newton on the weighted least squares of
+ * the selected rows, the exit line following in each iteration. In time, once an iteration changes
+ * the pressure by less than CYCLE, the Jacobian there serves the others too. Returns an error only
+ * where the observer or memory fails; the outcome is info->status. */
 static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced_solver *self,
                                const ehd_contact *contact, const reduced_squeeze *squeeze,
                                ehd_error *error) {
@@ -401,9 +401,9 @@ static ehd_status gauss_newton(reduced_info *info, reduced_state *state, reduced
 static const size_t MAX_KEPT_ITERATIONS = 8;
 static const double MAX_KEPT_RATE = 0.5; // of convergence
 // changes of P in the L2 norm, which follows from the coordinates and does not depend on the grid
-// in one iteration, beyond which it would need damping. The line under a load of period 1/2 takes 685
-// iterations with own Jacobians and 1143 with kept ones with 2e-3, 383 and 1724 with 1e-2, 370 and 1768
-// with 2e-2; 18 % fewer instructions
+// in one iteration, beyond which it would need damping. The line under a load of period 1/2 takes
+// 685 iterations with own Jacobians and 1143 with kept ones with 2e-3, 383 and 1724 with 1e-2,
+// 370 and 1768 with 2e-2; 18 % fewer instructions
 static const double MAX_KEPT_CHANGE = 2e-2;
 static const double KEPT_TOLERANCE = 7e-6;
 static const double KEPT_CYCLE = 3e-4; // by a node's move of the exit
@@ -519,8 +519,9 @@ static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state
     return false;
 }
 
-/* Iterates with the Jacobian at the state, which is near the solution; where exits move, with another
- * one at theirs, whose rows are other ones. False: not converged, and the state is one on the way. */
+/* Iterates with the Jacobian at the state, which is near the solution; where exits move, with
+ * another one at theirs, whose rows are other ones. False: not converged, and the state is one on
+ * the way. */
 static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solver *self,
                          const ehd_contact *contact, const reduced_squeeze *squeeze) {
     const size_t bytes = self->model->band.num_lines * sizeof(size_t), most = 3;
@@ -571,7 +572,7 @@ static contact_scalars scalars_of(reduced_solver *self, const reduced_state *sta
     const double approach = state->coordinates[model->num_unknowns - 1];
     node_state *nodes = &self->nodes;
     size_t lowest;
-    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates);
+    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates, NULL, NULL);
 
     return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
@@ -603,6 +604,16 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
         fail(info, "a film that is not positive");
     info->seconds = program_seconds() - start;
     return status;
+}
+
+void reduced_find_dip(contact_scalars *scalars, reduced_solver *self, const reduced_state *state,
+                      film_function *film, const void *context) {
+    size_t lowest;
+
+    if (!nodes_have_dip(&self->nodes)) return;
+    scalars->minimum_film_thickness =
+        nodes_minimum_film(&lowest, &self->nodes, state->coordinates, film, context);
+    scalars->minimum_position = grid_x(&self->model->grid, lowest);
 }
 
 // ---- quantities of a solution
@@ -709,7 +720,8 @@ static void fill_load(double *gradient, const reduced_solver *self, const reduce
     gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
 }
 
-/* The most that P or H moves at the node of a row before the exit: all needed nodes are near one. */
+/* The most that P or H moves at the node of a row before the exit: all needed nodes are near one.
+ * */
 static double largest_field_error(reduced_solver *self, bool of_film, const double *added) {
     const reduced_model *model = self->model;
     const size_t n = model->num_unknowns, num_pressure = model->num_pressure;

@@ -36,8 +36,8 @@ typedef struct reduced_state {
     double *coordinates; // [num_unknowns]
     size_t exit;         // column on the line where Y = 0; of a line contact a grid node
     size_t *exits;       // [num_lines] columns on all lines of the grid; NULL on a line contact
-    // where the exit lies within a node: its distance from the node before `exit` in steps, 0 to 1,
-    // in time as exit_place has it; NaN: at a node, or not known yet
+    // where the exit lies within a node: its distance from the node before `exit` in steps, 0 to
+    // 1, in time as exit_place has it; NaN: at a node, or not known yet
     double exit_offset;
 } reduced_state;
 
@@ -65,7 +65,8 @@ typedef struct reduced_info {
     const char *reason;
 } reduced_info;
 
-/* A state's values at the needed nodes; cut at a checkpoint, they are linear in the coordinates. */
+/* A state's values at the needed nodes; cut at a checkpoint, they are linear in the coordinates.
+ * */
 typedef struct reduced_values {
     size_t checkpoint; // of the exit (reduced_model_checkpoint)
     double *pressure;  // [num_needed] P, uncut
@@ -131,7 +132,19 @@ double reduced_exit_position(const reduced_state *state, const reduced_model *mo
 contact_scalars reduced_scalars(reduced_solver *solver, const reduced_state *state,
                                 const ehd_contact *contact);
 
-/* Least and largest P of the last solution before its exit, at the needed nodes and in the band. */
+/* H of the present state at any node. */
+typedef double film_function(const void *context, size_t node);
+
+/* Where the film of a line's last solution has a dip before the band, in time: finds its minimum
+ * with the films of the nodes between those needed, which `film` tells. */
+void reduced_find_dip(
+    // in and out:
+    contact_scalars *scalars, reduced_solver *solver,
+    // input:
+    const reduced_state *state, film_function *film, const void *context);
+
+/* Least and largest P of the last solution before its exit, at the needed nodes and in the band.
+ * */
 typedef struct reduced_pressures {
     double least, largest;
 } reduced_pressures;
@@ -142,7 +155,8 @@ reduced_pressures reduced_pressure_range(reduced_solver *solver, const reduced_s
 
 typedef enum reduced_film {
     REDUCED_CENTRAL_FILM,
-    REDUCED_MINIMUM_FILM // at the lowest needed node with pressure
+    REDUCED_MINIMUM_FILM, // at the lowest needed node with pressure
+    NUM_REDUCED_FILMS
 } reduced_film;
 
 /* How far a film of the last solution moves by what its last least squares left in the
@@ -156,8 +170,8 @@ double reduced_film_error(
     reduced_solver *solver, reduced_film film);
 
 /* How far other quantities of the last stationary solution move by that, and by residuals of other
- * rows: P at X = 0, the exit in half widths (NaN: exits are nodes), the load over the reference, and
- * the most that P and H move at the node of any row before the exit. */
+ * rows: P at X = 0, the exit in half widths (NaN: exits are nodes), the load over the reference,
+ * and the most that P and H move at the node of any row before the exit. */
 typedef struct reduced_errors {
     double central_pressure, exit_position, load, pressure, film;
 } reduced_errors;
@@ -189,8 +203,9 @@ void reduced_keep_factors(reduced_solver *solver, const reduced_state *state,
                           const ehd_contact *contact, double rate);
 void reduced_drop_factors(reduced_solver *solver);
 
-/* Keeps those that the last solution ended with (info.near_factors). Returns the state at which they
- * were made, from which reduced_keep_factors makes the same ones; valid until the next solution. */
+/* Keeps those that the last solution ended with (info.near_factors). Returns the state at which
+ * they were made, from which reduced_keep_factors makes the same ones; valid until the next
+ * solution. */
 const reduced_state *reduced_take_factors(reduced_solver *solver);
 
 /* Start from the trained solutions: a quadratic fit through those nearest in (ln M, ln(1 + alpha

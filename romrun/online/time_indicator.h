@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far the films of a reduced model in time may be off (romrun/README.md, In time it is carried).
+/* How far the films of a reduced model in time may be off (romrun/README.md, In time it is
+ * carried).
  *
- * What a film misses of the equations where it is formed, in the inlet, goes through the contact with
- * the fluid. So control nodes, which take no part in the solution, sample the residual on the central
- * line; what it does to the film is a field of rho H that enters, is carried along and added to. */
+ * What a film misses of the equations where it is formed, in the inlet, goes through the contact
+ * with the fluid. So control nodes, which take no part in the solution, sample the residual on the
+ * central line; what it does to the film is a field of rho H that enters, is carried along and
+ * added to.
+ *
+ * What the rows are left with, and those that an exit has passed while it moved, changes the films
+ * at once, and stays until the fluid has gone from the constriction through the exit. */
 #ifndef EHD_TIME_INDICATOR_H
 #define EHD_TIME_INDICATOR_H
 
@@ -14,21 +19,23 @@
 
 typedef struct time_indicator {
     const reduced_model *model;
-    // on the central line, those of the inlet first, ascending
-    size_t num_inlet, num_nodes;
-    size_t *node;
+    // on the central line, those of the inlet first, ascending; behind them those around the exit
+    size_t num_inlet, num_nodes, num_at_exit;
+    size_t *node;               // [num_nodes + num_at_exit]
     double *x;                  // [num_nodes]
-    reynolds_stencil *stencils; // [num_nodes] of indices in needed_node
-    size_t num_needed, *needed_node;
-    double *pressure, *film; // [num_needed] of the attempt
-    double *fluid_memory;    // [NUM_FLUID_ARRAYS, num_needed]
-    double *previous;        // [num_nodes] the caller's sums of previous rho H
-    double *entrained;       // [num_nodes] the caller's
-    double *share;           // [num_inlet] of a residual there, as a source of fluid, that enters
-    reynolds_row *rows;      // [num_nodes]
-    double *residual;        // [num_nodes] absolute value
-    film_errors errors;      // bound, but for a factor
-    double entry;            // X before which films are formed
+    reynolds_stencil *stencils; // [num_nodes + num_at_exit] of indices in needed_node
+    size_t num_fixed, num_needed, *needed_node; // the fixed ones are of the num_nodes
+    double *pressure, *film;                    // [num_needed] of the attempt
+    double *fluid_memory;                       // [NUM_FLUID_ARRAYS, num_needed]
+    double *previous;   // [num_nodes + num_at_exit] the caller's sums of previous rho H
+    double *entrained;  // [num_nodes] the caller's
+    double *share;      // [num_inlet] of a residual there, as a source of fluid, that enters
+    reynolds_row *rows; // [num_nodes + num_at_exit]
+    double *residual;   // [num_nodes + num_at_exit] absolute value
+    film_errors errors; // bound, but for a factor
+    // of H, by reduced_film: what rows leave, of the attempt and of the last accepted state
+    double local[NUM_REDUCED_FILMS], kept_local[NUM_REDUCED_FILMS];
+    double entry; // X before which films are formed
     arena memory;
 } time_indicator;
 
@@ -39,6 +46,9 @@ ehd_status time_indicator_init(
     // input:
     const reduced_model *model, ehd_error *error);
 void time_indicator_free(time_indicator *self);
+
+/* Puts control nodes around the exit of a state; NULL: none, as at the stationary start. */
+void time_indicator_place(time_indicator *self, const reduced_state *state);
 
 /* Evaluates the residuals of a state that has been prepared (previous_film_prepare), for `contact`
  * with the entrainment of its rows; with self->previous where rate > 0. */
@@ -56,6 +66,21 @@ void time_indicator_carry(time_indicator *self, const contact_frame *then, const
 
 /* At the start, stationary: everything has entered so. */
 void time_indicator_start(time_indicator *self, double entrainment);
+
+/* What the rows around the exit that least squares have not solved do to a film, of whose
+ * `influence`, [rows of the model], the last evaluation's solution is: those that an exit has
+ * passed since the Jacobian was made, and those behind it that should have pressure. */
+double time_indicator_at_exit(const time_indicator *self, const double *influence);
+
+/* What rows do to the films of the attempt, by reduced_film, with what is left of it from the last
+ * state `then`; NULL: there is none. It leaves with the fluid between the minimum and the exit. */
+void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDUCED_FILMS],
+                              const contact_scalars *scalars, const contact_frame *then,
+                              const contact_frame *now);
+
+/* The attempt is accepted; or films have no errors. */
+void time_indicator_keep(time_indicator *self);
+void time_indicator_clear(time_indicator *self);
 
 /* Largest error of rho H around the centre, and of the films that arrive at X. */
 double time_indicator_central(const time_indicator *self);

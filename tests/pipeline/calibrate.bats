@@ -417,7 +417,7 @@ PYTHON
     # chosen by what was measured in time, and only for that
     run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5
     [ "$status" -eq 0 ]
-    [[ $stderr == *"romrun: --accuracy 0.5: "*" on 1 trajectories, in "*" ms a step"* ]]
+    [[ $stderr == *"romrun: --accuracy 0.5: "*" on 100 % of 1 trajectories, in "*" ms a step"* ]]
     [[ $(h5dump -a settings tx.h5) == *"rows (0: all), accuracy 0.5"* ]]
     sed -e 's/regime: transient/regime: stationary/' -e /^transient/d moving.yml >still.yml
     refuse 65 "tc.h5: found a calibration without scenes" \
@@ -463,17 +463,16 @@ for name, most in [("good", 0.01), ("bad", 1)]:
         for film, indicated in [("central_film_thickness", "indicated_deviation"),
                                 ("minimum_film_thickness", "indicated_deviation_minimum")]:
             off = abs(file[film][...] / full[film][...] - 1)
-            # the minimum film's while an exit moves faster than in training: of the run, not each step
-            central = film == "central_film_thickness"
-            assert (file[indicated][...] >= off).all() if central else (file[indicated][...].max() >= off.max())
+            # the minimum film's too, while an exit moves faster than in training
+            assert (file[indicated][...] >= off).all()
             assert file[indicated][...].max() < most
             above |= file[indicated][...] > 0.01
         assert ((file["status"][...] == 4) == above).all() and above.any() == (name == "bad")
 PYTHON
     # --accuracy is about each step of both films
-    run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-4 --quiet
+    run --separate-stderr romrun moving.yml --model tc.h5 $fast --accuracy 1e-3 --quiet
     [ "$status" -eq 4 ]
-    [[ $stderr == *"found an indicated deviation of "*" of the minimum film, more than 0.0001, first at T = "* ]]
+    [[ $stderr == *"found an indicated deviation of "*" of the minimum film, more than 0.001, first at T = "* ]]
 }
 
 @test "Ctrl-C leaves nothing" {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reduced march along the path of the fluid, of lines and points. */
+#include "common/physics/minimum.h"
 #include "fullrun/full_march.h"
+#include "romrun/online/fields.h"
 #include "tests/unit/marching.h"
 
 #include <math.h>
@@ -77,7 +79,7 @@ static void marching_init(marching *self, const problem *from, bool full_rank, b
 static void indicate_bounds(marching *self) {
     const contact_frame start = frame_after(self, 0, 1);
 
-    reduced_march_indicate(self->march, 1, 1);
+    reduced_march_indicate(self->march, (film_factors){1, 1, 0});
     check_ok(self->solver.start(&self->last, self->solver.self, &start, &error));
 }
 
@@ -129,7 +131,8 @@ static void a_film_far_from_its_prediction_is_not_taken(void **state) {
 }
 
 /* With every node as a mode of its own, steps are those of the full model: nearly, since the full
- * one also filters what is left of pressures that an exit cuts, and products of filtered fields. */
+ * one also filters what is left of pressures that an exit cuts, and products of filtered fields.
+ * */
 static void march_as_the_full_model(const problem *of, bool compressible, size_t num_steps,
                                     double central, double minimum) {
     const double bound = of->basis.grid.inner_lines > 1 ? 1e-3 : 1e-6;
@@ -179,8 +182,9 @@ static void full_rank_marches_as_the_full_model(void **state) {
     march_as_the_full_model(&problems[LINE], true, 60, 1e-6, 1e-4);
 }
 
-/* As far as the models agree with films carried by the rows: splines differ at the ends of the grid,
- * and where the exits move out, from the fifteenth step on, the reduced model's lag by a node. */
+/* As far as the models agree with films carried by the rows: splines differ at the ends of the
+ * grid, and where the exits move out, from the fifteenth step on, the reduced model's lag by a
+ * node. */
 static void so_does_a_point(void **state) {
     (void)state;
     march_as_the_full_model(&problems[POINT], false, 10, 1e-5, 2e-4);
@@ -196,8 +200,8 @@ static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     return grid_x(grid, k) > -1 && grid_x(grid, k) < 0.1 && fabs(grid_y(grid, k)) < 0.1;
 }
 
-/* Where rows on the way to the centre are few, the error is told at nodes: with one of them left it is
- * no less than that of all rows. */
+/* Where rows on the way to the centre are few, the error is told at nodes: with one of them left
+ * it is no less than that of all rows. */
 static void check_error_of_few_rows(const problem *of) {
     const ehd_grid *grid = &of->basis.grid;
     size_t *rows = calloc(grid->num_inner, sizeof *rows), num_rows = 0, on_the_way = 0;
@@ -235,8 +239,8 @@ static void few_rows_tell_the_error_of_all(void **state) {
 }
 
 /* The few modes of stationary states are off where the contact varies, to path 0.5. What they then
- * miss in the inlet is indicated of the centre when that fluid is there, 0.85 farther, and no longer
- * once it has gone on. */
+ * miss in the inlet is indicated of the centre when that fluid is there, 0.85 farther, and no
+ * longer once it has gone on. */
 static void what_is_indicated_comes_with_the_fluid(void **state) {
     (void)state;
     double before = 0, there = 0, after = 0;
@@ -245,16 +249,89 @@ static void what_is_indicated_comes_with_the_fluid(void **state) {
     marching_init(&self, &problems[LINE], false, true);
     indicate_bounds(&self);
     assert_true(self.last.indicated > 0 && self.last.indicated < 1e-3);
-    for (size_t i = 1; i <= 100; i++) {
+    for (size_t i = 1; i <= 120; i++) {
         const contact_frame frame = frame_after(&self, (double)i * STEP, i <= 25 ? 0.3 : 0);
         step_on(&self.last, &self.solver, &frame, STEP);
         if (frame.path < 0.65) before = fmax(before, self.last.indicated);
         if (frame.path > 0.85 && frame.path < 1.5) there = fmax(there, self.last.indicated);
-        if (frame.path > 1.7) after = fmax(after, self.last.indicated);
+        if (frame.path > 2) after = fmax(after, self.last.indicated);
     }
     assert_true(there > 0.05);
     assert_true(before < 0.25 * there);
     assert_true(after < 0.25 * there);
+    marching_free(&self);
+}
+
+/* A load that jumps up fills the outlet, to where the grid ends, which training had too: it is no exit
+ * at the edge of what was trained. */
+static void an_exit_may_lie_at_the_end_of_the_grid(void **state) {
+    (void)state;
+    const double step = 1e-3;
+    marching self;
+
+    marching_init(&self, &problems[LINE], true, true);
+    indicate_bounds(&self);
+    contact_frame frame = frame_at(&contact_line, step, (double[]){1.1, 1, 1, 1}, NAN);
+    frame.path = step;
+    self.solver.restart(self.solver.self);
+    step_on(&self.last, &self.solver, &frame, step);
+    assert_true(self.last.scalars.exit_position > 1.9); // of 2
+    assert_string_equal(self.last.reason, "");
+    assert_int_equal(self.last.status, EHD_OK);
+    marching_free(&self);
+}
+
+static double film_in(const void *context, size_t node) {
+    return ((const double *)context)[node];
+}
+
+/* A dip of the film before the band, as one passes the centre in time, is as deep as all nodes say,
+ * not those alone that rows need. */
+static void a_dip_is_found_between_the_needed_nodes(void **state) {
+    (void)state;
+    enum { EVERY = 5, BEGIN = 30 };
+    const problem *of = &problems[LINE];
+    const ehd_grid *grid = &of->basis.grid;
+    const contact_frame start = frame_at(&contact_line, 0, (double[]){1, 1, 1, 1}, NAN);
+    const ehd_contact *contact = &of->training.contacts[STATE];
+    double *pressure = calloc(grid->num_nodes, sizeof *pressure);
+    double *film = calloc(grid->num_nodes, sizeof *film);
+    size_t rows[FEW_ROWS], num_rows = 0, num_dips = 0, num_missed = 0;
+    marching self;
+
+    assert_true(pressure && film);
+    for (size_t k = 20; num_rows < FEW_ROWS && k<115; k += k> 85 ? 1 : EVERY)
+        rows[num_rows++] = k;
+    marching_start_with(&self, contact, &of->basis, rows, num_rows, &start);
+    const size_t num = self.model.num_unknowns;
+    double *z = calloc(num, sizeof *z);
+    assert_non_null(z);
+    for (size_t i = 0; i < TRAINED_STATES * TRAINED_STATES; i++) {
+        // no solutions, but sums of them
+        const size_t a = i / TRAINED_STATES, b = i % TRAINED_STATES;
+        const double *of_a = self.model.states.coordinates + a * num;
+        const double *of_b = self.model.states.coordinates + b * num;
+        reduced_state at = {.coordinates = z, .exit = self.model.states.exit[a]};
+        for (size_t k = 0; k < num; k++)
+            z[k] = 3 * of_a[k] - 2 * of_b[k];
+        contact_scalars scalars = reduced_scalars(reduced_march_inner(self.march), &at, contact);
+        check_ok(
+            reduced_fields(pressure, film, &at, &self.model, self.splines.pressure_basis, &error));
+        size_t lowest = BEGIN;
+        for (size_t k = BEGIN; k < at.exit; k++)
+            if (film[k] < film[lowest]) lowest = k;
+        if (lowest == BEGIN || lowest + 2 >= self.model.band.lines[0].begin) continue;
+        num_dips++;
+        const double least = minimum_around(grid, lowest, film_in, film);
+        num_missed += fabs(scalars.minimum_film_thickness - least) > 1e-4 * fabs(least);
+        reduced_find_dip(&scalars, reduced_march_inner(self.march), &at, film_in, film);
+        check_close(scalars.minimum_position, grid_x(grid, lowest), 0, 1e-12);
+        check_close(scalars.minimum_film_thickness, least, 1e-9, 0);
+    }
+    assert_true(num_dips > 10 && num_missed > 5); // the parabola through needed nodes
+    free(z);
+    free(pressure);
+    free(film);
     marching_free(&self);
 }
 
@@ -272,8 +349,8 @@ static void a_doubtful_film_is_doubtful_until_it_has_left(void **state) {
     contact.smoothing = 2 * contact.grid.step;
     const contact_frame start = frame_at(contact.kind, 0, (double[]){1.4, 1, 1, 1}, NAN);
     marching_start(&self, &contact, &of->basis, &start);
-    assert_int_equal(self.last.status, EHD_UNTRUSTED); // M = 21, of 20
-    reduced_march_indicate(self.march, 1, 1);          // lest the rate be held against it
+    assert_int_equal(self.last.status, EHD_UNTRUSTED);           // M = 21, of 20
+    reduced_march_indicate(self.march, (film_factors){1, 1, 0}); // lest the rate be held against it
     check_ok(self.solver.start(&self.last, self.solver.self, &start, &error));
     for (size_t i = 1; i <= 160; i++) {
         const double time = (double)i * STEP, load = 1.4 - 0.2 * fmin(time / 0.4, 1);
@@ -354,6 +431,8 @@ int main(void) {
         cmocka_unit_test(so_does_a_point),
         cmocka_unit_test(few_rows_tell_the_error_of_all),
         cmocka_unit_test(what_is_indicated_comes_with_the_fluid),
+        cmocka_unit_test(an_exit_may_lie_at_the_end_of_the_grid),
+        cmocka_unit_test(a_dip_is_found_between_the_needed_nodes),
         cmocka_unit_test(a_doubtful_film_is_doubtful_until_it_has_left),
         cmocka_unit_test(repeated_and_restored_steps_have_the_same_bits),
     };

@@ -20,6 +20,15 @@ static const char good[] = "contact: line\n"
                            "  viscosity: {law: wlf, preset: no1}\n"
                            "  density: {law: dowson-higginson}\n";
 
+static const char in_time[] = "contact: line\n"
+                              "regime: transient\n"
+                              "moes: {M: 12, L: 12}\n"
+                              "lubricant: {viscosity: {law: wlf, preset: no1}}\n"
+                              "transient:\n"
+                              "  end_time: 9\n"
+                              "  load: {law: ramp, to: 2, duration: 1}\n"
+                              "  radius: {law: sine, amplitude: 0.1, period: 1}\n";
+
 // ---- helpers
 
 static ehd_status parse(scene *of, const char *text, ehd_error *error) {
@@ -1093,6 +1102,88 @@ static void plan_checks_a_region(void **state) {
     refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [0.01, 6]}\n", "point moes.M=0.01");
 }
 
+/* A line makes sines and ramps of each quantity and of each pair, and steps of the speed, between the
+ * bounds, and of nothing else that the scene varies. */
+static void plan_makes_histories(void **state) {
+    enum { OF_LOAD = 4, OF_SPEED = 6, OF_PAIR = 6, STEPS_OF_LOAD = 2, STEPS_OF_PAIR = 3 };
+    size_t counts[3] = {0}, both = 0;
+    plan of;
+    (void)state;
+    write_file("scene.yml", in_time);
+    accepts_plan(&of, "groups:\n- scene: scene.yml\n"
+                      "  histories: {load: [0.8, 1.1], speed: [0.7, 1.3]}\n");
+    assert_int_equal(of.num_points, OF_LOAD + OF_SPEED + OF_PAIR);
+    for (size_t i = 0; i < of.num_points; i++) {
+        const transient_settings *here = &of.points[i].scene.transient;
+        size_t num_varying = 0;
+        check_close(here->end_time, 2.5, 0, 0);
+        assert_string_equal(here->vary[VARY_RADIUS].law, "constant"); // a sine of the scene
+        for (int q = VARY_LOAD; q <= VARY_SPEED; q++) {
+            const history_settings *law = &here->vary[q];
+            const double low = q == VARY_LOAD ? 0.8 : 0.7, high = q == VARY_LOAD ? 1.1 : 1.3;
+            if (strcmp(law->law, "constant") == 0) continue;
+            num_varying++;
+            if (strcmp(law->law, "sine") == 0) {
+                check_close(law->mean - law->amplitude, low, 1e-12, 0);
+                check_close(law->mean + law->amplitude, high, 1e-12, 0);
+                counts[0]++;
+            } else {
+                check_close(fmin(law->from, law->to), low, 0, 0);
+                check_close(fmax(law->from, law->to), high, 0, 0);
+                counts[strcmp(law->law, "ramp") == 0 ? 1 : 2]++;
+            }
+        }
+        assert_in_range(num_varying, 1, 2);
+        both += num_varying == 2;
+    }
+    assert_int_equal(both, OF_PAIR);
+    assert_int_equal(counts[0], 2 * 2 + 2 * 2);
+    assert_int_equal(counts[1], 2 * 2 + 2 * 4);
+    assert_int_equal(counts[2], 2);
+    plan_free(&of);
+
+    accepts_plan(&of,
+                 "groups:\n- scene: scene.yml\n"
+                 "  histories: {load: [0.8, 1.1], speed: [0.7, 1.3], kinds: [step, sine, ramp]}\n");
+    assert_int_equal(of.num_points, OF_LOAD + OF_SPEED + OF_PAIR + STEPS_OF_LOAD + STEPS_OF_PAIR);
+    plan_free(&of);
+
+    accepts_plan(&of, "groups:\n- scene: scene.yml\n  vary: {M: [5, 6]}\n"
+                      "  histories: {speed: [0.7, 1.3], kinds: [sine]}\n");
+    assert_int_equal(of.num_points, 2 * 2);
+    check_close(of.points[1].scene.moes.M, 5, 0, 0);
+    check_close(of.points[2].scene.moes.M, 6, 0, 0);
+    plan_free(&of);
+}
+
+static void plan_checks_histories(void **state) {
+    static const char *const overrides[] = {"transient.load.period=2"};
+    static const char text[] = "groups:\n- scene: scene.yml\n  histories: {load: [0.9, 1.1]}\n";
+    ehd_error error = {""};
+    plan of;
+    (void)state;
+    write_file("scene.yml", in_time);
+    refuses_plan("groups:\n- scene: scene.yml\n  histories: {kinds: [sine]}\n",
+                 "histories: found no quantity");
+    refuses_plan("groups:\n- scene: scene.yml\n  histories: {load: [0.9, 1.1], width: [1, 2]}\n",
+                 "histories: found width, expected load, speed");
+    refuses_plan("groups:\n- scene: scene.yml\n  histories: {load: [1.1, 0.9]}\n",
+                 "load: found something else, expected factors");
+    refuses_plan("groups:\n- scene: scene.yml\n  histories: {load: [0, 0.9]}\n", "above 0");
+    refuses_plan("groups:\n- scene: scene.yml\n  histories: {load: [0.9, 1.1], kinds: [cam]}\n",
+                 "kinds: found cam, expected sine, ramp or step");
+    refuses_plan("groups:\n- scene: scene.yml\n  histories: {load: [0.9, 1.1], kinds: []}\n",
+                 "kinds: found no list");
+    refuses_plan("groups:\n- scene: scene.yml\n  region: {M: [5, 6]}\n"
+                 "  histories: {load: [0.9, 1.1]}\n",
+                 "histories: found region beside them");
+    write_file("plan.yml", text);
+    assert_int_equal(plan_read(&of, path_of("plan.yml"), overrides, 1, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "transient.load.period: found a key that"));
+    write_file("scene.yml", good); // stationary
+    refuses_plan(text, "transient.");
+}
+
 static void plan_takes_lists_together(void **state) {
     plan of;
     (void)state;
@@ -1458,6 +1549,8 @@ int main(void) {
         cmocka_unit_test(plan_combines_a_grid),
         cmocka_unit_test(plan_fills_a_region),
         cmocka_unit_test(plan_checks_a_region),
+        cmocka_unit_test(plan_makes_histories),
+        cmocka_unit_test(plan_checks_histories),
         cmocka_unit_test(plan_takes_lists_together),
         cmocka_unit_test(plan_reads_csv_points),
         cmocka_unit_test(plan_names_files_that_are_missing),

@@ -321,6 +321,33 @@ static void accuracy_goes_by_the_steps_in_time(void **state) {
                         "m.h5: found a calibration without trajectories, expected some");
 }
 
+/* With an indicator the fastest of the sizes that most trajectories are indicated well with, at least
+ * half of them. */
+static void accuracy_goes_by_the_most_trajectories(void **state) {
+    trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
+    const trade_table table = {9, 10, 3, positions};
+    accuracy_choice choice;
+    (void)state;
+
+    for (size_t i = 0; i < 3; i++) {
+        positions[i].factor_in_time = 1;
+        positions[i].step_seconds = 1e-4 * (double)(i + 1);
+        for (int k = 0; k < NUM_TIME_PARTS; k++) // 60, 80 and 80 % to 1e-3, jumps are lost
+            positions[i].indicated_in_time[k] = k > (i == 0 ? 1 : 3) ? 1 : 1e-3 / (double)(i + 1);
+    }
+    assert_int_equal(trade_cheapest(&table, 1e-3, true), 1);
+    assert_int_equal(trade_cheapest(&table, 4e-4, true), 2);
+    assert_int_equal(trade_cheapest(&table, 1e-4, true), 3); // none
+    assert_int_equal(trade_most_accurate(&table, true), 2);
+    check_close(trade_part_in_time(&positions[0], 1e-3), 0.6, 0, 0);
+    check_ok(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error));
+    assert_non_null(strstr(choice.note, "films were indicated to be at most so far off: 0.001 on "
+                                        "80 % of 10 trajectories, in 0.2 ms a step"));
+    for (size_t i = 0; i < 3; i++)
+        positions[i].indicated_in_time[0] = 1; // more than half are lost
+    assert_int_equal(accuracy_choose(&choice, &table, 1e-3, true, "m.h5", &error), EHD_DATA);
+}
+
 /* The limit that a refusal names is one that can be asked for, whatever its digits. */
 static void accuracy_names_what_it_can_give(void **state) {
     trade_position position = measured(0, 1, 0);
@@ -572,6 +599,7 @@ int main(void) {
         cmocka_unit_test(scenes_are_covered_whatever_the_bound),
         cmocka_unit_test(accuracy_chooses_the_fastest_and_the_best),
         cmocka_unit_test(accuracy_goes_by_the_steps_in_time),
+        cmocka_unit_test(accuracy_goes_by_the_most_trajectories),
         cmocka_unit_test(accuracy_names_what_it_can_give),
         cmocka_unit_test(a_promise_is_kept_or_the_result_flagged),
         cmocka_unit_test(a_full_model_deviates_by_what_it_is_told),
