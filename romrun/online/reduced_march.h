@@ -23,6 +23,10 @@ reduced_march *reduced_march_free(reduced_march *self); // accepts and returns N
  * not, and how fast the contact changes is held against its training. Before the start. */
 void reduced_march_indicate(reduced_march *self, double factor, double factor_minimum);
 
+/* What the steps may do to the central film along the path (transient.tolerance), of which iterations
+ * leave a part; NaN, the default: they have the tolerance of the settings, as the start has. */
+void reduced_march_set_tolerance(reduced_march *self, double tolerance);
+
 /* The solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 
