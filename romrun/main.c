@@ -447,6 +447,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
     if (!status) {
         const ehdrom_properties properties = ehdrom_describe(model);
+        if (isnan(given->transient.fixed_step))
+            ehdrom_transient_set_tolerance(in_time, given->transient.tolerance);
         unchecked = accuracy_unchecked(&properties, true);
         status = create_fallback(&mixed, self, options, contact, in_time, given,
                                  options->distrust ? options->distrust : unchecked, error);

@@ -399,6 +399,10 @@ ehdrom_transient *ehdrom_transient_free(ehdrom_transient *self) {
     return NULL;
 }
 
+void ehdrom_transient_set_tolerance(ehdrom_transient *self, double tolerance) {
+    reduced_march_set_tolerance(self->march, tolerance);
+}
+
 march_solver ehdrom_march(ehdrom_transient *self) {
     return reduced_march_solver(self->march);
 }

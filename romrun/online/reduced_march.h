@@ -37,6 +37,10 @@ typedef struct film_bounds {
 } film_bounds;
 film_bounds reduced_march_bounds(const reduced_march *self);
 
+/* What the steps may do to the central film along the path (transient.tolerance), of which iterations
+ * leave a part; NaN, the default: they have the tolerance of the settings, as the start has. */
+void reduced_march_set_tolerance(reduced_march *self, double tolerance);
+
 /* The solver of the march, for an observer. */
 reduced_solver *reduced_march_inner(reduced_march *self);
 

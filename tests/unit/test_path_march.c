@@ -90,6 +90,37 @@ static void step_on(march_step *last, const march_solver *solver, const contact_
     solver->accept(solver->self);
 }
 
+/* Iterations of twenty steps with a tolerance of the steps, and the central film behind them. */
+static size_t iterations_with(double *film, double tolerance) {
+    const size_t num_steps = 20;
+    marching self;
+
+    marching_init(&self, &problems[LINE], true, false);
+    const size_t before = reduced_march_effort_of(self.march).iterations;
+    reduced_march_set_tolerance(self.march, tolerance);
+    for (size_t i = 1; i <= num_steps; i++) {
+        const contact_frame frame = frame_after(&self, (double)i * STEP, 1);
+        step_on(&self.last, &self.solver, &frame, STEP);
+    }
+    const size_t all = reduced_march_effort_of(self.march).iterations;
+    *film = self.last.scalars.central_film_thickness;
+    marching_free(&self);
+    return all - before;
+}
+
+/* Iterations leave less of the film than the steps, and are fewer. */
+static void a_tolerance_of_the_steps_saves_iterations(void **state) {
+    (void)state;
+    const double tolerance = 1.5e-3;
+    double exact, film, close;
+    const size_t most = iterations_with(&exact, NAN);
+
+    assert_true(iterations_with(&film, tolerance) < most);
+    check_close(film, exact, 0.01 * tolerance, 0.0);
+    assert_int_equal(iterations_with(&close, 1e-15), most);
+    check_close(close, exact, 0.0, 0.0);
+}
+
 static void constant_conditions_keep_the_stationary_state(void **state) {
     (void)state;
     for (size_t p = 0; p < NUM_PROBLEMS; p++) {
@@ -426,6 +457,7 @@ static void repeated_and_restored_steps_have_the_same_bits(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(constant_conditions_keep_the_stationary_state),
+        cmocka_unit_test(a_tolerance_of_the_steps_saves_iterations),
         cmocka_unit_test(a_film_far_from_its_prediction_is_not_taken),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
         cmocka_unit_test(so_does_a_point),
