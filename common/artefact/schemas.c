@@ -641,8 +641,10 @@ static const artefact_field model_fields[] = {
     REAL("indicator_offset_share", "1", NEED_OPTIONAL, "where exits are nodes, else 1", "position",
          "bounded"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL,
-         "the larger of these deviations; infinite for a scene that was not solved", "position",
-         "part"),
+         "the larger of both films' with the factors for all bounds; infinite for a scene that was "
+         "not "
+         "solved",
+         "position", "part"),
     REAL("indicator_effectivity", "1", NEED_OPTIONAL,
          "indicated over true deviation, of the film of which that is less", "position", "part"),
     REAL("indicator_factor_in_time", "1", NEED_OPTIONAL,
