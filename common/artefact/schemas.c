@@ -688,8 +688,9 @@ static const artefact_field model_fields[] = {
     REAL("indicator_offset_share", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
          "where exits are nodes, else 1", "position", "bounded"),
     REAL("indicated_deviation", "1", NEED_OPTIONAL, VALUES_BOUND,
-         "the larger of these deviations; infinite for a scene that was not solved", "position",
-         "part"),
+         "the larger of both films' with the factors for all bounds; infinite for a scene that was "
+         "not solved",
+         "position", "part"),
     REAL("indicator_effectivity", "1", NEED_OPTIONAL, VALUES_BOUND,
          "indicated over true deviation, of the film of which that is less", "position", "part"),
     REAL("indicator_factor_in_time", "1", NEED_OPTIONAL, VALUES_NOT_NEGATIVE,
