@@ -75,7 +75,7 @@ else
 
 # The stages, of each model four, by which the programs tell how long all of it takes yet (common/program/stage.h).
 # $(call at_stage,NAME): in front of a program. $(call stage_of,NAME): "2/5".
-stages   := training $(foreach model,$(MODELS),$(addprefix $(model)-,basis residuals rows $(if $(filter no,$($(model).CHECK)),,check)))
+stages    = training $(foreach model,$(MODELS),$(addprefix $(model)-,basis residuals rows $(if $(filter no,$($(model).CHECK)),,check)))
 at_stage  = EHDROM_STAGES='$(OUT)/stages $1 $(stages)'
 stage_of  = $(words x $(subst ^, ,$(firstword $(subst ^$1^,^ ,^$(subst $(space),^,$(stages))^))))/$(words $(stages))
 space    := $() $()

@@ -243,6 +243,9 @@ $rounds rounds of four tasks with make, $(awk '{ print $1 + $2 }' time.txt) with
     until_true some_points 1
     kill -KILL "$(program_of out/piece-1-of-2.h5)"
     until_true some_points 2
+    run make slurm-status
+    echo "$output"
+    [[ $output =~ "piece-2 "\ *"running "\ *[0-9]+" of 10 "\ *"out/slurm/piece-2.log  stage 1 of 4" ]]
     job=$(awk '$2 == "piece-2" { print $1 }' out/slurm/jobs)
     scontrol requeue "${job}_2"
     pending() { [ "$(squeue --noheader --array --jobs="$job" --format='%K %T' | grep '^2 ')" = "2 PENDING" ]; }
