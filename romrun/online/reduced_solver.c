@@ -445,7 +445,11 @@ const reduced_state *reduced_take_factors(reduced_solver *self) {
 typedef struct kept_iterate {
     double change; // of P, L2 norm; NaN before the first
     bool converged;
+    bool slow; // the last step was small, and is not taken because it was not small enough
 } kept_iterate;
+
+/* KEPT_SLOW: not converged, but near the solution; KEPT_FAILED: not converged, the state is useless. */
+typedef enum { KEPT_CONVERGED, KEPT_SLOW, KEPT_FAILED } kept_outcome;
 
 /* One step; false where it converges too slowly or needs damping. */
 static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *state,
@@ -462,6 +466,7 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
         return false;
     at->change = sqrt(grid_cell(&model->grid)) * cblas_dnrm2((int)model->num_pressure, step, 1);
     double rate = isnan(before) ? first_rate : at->change / before;
+    at->slow = at->change < MAX_KEPT_CHANGE && !(rate < MAX_KEPT_RATE);
     if (!(at->change < MAX_KEPT_CHANGE && rate < MAX_KEPT_RATE)) return false;
     double film = nodes_at_centre(model, self->nodes.now.film);
     double change = nodes_central_change(&self->nodes, step);
@@ -473,11 +478,10 @@ static bool take_kept_step(kept_iterate *at, reduced_info *info, reduced_state *
     return true;
 }
 
-/* Iterates with the kept factors, or with those near the solution, which it makes at the start.
- * False: not converged, and the state is useless. */
-static bool iterate_with(kept_factors *factors, reduced_info *info, reduced_state *state,
-                         reduced_solver *self, const ehd_contact *contact,
-                         const reduced_squeeze *squeeze) {
+/* Iterates with the kept factors, or with those near the solution, which it makes at the start. */
+static kept_outcome iterate_with(kept_factors *factors, reduced_info *info, reduced_state *state,
+                                 reduced_solver *self, const ehd_contact *contact,
+                                 const reduced_squeeze *squeeze) {
     const bool made = factors == &self->near; // evaluated as in reduced_keep_factors
     const reduced_values *known = made ? NULL : squeeze->start;
     kept_iterate at = {.change = NAN};
@@ -488,21 +492,21 @@ static bool iterate_with(kept_factors *factors, reduced_info *info, reduced_stat
         evaluate(self, state, iteration == 0 ? known : NULL, contact, squeeze, AT_STATE);
         if (made && iteration == 0) make_factors(factors, self, squeeze);
         start = add_seconds(&info->seconds_rows, start);
-        bool converges = take_kept_step(&at, info, state, self, factors);
+        const bool converges = take_kept_step(&at, info, state, self, factors);
         start = add_seconds(&info->seconds_linear, start);
-        if (!converges) return false;
+        if (!converges) return at.slow ? KEPT_SLOW : KEPT_FAILED;
         bool moved = exits_adapt(&self->exits, &self->nodes, state, contact, squeeze, at.change);
         start = add_seconds(&info->seconds_exit, start);
         // farther away the stored factorisation no longer matches the active rows
-        if (!kept_factors_are_near(factors, self->model, state)) return false;
+        if (!kept_factors_are_near(factors, self->model, state)) return KEPT_FAILED;
         if (!moved && at.converged) {
             info->status = EHD_OK;
             info->reason = "";
-            return exits_settled(&self->exits, &self->nodes);
+            return exits_settled(&self->exits, &self->nodes) ? KEPT_CONVERGED : KEPT_FAILED;
         }
         if (moved) at.change = NAN; // the rate starts anew with other active rows
     }
-    return false;
+    return KEPT_FAILED;
 }
 
 /* The same; where it fails, the state is that of the start. */
@@ -510,7 +514,7 @@ static bool newton_with(kept_factors *factors, reduced_info *info, reduced_state
                         reduced_solver *self, const ehd_contact *contact,
                         const reduced_squeeze *squeeze) {
     reduced_state_copy(&factors->start, state, self->model);
-    if (iterate_with(factors, info, state, self, contact, squeeze)) {
+    if (iterate_with(factors, info, state, self, contact, squeeze) == KEPT_CONVERGED) {
         self->used = factors;
         return true;
     }
@@ -534,6 +538,27 @@ static bool end_with_one(reduced_info *info, reduced_state *state, reduced_solve
     return info->near_factors;
 }
 
+/* Iterates with the kept factors; where these converge too slowly, with those of the Jacobian where
+ * they lead. False: not converged, and the state is that of the start. */
+static bool end_with_kept(reduced_info *info, reduced_state *state, reduced_solver *self,
+                          const ehd_contact *contact, const reduced_squeeze *squeeze) {
+    reduced_state *start = &self->kept.start;
+
+    reduced_state_copy(start, state, self->model);
+    const kept_outcome outcome = iterate_with(&self->kept, info, state, self, contact, squeeze);
+    if (outcome == KEPT_CONVERGED) {
+        self->used = &self->kept;
+        return true;
+    }
+    if (outcome == KEPT_SLOW && end_with_one(info, state, self, contact, squeeze)) {
+        info->own_jacobian = true;
+        return true;
+    }
+    info->status = EHD_NOT_CONVERGED;
+    reduced_state_copy(state, start, self->model);
+    return false;
+}
+
 /* Iterates with the kept factors, if any; where that fails, from the start with own Jacobians. */
 static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver *self,
                         const ehd_contact *contact, const reduced_squeeze *squeeze,
@@ -541,7 +566,7 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
     self->used = NULL;
     self->system.remaining = 0;
     if (squeeze && self->kept.valid && !self->observer &&
-        newton_with(&self->kept, info, state, self, contact, squeeze))
+        end_with_kept(info, state, self, contact, squeeze))
         return EHD_OK;
     return gauss_newton(info, state, self, contact, squeeze, error);
 }

@@ -76,8 +76,8 @@ static reduced_info take_time_step(time_step *self, double shorter) {
 
 /* Factors of the same step do as well as a Jacobian of every iteration, those of one that is a
  * sixth of it shorter take a few iterations more. Those of a step a third as long converge with a
- * rate of 0.6, which the second iteration shows: then a Jacobian is made, and only one of the
- * iterations was in vain. */
+ * rate of 0.6, which the second iteration shows: then the Jacobian where the first one leads ends
+ * the step, and only one of the iterations was in vain. */
 static void kept_factors_serve_steps_alike(void **state) {
     (void)state;
     for (size_t s = 0; s < TRAINED_STATES; s += 5)
@@ -92,9 +92,9 @@ static void kept_factors_serve_steps_alike(void **state) {
             assert_true(near.iterations <= own.iterations + 5);
             check_close(same.scalars.central_film_thickness, film, 2e-7, 0);
             check_close(near.scalars.central_film_thickness, film, 5e-6, 0);
-            assert_true(far.own_jacobian);
+            assert_true(far.own_jacobian && far.near_factors);
             assert_true(far.iterations <= own.iterations + 1);
-            check_close(far.scalars.central_film_thickness, film, 1e-9, 0);
+            check_close(far.scalars.central_film_thickness, film, 2e-7, 0);
         }
 }
 
