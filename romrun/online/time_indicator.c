@@ -256,14 +256,20 @@ void time_indicator_start(time_indicator *self, double entrainment) {
 
 // ---- what rows leave
 
+/* Whether the row of a node was part of the least squares. */
+static bool is_solved(const row_set *rows, const double *influence, size_t node) {
+    for (size_t r = 0; r < rows->num_rows; r++)
+        if (rows->node[r] == node) return influence[r] != 0;
+    return false;
+}
+
 double time_indicator_at_exit(const time_indicator *self, const double *influence) {
     const row_set *rows = &self->model->rows;
     double sum = 0;
 
     for (size_t i = self->num_nodes; i < self->num_nodes + self->num_at_exit; i++) {
-        if (self->residual[i] == 0) continue;
+        if (self->residual[i] == 0 || is_solved(rows, influence, self->node[i])) continue;
         const size_t row = reduced_model_nearest_row(self->model, self->node[i], influence);
-        if (rows->node[row] == self->node[i]) continue; // least squares have it
         sum += pow(self->residual[i] * rows->weight[row] * influence[row], 2);
     }
     return sqrt(sum);
