@@ -27,7 +27,10 @@ void artefact_delete(artefact *file) {
     if (file->lock >= 0) close(file->lock);
     free(file->copy);
     free(file->held);
+    free(file->shapes);
     free(file->outcomes);
+    free(file->checked);
+    free(file->digests);
     free(file->lengths);
     free(file->history_line);
     free(file->partial);

@@ -8,6 +8,14 @@
 
 #include <hdf5.h>
 
+/* A dataset as it was found when a file was opened. */
+typedef struct dataset_shape {
+    bool there;
+    int rank;
+    hsize_t dims[ARTEFACT_MAX_RANK]; // as far as they fit
+    double chunk;                    // numbers of a chunk
+} dataset_shape;
+
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
@@ -16,15 +24,18 @@ struct artefact {
     char *copy;         // the name of the copy of it that is changed while it is not streaming
     bool on_copy;       // that is what is open
     char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
+    char *digests;      // content_sha256 of a file being read; NULL: not to be checked
+    bool *checked;      // [number of the schema's fields] read by parts, and their digest checked
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
     const char *outcome_axis;
-    size_t *lengths;     // [number of the schema's axes], 0: not known (yet)
-    const char *growing; // name of the axis that grows while writing; NULL: none
-    hid_t *held;         // [number of the schema's fields + 1], the last for the growing axis:
-                         // what is on it, kept open while streaming; 0: not open
-    int lock;            // descriptor that holds the writer's lock; -1 when reading
-    int copy_lock;       // the same of the copy
-    bool force;          // an existing final file may be replaced
+    dataset_shape *shapes; // [axes of the schema, then its fields], as examined
+    size_t *lengths;       // [number of the schema's axes], 0: not known (yet)
+    const char *growing;   // name of the axis that grows while writing; NULL: none
+    hid_t *held;           // [number of the schema's fields + 1], the last for the growing axis:
+                           // what is on it, kept open while streaming; 0: not open
+    int lock;              // descriptor that holds the writer's lock; -1 when reading
+    int copy_lock;         // the same of the copy
+    bool force;            // an existing final file may be replaced
     bool streaming;
     bool keep;   // the partial file is of use to --resume
     bool copied; // by artefact_copy, of a file that may lack what only our programs write
@@ -96,8 +107,10 @@ void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *d
  * files, a filter beside gzip, shuffle and Fletcher-32. NULL: nothing. To be asked before anything
  * else of the dataset. `name` may lead through groups. */
 const char *hdf5_find_foreign(hid_t root, const char *name);
-/* Numbers of a chunk, 1 where a dataset has none. */
-double hdf5_chunk_numbers(hid_t root, const char *name);
+/* Opens a dataset that has no such; negative, with *found, where it has, or NULL where it is
+ * damaged. *chunk: the numbers of a chunk, 1 where it has none. */
+hid_t hdf5_open_own(const char **found, double *chunk, hid_t root, const char *name);
+ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error);
 /* EHD_DATA where there is such; `path` is that of the file, for the message. */
 ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error);
 
@@ -126,6 +139,25 @@ ehd_status check_unpacking(const artefact *file, ehd_error *error);
 /* EHD_MEMORY where so many entries of a field take more than is free. */
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
                         ehd_error *error);
+
+// ---- digest.c
+
+typedef struct content_digest content_digest;
+/* SHA-256 of a dataset, from its entries in their order; NULL: no memory. Freed by digest_end. */
+content_digest *digest_begin(const artefact *file, const artefact_field *field);
+void digest_add(content_digest *self, size_t first, size_t count, const void *numbers);
+void digest_end(content_digest *self, char text[65]);
+/* EHD_DATA where the digest, or that of all numbers of a field, is not the file's. */
+ehd_status check_digest(const artefact *file, const char *name, const char *digest,
+                        ehd_error *error);
+ehd_status check_content(const artefact *file, const artefact_field *field, const void *numbers,
+                         ehd_error *error);
+/* Takes the digests of a file that is read, and checks attributes and which datasets there are. */
+ehd_status learn_digests(artefact *file, ehd_error *error);
+/* Writes those of a file that is about to get its final name. */
+ehd_status put_digests(artefact *file, ehd_error *error);
+/* What of a file's digest is known where it is an input; NULL: it is no artefact. */
+const char *digest_outcome(hid_t file);
 
 // ---- provenance.c
 
@@ -222,6 +254,12 @@ ehd_status check_readable(const char *path, ehd_error *error);
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
 /* The name in the schema of the axis whose scale has no bound; NULL: none. */
 const char *find_growing(const artefact *file);
+/* An axis as a field along itself. */
+artefact_field field_of_axis(const artefact_axis *axis);
+/* Reads all of a field in slices, and checks its numbers. */
+ehd_status read_field(artefact *file, const artefact_field *field,
+                      char digest[65], // NULL: not wanted
+                      ehd_error *error);
 /* Reads every dataset that the schema knows, so that every checksum is verified. Of a file being
  * written (`partial`) not what may be torn, and with a growing axis only the axes and what is on that
  * one, because the rest is overwritten in place. */
