@@ -26,6 +26,8 @@ void artefact_delete(artefact *file) {
     if (file->lock >= 0) close(file->lock);
     free(file->held);
     free(file->outcomes);
+    free(file->checked);
+    free(file->digests);
     free(file->lengths);
     free(file->history_line);
     free(file->partial);

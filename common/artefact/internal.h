@@ -14,6 +14,8 @@ struct artefact {
     char *path;         // the final name
     char *partial;      // the name while it is written; NULL when reading
     char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
+    char *digests;      // content_sha256 of a file being read; NULL: not to be checked
+    bool *checked;      // [number of the schema's fields] read by parts, and their digest checked
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
     const char *outcome_axis;
     size_t *lengths;     // [number of the schema's axes], 0: not known (yet)
@@ -117,6 +119,25 @@ ehd_status check_unpacking(const artefact *file, ehd_error *error);
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
                         ehd_error *error);
 
+// ---- digest.c
+
+typedef struct content_digest content_digest;
+/* SHA-256 of a dataset, from its entries in their order; NULL: no memory. Freed by digest_end. */
+content_digest *digest_begin(const artefact *file, const artefact_field *field);
+void digest_add(content_digest *self, size_t first, size_t count, const void *numbers);
+void digest_end(content_digest *self, char text[65]);
+/* EHD_DATA where the digest, or that of all numbers of a field, is not the file's. */
+ehd_status check_digest(const artefact *file, const char *name, const char *digest,
+                        ehd_error *error);
+ehd_status check_content(const artefact *file, const artefact_field *field, const void *numbers,
+                         ehd_error *error);
+/* Takes the digests of a file that is read, and checks attributes and which datasets there are. */
+ehd_status learn_digests(artefact *file, ehd_error *error);
+/* Writes those of a file that is about to get its final name. */
+ehd_status put_digests(artefact *file, ehd_error *error);
+/* What of a file's digest is known where it is an input; NULL: it is no artefact. */
+const char *digest_outcome(hid_t file);
+
 // ---- provenance.c
 
 /* SHA-256 of a file, 64 hexadecimal digits. EHD_NOINPUT, EHD_IO. */
@@ -192,6 +213,12 @@ ehd_status check_readable(const char *path, ehd_error *error);
 ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_error *error);
 /* The name in the schema of the axis whose scale has no bound; NULL: none. */
 const char *find_growing(const artefact *file);
+/* An axis as a field along itself. */
+artefact_field field_of_axis(const artefact_axis *axis);
+/* Reads all of a field in slices, and checks its numbers. */
+ehd_status read_field(artefact *file, const artefact_field *field,
+                      char digest[65], // NULL: not wanted
+                      ehd_error *error);
 /* Reads every dataset that the schema knows, so that every checksum is verified. Of a file being
  * written with a growing axis only the axes and what is on that one, because the rest is
  * overwritten in place. */

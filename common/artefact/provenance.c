@@ -166,6 +166,15 @@ static char *history_of_inputs(const char *const *inputs) {
     return all;
 }
 
+/* What is known of the content of an input, NULL when it is no artefact. */
+static const char *content_of(const char *path) {
+    const hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
+    if (file < 0) return NULL;
+    const char *outcome = digest_outcome(file);
+    H5Fclose(file);
+    return outcome;
+}
+
 // ---- into the file
 
 static bool put_inputs(hid_t root, const char *const *inputs, ehd_status *status,
@@ -179,6 +188,9 @@ static bool put_inputs(hid_t root, const char *const *inputs, ehd_status *status
         if (!hdf5_put_text(root, name, inputs[i])) return false;
         snprintf(name, sizeof name, "input_%d_sha256", i + 1);
         if (!hdf5_put_string(root, name, identity)) return false;
+        const char *content = content_of(inputs[i]);
+        snprintf(name, sizeof name, "input_%d_content", i + 1);
+        if (content && !hdf5_put_string(root, name, content)) return false;
     }
     return true;
 }

@@ -373,9 +373,14 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     size_t num_axes = 0;
     while (file->schema->axes[num_axes].name)
         num_axes++;
+    size_t num_fields = 0;
+    while (file->schema->fields[num_fields].name)
+        num_fields++;
     free(file->lengths);
     file->lengths = calloc(num_axes + 1, sizeof *file->lengths);
-    if (!file->lengths) {
+    free(file->checked);
+    file->checked = calloc(num_fields + 1, sizeof *file->checked);
+    if (!file->lengths || !file->checked) {
         return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
                         shown_name(file));
     }
@@ -384,6 +389,7 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     if (status == EHD_OK) status = check_fields(file, error);
     if (status == EHD_OK) status = check_unpacking(file, error);
     if (status == EHD_OK) status = learn_outcomes(file, error);
+    if (status == EHD_OK) status = learn_digests(file, error);
     return status;
 }
 
@@ -429,6 +435,86 @@ ehd_status artefact_open_unfinished(artefact **result, const char *path,
     return open_file(result, path, schemas, true, error);
 }
 
+// ---- all of a field
+
+/* Whether anything was written of an entry: its first chunk, where it has several. */
+static bool is_stored(artefact *file, const char *name, size_t entry) {
+    const hid_t dataset = open_dataset(file, name), properties = H5Dget_create_plist(dataset);
+    const hsize_t offset[H5S_MAX_RANK] = {entry};
+    haddr_t place = 0;
+    hsize_t size;
+    unsigned mask;
+
+    if (H5Pget_layout(properties) == H5D_CHUNKED &&
+        H5Dget_chunk_info_by_coord(dataset, offset, &mask, &place, &size) < 0)
+        place = 0;
+    hdf5_release(properties);
+    hdf5_release(dataset);
+    return place != HADDR_UNDEF;
+}
+
+/* Reads `count` entries of a field from `first` on into `numbers`, checks and hashes them. */
+static ehd_status read_slice(artefact *file, const artefact_field *field, size_t first,
+                             size_t count, void *numbers, content_digest *digest,
+                             ehd_error *error) {
+    if (field->by_entry && count == 1 && !is_stored(file, field->name, first)) return EHD_OK;
+    ehd_status status =
+        transfer(file, field->name, field->type, first, count, numbers, NULL, error);
+    if (!status) status = check_values(file, field, first, count, numbers, error);
+    if (!status && digest) digest_add(digest, first, count, numbers);
+    return status;
+}
+
+/* Entries that are read at once: so many that a large field needs little memory. */
+static size_t slice_of(const artefact *file, const artefact_field *field) {
+    enum { SLICE_NUMBERS = 1 << 20 };
+    const size_t length = num_entries(file, field), entry = entry_size(file, field);
+    const size_t slice = entry < SLICE_NUMBERS ? SLICE_NUMBERS / entry : 1;
+
+    if (field->by_entry) return 1;
+    return slice > length || values_have_order(field->values) ? length : slice;
+}
+
+ehd_status read_field(artefact *file, const artefact_field *field, char digest[65],
+                      ehd_error *error) {
+    const size_t length = num_entries(file, field), slice = slice_of(file, field);
+    ehd_status status = check_memory(file, field, slice, error);
+    if (status) return status;
+
+    void *numbers = array_new(slice, entry_size(file, field), sizeof(double));
+    content_digest *hash = digest ? digest_begin(file, field) : NULL;
+    if (!numbers || (digest && !hash))
+        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
+                          shown_name(file), field->name);
+    for (size_t first = 0; first < length && !status; first += slice)
+        status = read_slice(file, field, first, length - first < slice ? length - first : slice,
+                            numbers, hash, error);
+    if (hash) digest_end(hash, digest);
+    free(numbers);
+    return status;
+}
+
+artefact_field field_of_axis(const artefact_axis *axis) {
+    return (artefact_field){.name = axis->name, .type = ARTEFACT_REAL, .axes = {axis->name}};
+}
+
+/* Reads a field that the file has, and compares it with the file's digest. */
+static ehd_status verify_field(artefact *file, const artefact_field *field, ehd_error *error) {
+    char digest[65];
+    if (!file->digests) return read_field(file, field, NULL, error);
+    const ehd_status status = read_field(file, field, digest, error);
+    return status ? status : check_digest(file, field->name, digest, error);
+}
+
+/* The same of a field that is read by parts, before the first of them. */
+static ehd_status verify_once(artefact *file, const artefact_field *field, ehd_error *error) {
+    const size_t index = (size_t)(field - file->schema->fields);
+
+    if (!file->digests || file->checked[index]) return EHD_OK;
+    file->checked[index] = true;
+    return verify_field(file, field, error);
+}
+
 // ---- content
 
 static ehd_status get(artefact *file, const char *name, artefact_type type, size_t first,
@@ -443,10 +529,12 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
         return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file),
                         name, field->long_name);
     }
-    const size_t entries = count == WHOLE_FIELD ? num_entries(file, field) : count;
+    const size_t all = num_entries(file, field), entries = count == WHOLE_FIELD ? all : count;
     ehd_status status = check_memory(file, field, entries, error);
+    if (status == EHD_OK && entries < all) status = verify_once(file, field, error);
     if (status == EHD_OK) status = transfer(file, name, type, first, entries, data, NULL, error);
-    return status != EHD_OK ? status : check_values(file, field, first, entries, data, error);
+    if (status == EHD_OK) status = check_values(file, field, first, entries, data, error);
+    return status != EHD_OK || entries < all ? status : check_content(file, field, data, error);
 }
 
 ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error) {
@@ -486,7 +574,11 @@ ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, e
                         shown_name(file), axis);
     }
     // the axis of a file that is being written may have grown since
-    return transfer(file, axis, ARTEFACT_REAL, 0, artefact_length(file, axis), values, NULL, error);
+    const ehd_status status =
+        transfer(file, axis, ARTEFACT_REAL, 0, artefact_length(file, axis), values, NULL, error);
+    const artefact_axis named = {.name = axis};
+    const artefact_field scale = field_of_axis(&named);
+    return status != EHD_OK ? status : check_content(file, &scale, values, error);
 }
 
 static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t wanted, void *value,
@@ -542,67 +634,16 @@ void artefact_visit_attributes(const artefact *file, void (*visit)(const char *n
 
 // ---- check
 
-/* Whether anything was written of an entry: its first chunk, where it has several. */
-static bool is_stored(artefact *file, const char *name, size_t entry) {
-    const hid_t dataset = open_dataset(file, name), properties = H5Dget_create_plist(dataset);
-    const hsize_t offset[H5S_MAX_RANK] = {entry};
-    haddr_t place = 0;
-    hsize_t size;
-    unsigned mask;
-
-    if (H5Pget_layout(properties) == H5D_CHUNKED &&
-        H5Dget_chunk_info_by_coord(dataset, offset, &mask, &place, &size) < 0)
-        place = 0;
-    hdf5_release(properties);
-    hdf5_release(dataset);
-    return place != HADDR_UNDEF;
-}
-
-/* Reads `count` entries of a field from `first` on into `numbers`, and checks them. */
-static ehd_status read_slice(artefact *file, const artefact_field *field, size_t first,
-                             size_t count, void *numbers, ehd_error *error) {
-    if (field->by_entry && count == 1 && !is_stored(file, field->name, first)) return EHD_OK;
-    ehd_status status =
-        transfer(file, field->name, field->type, first, count, numbers, NULL, error);
-    return status ? status : check_values(file, field, first, count, numbers, error);
-}
-
-/* Reads a field in slices along its first axis, so that a large one needs little memory. */
-static ehd_status read_field(artefact *file, const artefact_field *field, ehd_error *error) {
-    enum { SLICE_NUMBERS = 1 << 20 };
-    const size_t length = num_entries(file, field), entry = entry_size(file, field);
-    size_t slice = entry < SLICE_NUMBERS ? SLICE_NUMBERS / entry : 1;
-
-    if (field->by_entry) slice = 1;
-    if (slice > length || values_have_order(field->values)) slice = length;
-    ehd_status status = check_memory(file, field, slice, error);
-    void *numbers = status ? NULL : array_new(slice, entry, sizeof(double));
-    if (!status && !numbers)
-        status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
-                          shown_name(file), field->name);
-    for (size_t first = 0; first < length && !status; first += slice)
-        status = read_slice(file, field, first, length - first < slice ? length - first : slice,
-                            numbers, error);
-    free(numbers);
-    return status;
-}
-
-/* Axes are read as fields along themselves. */
-static ehd_status read_axis(artefact *file, const artefact_axis *axis, ehd_error *error) {
-    const artefact_field scale = {.name = axis->name, .type = ARTEFACT_REAL, .axes = {axis->name}};
-
-    return read_field(file, &scale, error);
-}
-
 ehd_status read_everything(artefact *file, ehd_error *error) {
     ehd_status status = EHD_OK;
     for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK; axis++) {
-        if (hdf5_has_dataset(file->id, axis->name)) status = read_axis(file, axis, error);
+        const artefact_field scale = field_of_axis(axis);
+        if (hdf5_has_dataset(file->id, axis->name)) status = verify_field(file, &scale, error);
     }
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
         if (file->growing && !field_grows(file, field)) continue;
-        if (hdf5_has_dataset(file->id, field->name)) status = read_field(file, field, error);
+        if (hdf5_has_dataset(file->id, field->name)) status = verify_field(file, field, error);
     }
     return status;
 }

@@ -188,6 +188,7 @@ static ehd_status write_last(artefact *file, ehd_error *error) {
     if (status == EHD_OK) status = check_fields_written(file, error);
     if (status == EHD_OK) status = check_attributes_written(file, true, error);
     if (status == EHD_OK) status = add_resumed_history(file, error);
+    if (status == EHD_OK) status = put_digests(file, error);
     if (status == EHD_OK) status = artefact_flush(file, error);
     if (status != EHD_OK) return status;
 

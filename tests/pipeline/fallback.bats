@@ -100,6 +100,7 @@ PYTHON
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("m.h5", "r+") as f:
+    f.attrs.pop('content_sha256', None)
     f["needed_coupled_basis"][...] *= 100
 PYTHON
     run --separate-stderr romrun scene.yml --model m.h5
@@ -116,6 +117,7 @@ PYTHON
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("c.h5", "r+") as f:
+    f.attrs.pop('content_sha256', None)
     f["indicator_factor_minimum"][...] *= 1e9
 PYTHON
     fullrun scene.yml -o full.h5 --quiet

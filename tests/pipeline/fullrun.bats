@@ -490,8 +490,10 @@ PYTHON
     /usr/bin/python3 - <<'PYTHON'
 import h5py
 with h5py.File("newer.h5", "r+") as file:
+    file.attrs.pop('content_sha256', None)
     file.attrs["schema_version"] = "9.0"
 with h5py.File("unfinished.h5", "r+") as file:
+    file.attrs.pop('content_sha256', None)
     file.attrs["complete"] = 0
 PYTHON
     refused 65 "newer.h5: .*9" fullrun scene.yml -o r.h5 --start newer.h5

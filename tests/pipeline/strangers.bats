@@ -227,3 +227,99 @@ with h5py.File('T.h5', 'w') as f:
     podbuild bad.h5 -o x.h5 --weight row-norm --plan plan.yml --pressure-modes 8
     podbuild --check x.h5
 }
+
+# changed KIND PYTHON: the same as stranger, of a file that keeps its digest
+changed() {
+    cp "$1.h5" bad.h5
+    /usr/bin/python3 -c "
+import h5py, numpy
+with h5py.File('bad.h5', 'r+') as f:
+    $2"
+    refused 65 "bad.h5: $3: found a changed content, expected that of content_sha256" romrun --check bad.h5
+    case $1 in
+    s) refuse 65 "$3: found a changed content" podbuild bad.h5 -o x.h5 ;;
+    b) refuse 65 "$3: found a changed content" deimselect r.h5 --basis bad.h5 -o x.h5 ;;
+    r) refuse 65 "$3: found a changed content" deimselect bad.h5 --basis b.h5 -o x.h5 --no-check ;;
+    m) refuse 65 "$3: found a changed content" romrun scene.yml --model bad.h5 -o x.h5 ;;
+    full) refuse 65 "$3: found a changed content" fullrun scene.yml --start bad.h5 -o x.h5 ;;
+    moving) refuse 65 "$3: found a changed content" romrun moving.yml --model m.h5 --against bad.h5 -o x.h5 ;;
+    esac
+}
+
+@test "a change of content by accident is noticed" {
+    changed s "f['pressure'][4, 30] += 1e-9" pressure
+    changed s "f['moes_M'][4] += 1e-9" moes_M
+    changed b "f['pressure_basis'][3, 30] += 1e-9" pressure_basis
+    changed r "f['weighted_residual'][3, 30] += 1e-9" weighted_residual
+    changed m "f['load_jacobian'][3] += 1e-9" load_jacobian
+    changed m "f['state_exit_node'][3] += 1" state_exit_node
+    changed m "f.attrs['x_min'] = -4.1" attributes
+    changed m "f.attrs['stability'] = 1.0" attributes
+    changed m "del f['row_factor']" row_factor
+    changed full "f['pressure'][0, 30] += 1e-9" pressure
+    changed moving "f['central_film_thickness'][3] += 1e-9" central_film_thickness
+    changed moving "f['time'][3] += 1e-9" time
+    # what people add is not covered, and how a file is stored neither
+    cp m.h5 bad.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('bad.h5', 'r+') as f:
+    f['note'], f.attrs['note'], f['load_jacobian'].attrs['note'], f.attrs['history'] = 1, 2, 3, ''
+    d = f['pressure_basis'][...]; del f['pressure_basis']
+    f.create_dataset('pressure_basis', data=d, chunks=True, compression='gzip', dtype='>f8')"
+    romrun --check bad.h5
+    romrun scene.yml --model bad.h5 --allow-untrusted -o x.h5
+    content() { h5dump -a "$2" "$1" | grep '(0)'; }
+    [[ $(content x.h5 input_2_content) == *'"digest checked"' ]]
+    # a foreign writer may leave it out
+    patch m.h5 "f['load_jacobian'][3] += 1e-9"
+    romrun --check bad.h5
+    romrun scene.yml --model bad.h5 --allow-untrusted -o y.h5
+    [[ $(content y.h5 input_2_content) == *'"no digest"' ]]
+    # the switch
+    cp m.h5 bad.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('bad.h5', 'r+') as f: f['load_jacobian'][3] += 1e-9"
+    EHDROM_DIGEST=no romrun scene.yml --model bad.h5 --allow-untrusted -o z.h5
+    [[ $(content z.h5 input_2_content) == *'"digest not checked"' ]]
+    run h5dump -a content_sha256 z.h5
+    [ "$status" -ne 0 ]
+    romrun --check z.h5
+}
+
+@test "digests as schemas/README.md says, also of what was written piece by piece" {
+    cat >digest.py <<'PYTHON'
+import hashlib, sys, h5py, numpy
+def text(x): return x if isinstance(x, bytes) else x.encode()
+for name in sys.argv[1:]:
+    with h5py.File(name) as f:
+        lines = [l.split() for l in text(f.attrs["content_sha256"]).decode().splitlines()]
+        assert lines[0][1] == "attributes", lines[0]
+        for digest, n in lines[1:]:
+            d = f[n][...]
+            axis = f[n].attrs.get("CLASS") == b"DIMENSION_SCALE"
+            kind = "real" if axis or d.dtype.kind == "f" else "integer"
+            d = d.astype("<f8" if kind == "real" else "<i8")
+            h = hashlib.sha256((" ".join([n, kind] + [str(l) for l in d.shape]) + "\n").encode())
+            if n in ("pressure", "film_thickness") and f.attrs["schema_name"] in ("ehdrom-result", b"ehdrom-result"):
+                for i, e in enumerate(d):
+                    if not numpy.isnan(e).all(): h.update(b"%d\n" % i + e.tobytes())
+            else:
+                h.update(d.tobytes())
+            assert h.hexdigest() == digest, (name, n)
+PYTHON
+    fullrun moving.yml -o every.h5 --quiet --set output.fields_every=3
+    # shards that are merged, and a run that is killed and resumed
+    snapgen plan.yml -o one.h5 --shard 1/2 --quiet
+    snapgen plan.yml -o two.h5 --shard 2/2 --quiet
+    podbuild one.h5 two.h5 -o x.h5
+    stop_when KILL 'states >= 3' t.h5 snapgen plan.yml -o t.h5 --jobs 1
+    if [ -e t.h5.partial ]; then
+        run h5dump -a content_sha256 t.h5.partial
+        [ "$status" -ne 0 ]
+        snapgen plan.yml -o t.h5 --resume --quiet
+    fi
+    /usr/bin/python3 digest.py s.h5 b.h5 r.h5 m.h5 full.h5 moving.h5 every.h5 one.h5 two.h5 x.h5 t.h5
+    for file in every one two x t; do fullrun --check $file.h5; done
+}

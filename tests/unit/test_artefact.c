@@ -550,6 +550,7 @@ static hid_t open_for_change(void) {
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, access);
     H5Pclose(access);
     assert_true(file >= 0);
+    assert_true(H5Adelete(file, "content_sha256") >= 0);
     return file;
 }
 

@@ -362,6 +362,7 @@ static void patch_time(size_t index, double value) {
     hid_t set = H5Dopen2(file, "time", H5P_DEFAULT), space = H5Dget_space(set);
     hid_t memory = H5Screate_simple(1, count, NULL);
 
+    if (H5Aexists(file, "content_sha256") > 0) H5Adelete(file, "content_sha256");
     H5Sselect_hyperslab(space, H5S_SELECT_SET, first, NULL, count, NULL);
     assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, &value) >= 0);
     H5Sclose(memory);
