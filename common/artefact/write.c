@@ -266,10 +266,11 @@ static ehd_status put(artefact *file, const char *name, artefact_type type, size
     }
     ehd_status status = EHD_OK;
     if (!field_exists(file, field)) {
-        if (file->streaming) {
-            status = ehd_fail(error, EHD_INTERNAL, "%s: found field %s, expected a declared one",
-                              file->path, name);
-            return hdf5_blame(status, file->path, error);
+        if (file->streaming) { // of a resumed file, whoever wrote it has not
+            status =
+                ehd_fail(error, file->history_line ? EHD_DATA : EHD_INTERNAL,
+                         "%s: found no field %s, expected a declared one", file->partial, name);
+            return hdf5_blame(status, file->partial, error);
         }
         status = declare(file, field, LAYOUT_PLAIN, error);
     }

@@ -3,7 +3,7 @@
 # Lines of each room that the corpus of a target and what fuzzing found run, in per cent, on one line.
 #
 #     tests/fuzz/coverage.sh TARGET
-set -eu
+set -eu -o pipefail
 
 target=$1
 cd "$(dirname "$0")/../.."

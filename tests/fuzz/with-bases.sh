@@ -57,9 +57,9 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     # as another program may write them, which also takes less time to read: nothing but values
     /usr/bin/python3 - <<'PYTHON'
 import glob, h5py
-OWN = ("history", "creator", "title", "Conventions", "complete", "input_", "basis_sha256")
+OWN = ("history", "creator", "title", "Conventions", "complete", "input_", "basis_sha256", "content_sha256")
 for path in glob.glob("[sbrmf]-*.h5"):
-    with h5py.File(path) as own, h5py.File("x" + path, "w", libver="latest") as foreign:
+    with h5py.File(path) as own, h5py.File("x" + path, "w") as foreign:
         for name, value in own.attrs.items():
             if not name.startswith(OWN):
                 foreign.attrs[name] = value
