@@ -25,6 +25,7 @@ void artefact_delete(artefact *file) {
     if (file->id >= 0) H5Fclose(file->id);
     if (file->lock >= 0) close(file->lock);
     free(file->held);
+    free(file->shapes);
     free(file->outcomes);
     free(file->checked);
     free(file->digests);

@@ -8,6 +8,14 @@
 
 #include <hdf5.h>
 
+/* A dataset as it was found when a file was opened. */
+typedef struct dataset_shape {
+    bool there;
+    int rank;
+    hsize_t dims[ARTEFACT_MAX_RANK]; // as far as they fit
+    double chunk;                    // numbers of a chunk
+} dataset_shape;
+
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
@@ -18,12 +26,13 @@ struct artefact {
     bool *checked;      // [number of the schema's fields] read by parts, and their digest checked
     int64_t *outcomes;  // `status` of the entries of outcome_axis; NULL: none
     const char *outcome_axis;
-    size_t *lengths;     // [number of the schema's axes], 0: not known (yet)
-    const char *growing; // name of the axis that grows while writing; NULL: none
-    hid_t *held;         // [number of the schema's fields + 1], the last for the growing axis:
-                         // what is on it, kept open while streaming; 0: not open
-    int lock;            // descriptor that holds the writer's lock; -1 when reading
-    bool force;          // an existing final file may be replaced
+    dataset_shape *shapes; // [axes of the schema, then its fields], as examined
+    size_t *lengths;       // [number of the schema's axes], 0: not known (yet)
+    const char *growing;   // name of the axis that grows while writing; NULL: none
+    hid_t *held;           // [number of the schema's fields + 1], the last for the growing axis:
+                           // what is on it, kept open while streaming; 0: not open
+    int lock;              // descriptor that holds the writer's lock; -1 when reading
+    bool force;            // an existing final file may be replaced
     bool streaming;
     bool keep;   // the partial file is of use to --resume
     bool copied; // by artefact_copy, of a file that may lack what only our programs write
@@ -88,8 +97,10 @@ void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *d
  * files, a filter beside gzip, shuffle and Fletcher-32. NULL: nothing. To be asked before anything
  * else of the dataset. `name` may lead through groups. */
 const char *hdf5_find_foreign(hid_t root, const char *name);
-/* Numbers of a chunk, 1 where a dataset has none. */
-double hdf5_chunk_numbers(hid_t root, const char *name);
+/* Opens a dataset that has no such; negative, with *found, where it has, or NULL where it is
+ * damaged. *chunk: the numbers of a chunk, 1 where it has none. */
+hid_t hdf5_open_own(const char **found, double *chunk, hid_t root, const char *name);
+ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error);
 /* EHD_DATA where there is such; `path` is that of the file, for the message. */
 ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error);
 

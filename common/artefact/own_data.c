@@ -54,57 +54,61 @@ static bool has_other_filter(hid_t properties) {
     return count < 0;
 }
 
-static const char *other_layout(hid_t dataset) {
+/* The same of how a dataset is stored; *chunk: the numbers of a chunk, 1 where it has none. */
+static const char *other_layout(double *chunk, hid_t dataset) {
     const hid_t properties = H5Dget_create_plist(dataset);
     const H5D_layout_t layout = H5Pget_layout(properties);
     const char *found = NULL;
+    hsize_t sizes[H5S_MAX_RANK];
 
+    *chunk = 1;
     if (layout == H5D_VIRTUAL)
         found = "a virtual dataset";
     else if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
         found = "another layout";
-    else if (H5Pget_external_count(properties) != 0)
+    else if (layout == H5D_CONTIGUOUS && H5Pget_external_count(properties) != 0)
         found = "data in another file";
     else if (has_other_filter(properties))
         found = "a filter beside gzip, shuffle and Fletcher-32";
+    else if (layout == H5D_CHUNKED)
+        for (int i = H5Pget_chunk(properties, H5S_MAX_RANK, sizes); i > 0; i--)
+            *chunk *= (double)sizes[i - 1];
     hdf5_release(properties);
     return found;
+}
+
+hid_t hdf5_open_own(const char **found, double *chunk, hid_t root, const char *name) {
+    H5O_info_t info;
+
+    *found = other_step(root, name);
+    if (*found) return -1;
+    const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
+    if (dataset >= 0) {
+        *found = other_layout(chunk, dataset);
+        if (!*found) return dataset;
+        hdf5_release(dataset);
+    } else if (H5Oget_info_by_name2(root, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) >= 0 &&
+               info.type != H5O_TYPE_DATASET) {
+        *found = "no dataset";
+    }
+    return -1;
 }
 
 const char *hdf5_find_foreign(hid_t root, const char *name) {
-    const char *found = other_step(root, name);
-    H5O_info_t info;
+    const char *found;
+    double chunk;
 
-    if (found) return found;
-    if (H5Oget_info_by_name2(root, name, &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0) return NULL;
-    if (info.type != H5O_TYPE_DATASET) return "no dataset";
-    const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
-    if (dataset < 0) return NULL; // damaged, as reading it tells
-    found = other_layout(dataset);
-    hdf5_release(dataset);
+    hdf5_release(hdf5_open_own(&found, &chunk, root, name));
     return found;
 }
 
-double hdf5_chunk_numbers(hid_t root, const char *name) {
-    const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
-    const hid_t properties = H5Dget_create_plist(dataset);
-    hsize_t sizes[H5S_MAX_RANK];
-    double numbers = 1;
-
-    const int rank = H5Pget_layout(properties) == H5D_CHUNKED
-                         ? H5Pget_chunk(properties, H5S_MAX_RANK, sizes)
-                         : 0;
-    for (int i = 0; i < rank; i++)
-        numbers *= (double)sizes[i];
-    hdf5_release(properties);
-    hdf5_release(dataset);
-    return numbers;
+ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error) {
+    return ehd_fail(error, EHD_DATA, "%s: %s: found %s, expected a dataset of the file itself",
+                    path, name, found);
 }
 
 ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error) {
     const char *found = hdf5_find_foreign(root, name);
 
-    if (!found) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: %s: found %s, expected a dataset of the file itself",
-                    path, name, found);
+    return found ? hdf5_refuse(path, name, found, error) : EHD_OK;
 }

@@ -181,20 +181,15 @@ static ehd_status check_length(artefact *file, const char *object, const char *a
     return EHD_OK;
 }
 
-static ehd_status check_shape(artefact *file, hid_t dataset, const char *name,
+static ehd_status check_shape(artefact *file, const dataset_shape *shape, const char *name,
                               const char *const *axes, size_t rank, ehd_error *error) {
-    hid_t space = H5Dget_space(dataset);
-    int found = H5Sget_simple_extent_ndims(space);
-    hsize_t dims[H5S_MAX_RANK] = {0};
-    H5Sget_simple_extent_dims(space, dims, NULL);
-    hdf5_release(space);
-    if (found != (int)rank) {
+    if (shape->rank != (int)rank) {
         return ehd_fail(error, EHD_DATA, "%s: %s: found %d axes, expected %zu", shown_name(file),
-                        name, found, rank);
+                        name, shape->rank, rank);
     }
     ehd_status status = EHD_OK;
     for (size_t i = 0; i < rank && status == EHD_OK; i++) {
-        status = check_length(file, name, axes[i], (size_t)dims[i], error);
+        status = check_length(file, name, axes[i], (size_t)shape->dims[i], error);
     }
     return status;
 }
@@ -267,86 +262,101 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     return status;
 }
 
-static ehd_status check_dataset(artefact *file, const char *name, artefact_type type,
-                                const char *const *axes, size_t rank, ehd_error *error) {
-    hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
+/* Opens a dataset, if there is one, and looks whether it is the file's own and of the right type. */
+static ehd_status look_at(dataset_shape *shape, const artefact *file, const char *name,
+                          artefact_type type, ehd_error *error) {
+    hsize_t dims[H5S_MAX_RANK] = {0};
+    const char *found = NULL;
+
+    *shape = (dataset_shape){.there = hdf5_has_dataset(file->id, name)};
+    if (!shape->there) return EHD_OK;
+    const hid_t dataset = hdf5_open_own(&found, &shape->chunk, file->id, name);
+    if (found) return hdf5_refuse(shown_name(file), name, found, error);
     if (dataset < 0) return hdf5_read_failed(file, name, error);
+    const hid_t space = H5Dget_space(dataset);
+    shape->rank = H5Sget_simple_extent_dims(space, dims, NULL);
+    memcpy(shape->dims, dims, sizeof shape->dims);
     ehd_status status = EHD_OK;
-    if (!type_fits(dataset, type)) {
+    if (!type_fits(dataset, type))
         status =
             ehd_fail(error, EHD_DATA, "%s: %s: found values of another type, expected %ss",
                      shown_name(file), name, type == ARTEFACT_REAL ? "real number" : "integer");
-    }
-    if (status == EHD_OK) status = check_shape(file, dataset, name, axes, rank, error);
+    hdf5_release(space);
     hdf5_release(dataset);
     return status;
 }
 
+static ehd_status look_at_all(artefact *file, ehd_error *error) {
+    dataset_shape *shape = file->shapes;
+    ehd_status status = EHD_OK;
+
+    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++)
+        status = look_at(shape++, file, axis->name, ARTEFACT_REAL, error);
+    for (const artefact_field *field = file->schema->fields; field->name && !status; field++)
+        status = look_at(shape++, file, field->name, field->type, error);
+    return status;
+}
+
 /* Length of a dataset along one of its axes where it has `rank` of them, else 0. */
-static size_t length_along(const artefact *file, const char *name, size_t rank, size_t axis) {
-    if (!hdf5_has_dataset(file->id, name)) return 0;
-    hsize_t dims[H5S_MAX_RANK] = {0};
-    hid_t dataset = H5Dopen2(file->id, name, H5P_DEFAULT);
-    hid_t space = H5Dget_space(dataset);
-    int found = H5Sget_simple_extent_dims(space, dims, NULL);
-    hdf5_release(space);
-    hdf5_release(dataset);
-    return found == (int)rank ? (size_t)dims[axis] : 0;
+static size_t length_along(const dataset_shape *shape, size_t rank, size_t axis) {
+    return shape->there && shape->rank == (int)rank ? (size_t)shape->dims[axis] : 0;
 }
 
 /* Which optional axes the file has, and their lengths: those with a scale or, because a foreign
  * file need not have scales, with a field that has all of its axes. */
 static void learn_optional_axes(artefact *file) {
-    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
+    const dataset_shape *of_axis = file->shapes, *of_fields = file->shapes;
+
+    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++)
+        of_fields++;
+    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++, of_axis++) {
         if (!axis->optional) continue;
         size_t *length = find_length(file, axis->name);
-        *length = length_along(file, axis->name, 1, 0);
+        const dataset_shape *shape = of_fields;
+        *length = length_along(of_axis, 1, 0);
         for (const artefact_field *field = file->schema->fields; field->name && *length == 0;
-             field++) {
+             field++, shape++) {
             size_t rank = 0, place = ARTEFACT_MAX_RANK;
             for (; rank < ARTEFACT_MAX_RANK && field->axes[rank]; rank++)
                 if (strcmp(field->axes[rank], axis->name) == 0) place = rank;
-            if (place < rank) *length = length_along(file, field->name, rank, place);
+            if (place < rank) *length = length_along(shape, rank, place);
         }
     }
 }
 
-/* Comes before all that opens a dataset. */
-static ehd_status check_all_own(const artefact *file, ehd_error *error) {
-    ehd_status status = EHD_OK;
-    for (const artefact_axis *axis = file->schema->axes; axis->name && !status; axis++)
-        if (hdf5_has_dataset(file->id, axis->name))
-            status = hdf5_check_own(file->id, shown_name(file), axis->name, error);
-    for (const artefact_field *field = file->schema->fields; field->name && !status; field++)
-        if (hdf5_has_dataset(file->id, field->name))
-            status = hdf5_check_own(file->id, shown_name(file), field->name, error);
-    return status;
+/* One field, that the file need not have. */
+static ehd_status check_field(artefact *file, const artefact_field *field,
+                              const dataset_shape *shape, ehd_error *error) {
+    const char *axes[ARTEFACT_MAX_RANK];
+
+    if (!shape->there) {
+        if (field->need != NEED_ALWAYS) return EHD_OK;
+        return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file),
+                        field->name, field->long_name);
+    }
+    const size_t rank = artefact_axes(axes, file, field);
+    if (rank == 0)
+        return ehd_fail(error, EHD_DATA, "%s: %s: found no axis %s, expected it", shown_name(file),
+                        field->name, field->axes[0]);
+    return check_shape(file, shape, field->name, axes, rank, error);
 }
 
 static ehd_status check_fields(artefact *file, ehd_error *error) {
-    learn_optional_axes(file);
-    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++) {
-        if (!hdf5_has_dataset(file->id, axis->name)) continue;
+    const dataset_shape *shape = file->shapes;
+    ehd_status status = look_at_all(file, error);
+
+    if (status == EHD_OK) learn_optional_axes(file);
+    for (const artefact_axis *axis = file->schema->axes; axis->name && status == EHD_OK;
+         axis++, shape++) {
         const char *own[] = {axis->name};
-        ehd_status status = check_dataset(file, axis->name, ARTEFACT_REAL, own, 1, error);
+        if (!shape->there) continue;
+        status = check_shape(file, shape, axis->name, own, 1, error);
         if (status == EHD_OK) status = check_scale(file, axis->name, error);
-        if (status != EHD_OK) return status;
     }
-    for (const artefact_field *field = file->schema->fields; field->name; field++) {
-        if (!hdf5_has_dataset(file->id, field->name)) {
-            if (field->need != NEED_ALWAYS) continue;
-            return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s",
-                            shown_name(file), field->name, field->long_name);
-        }
-        const char *axes[ARTEFACT_MAX_RANK];
-        const size_t rank = artefact_axes(axes, file, field);
-        if (rank == 0)
-            return ehd_fail(error, EHD_DATA, "%s: %s: found no axis %s, expected it",
-                            shown_name(file), field->name, field->axes[0]);
-        ehd_status status = check_dataset(file, field->name, field->type, axes, rank, error);
-        if (status != EHD_OK) return status;
-    }
-    return EHD_OK;
+    for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
+         field++, shape++)
+        status = check_field(file, field, shape, error);
+    return status;
 }
 
 const char *find_growing(const artefact *file) {
@@ -380,12 +390,13 @@ ehd_status examine(artefact *file, const artefact_schema *const *schemas, ehd_er
     file->lengths = calloc(num_axes + 1, sizeof *file->lengths);
     free(file->checked);
     file->checked = calloc(num_fields + 1, sizeof *file->checked);
-    if (!file->lengths || !file->checked) {
+    free(file->shapes);
+    file->shapes = calloc(num_axes + num_fields + 1, sizeof *file->shapes);
+    if (!file->lengths || !file->checked || !file->shapes) {
         return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
                         shown_name(file));
     }
     status = check_attributes(file, error);
-    if (status == EHD_OK) status = check_all_own(file, error);
     if (status == EHD_OK) status = check_fields(file, error);
     if (status == EHD_OK) status = check_unpacking(file, error);
     if (status == EHD_OK) status = learn_outcomes(file, error);
