@@ -13,7 +13,7 @@
 
 static ehd_status check_readable(const char *path, ehd_error *error) {
     struct stat found;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe would wait
     if (descriptor < 0) {
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));

@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Entries of a dataset of numbers along one axis; negative for any other. */
@@ -68,7 +69,8 @@ static ehd_status read_column(table_column *column, size_t *count, hid_t file, c
 }
 
 static ehd_status open_table(hid_t *file, const char *path, ehd_error *error) {
-    if (access(path, R_OK) != 0)
+    struct stat about;
+    if (access(path, R_OK) != 0 || stat(path, &about) != 0 || !S_ISREG(about.st_mode))
         return ehd_fail(error, EHD_NOINPUT, "%s: found no readable file, expected an HDF5 file",
                         path);
     *file = hdf5_open(path, H5F_ACC_RDONLY, false);

@@ -8,6 +8,7 @@
 #include "common/program/text.h"
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 /* What an option's argument becomes. */
 typedef enum option_type {
@@ -113,8 +114,16 @@ bool program_interrupted(void);
  * infinite where neither is known. */
 double program_memory(void);
 
+/* Has OpenBLAS take the work space of so many threads, since it asks for ever where that is refused.
+ * Returns for how many there is memory. */
+size_t program_take_buffers(size_t num_threads);
+
 /* Monotonic seconds. */
 double program_seconds(void);
+
+/* Opens a regular file to read; anything else might never answer. NULL with errno: EISDIR for a folder,
+ * ENOTSUP for what else is no file. */
+FILE *program_open(const char *path);
 
 /* Version, git revision, compiler, flags and library versions of this build, one line. */
 const char *program_build(void);
