@@ -14,6 +14,7 @@
 #include "common/program/program.h"
 
 #include <cblas.h>
+#include <errno.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -385,9 +386,14 @@ ehd_status full_solve_gmres(full_system *system, double tolerance, size_t *itera
     hessenberg h;
 
     const bool kept = system->keeps_factors && factors_serve(&work->factors);
-    if (!kept && !renew_factors(system)) {
-        umfpack_di_free_numeric(&work->factors.numeric);
-        return ehd_fail(error, EHD_NOT_CONVERGED, "near-field Jacobian: found it singular");
+    if (!kept) {
+        // where memory is refused UMFPACK may do with less, in another order, of other rounding errors
+        errno = 0;
+        const bool renewed = renew_factors(system), refused = errno == ENOMEM;
+        if (!renewed || refused) umfpack_di_free_numeric(&work->factors.numeric);
+        if (refused) return ehd_fail(error, EHD_MEMORY, "near-field Jacobian: found no memory");
+        if (!renewed)
+            return ehd_fail(error, EHD_NOT_CONVERGED, "near-field Jacobian: found it singular");
     }
 
     // right preconditioning, so that the monitored residual is the true one

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* An attribute has to fit into one message of an object header, which is 64 kB with its own name.
  */
@@ -131,6 +132,8 @@ static void switch_on(hid_t access, const char *name) {
 enum { READ_ATTEMPTS = 25 };
 
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
+    struct stat about;
+    if (stat(path, &about) == 0 && !S_ISREG(about.st_mode)) return -1; // a pipe would wait
     hid_t access = access_properties();
     if (flags & H5F_ACC_RDWR) write_through(access);
     if (flags & H5F_ACC_SWMR_READ) H5Pset_metadata_read_attempts(access, READ_ATTEMPTS);

@@ -10,7 +10,10 @@
 
 ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
     identity[0] = '\0';
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = program_open(path);
+    if (!stream && errno == ENOMEM) {
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
+    }
     if (!stream) {
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));

@@ -4,16 +4,20 @@
 #include <argp.h>
 #include <cblas.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <fftw3.h>
 #include <gsl/gsl_version.h>
 #include <locale.h>
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -39,6 +43,21 @@ const char *program_build(void) {
                  " (" EHD_FLAGS "), %s, GSL %s, %s",
                  openblas_get_config(), gsl_version, fftw_version);
     return build;
+}
+
+FILE *program_open(const char *path) {
+    const int file =
+        open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe would wait for a writer
+    struct stat about;
+
+    if (file < 0) return NULL;
+    const bool known = fstat(file, &about) == 0;
+    if (known && !S_ISREG(about.st_mode)) errno = S_ISDIR(about.st_mode) ? EISDIR : ENOTSUP;
+    FILE *stream = known && S_ISREG(about.st_mode) ? fdopen(file, "rb") : NULL;
+    const int reason = errno;
+    if (!stream) close(file);
+    errno = reason;
+    return stream;
 }
 
 double program_seconds(void) {
@@ -90,8 +109,91 @@ ehd_status program_check_memory(const char *object, const char *part, size_t cou
                     object, part, count, things, bytes / megabyte, with, there / megabyte);
 }
 
+/* What OpenBLAS takes at once for each thread that is in it, on x86-64 (0.3.21, strace). */
+static const size_t BLAS_BUFFER = (size_t)32 << 22;
+
+// of OpenBLAS: one such buffer, kept for later calls when it is given back
+void *blas_memory_alloc(int unused);
+void blas_memory_free(void *buffer);
+
+/* Whether this much can be had now. */
+static bool has_room(size_t bytes) {
+    void *room = mmap(NULL, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (room == MAP_FAILED) return false;
+    munmap(room, bytes);
+    return true;
+}
+
+size_t program_take_buffers(size_t num_threads) {
+    void **buffers = malloc((num_threads + 1) * sizeof *buffers);
+    pthread_attr_t attributes;
+    size_t stack = 0, count = 0;
+
+    if (!buffers) return 0;
+    if (pthread_attr_init(&attributes) == 0) {
+        pthread_attr_getstacksize(&attributes, &stack);
+        pthread_attr_destroy(&attributes);
+    }
+    // room for the stacks of all threads so far too, which come afterwards
+    while (count < num_threads && has_room(BLAS_BUFFER + (count + 1) * stack))
+        buffers[count++] = blas_memory_alloc(0);
+    for (size_t i = 0; i < count; i++)
+        blas_memory_free(buffers[i]);
+    free(buffers);
+    return count;
+}
+
 bool program_interrupted(void) {
     return interrupted != 0;
+}
+
+// ---- libraries that end the process
+
+static const char *name_of_program; // NULL: not a program of ours
+
+static void say_no_memory(void) {
+    static const char text[] = ": found too little memory, expected more\n";
+    if (write(STDERR_FILENO, name_of_program, strlen(name_of_program)) < 0 ||
+        write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        return;
+}
+
+/* HDF5 may crash where memory is refused. What else crashes is left to crash, by the
+ * default action, which SA_RESETHAND brings back. */
+static void on_crash(int number) {
+    (void)number;
+    if (errno != ENOMEM) return;
+    say_no_memory();
+    _exit(EHD_MEMORY);
+}
+
+/* HDF5 may call exit(-1) where memory is refused. */
+static void on_foreign_exit(int code, void *unused) {
+    (void)unused;
+    if (code != -1) return;
+    say_no_memory();
+    _exit(EHD_MEMORY);
+}
+
+/* What FFTW calls where memory is refused; its own prints a line and aborts. */
+void fftw_assertion_failed(const char *text, int line, const char *file);
+void fftw_assertion_failed(const char *text, int line, const char *file) {
+    (void)text, (void)line, (void)file;
+    if (!name_of_program) abort();
+    say_no_memory();
+    _exit(EHD_MEMORY);
+}
+
+static void set_last_resort(void) {
+    on_exit(on_foreign_exit, NULL);
+#ifndef __SANITIZE_ADDRESS__ // which has its own
+    struct sigaction crash = {.sa_handler = on_crash, .sa_flags = (int)SA_RESETHAND};
+    sigemptyset(&crash.sa_mask);
+    sigaction(SIGABRT, &crash, NULL);
+    sigaction(SIGSEGV, &crash, NULL);
+    sigaction(SIGBUS, &crash, NULL);
+    sigaction(SIGFPE, &crash, NULL);
+#endif
 }
 
 static void set_signals(void) {
@@ -419,11 +521,16 @@ void program_start(program *self, int argc, char **argv, const program_options *
     bool done;
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
+    name_of_program = self->name;
     set_signals();
     self->stage = stage_here();
+    set_last_resort();
     openblas_set_num_threads(1); // more only slow down small matrices
 
-    const ehd_status status = parse_arguments(self, options, &done, &error);
+    ehd_status status = parse_arguments(self, options, &done, &error);
+    if (!status && !done && program_take_buffers(1) < 1)
+        status = ehd_fail(&error, EHD_MEMORY, "OpenBLAS: found too little memory, expected %zu MB",
+                          BLAS_BUFFER >> 20);
     if (status || done) exit(program_finish(self, status, &error));
 }
 

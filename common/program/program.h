@@ -9,6 +9,7 @@
 #include "common/program/text.h"
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdio.h>
 
 /* What an option's argument becomes. */
 typedef enum option_type {
@@ -124,8 +125,16 @@ ehd_status program_check_memory(const char *object, const char *part, size_t cou
                                 const char *things, const char *with, double bytes,
                                 ehd_error *error);
 
+/* Has OpenBLAS take the work space of so many threads, since it asks for ever where that is refused.
+ * Returns for how many there is memory. */
+size_t program_take_buffers(size_t num_threads);
+
 /* Monotonic seconds. */
 double program_seconds(void);
+
+/* Opens a regular file to read; anything else might never answer. NULL with errno: EISDIR for a folder,
+ * ENOTSUP for what else is no file. */
+FILE *program_open(const char *path);
 
 /* Version, git revision, compiler, flags and library versions of this build, one line. */
 const char *program_build(void);

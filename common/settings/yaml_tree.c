@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/settings/yaml_tree.h"
 
+#include "common/program/program.h"
 #include "common/program/text.h"
+
 #include <errno.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <yaml.h>
 
 enum {
@@ -41,17 +42,17 @@ static ehd_status read_stream(char **text, size_t *length, FILE *file, const cha
 }
 
 ehd_status tree_read_text(char **text, size_t *length, const char *path, ehd_error *error) {
-    struct stat about;
     *text = NULL;
-    FILE *file = fopen(path, "rb");
+    FILE *file = program_open(path);
+    if (!file && errno == ENOMEM) return place_no_memory(error, path);
+    if (!file && errno == EISDIR)
+        return ehd_fail(error, EHD_NOINPUT, "%s: found a folder, expected a file", path);
+    if (!file && errno == ENOTSUP)
+        return ehd_fail(error, EHD_NOINPUT, "%s: found no regular file, expected one", path);
     if (!file)
         return ehd_fail(error, EHD_NOINPUT, "%s: found nothing (%s), expected a readable file",
                         path, strerror(errno));
-    ehd_status status;
-    if (fstat(fileno(file), &about) == 0 && S_ISDIR(about.st_mode))
-        status = ehd_fail(error, EHD_NOINPUT, "%s: found a folder, expected a file", path);
-    else
-        status = read_stream(text, length, file, path, error);
+    ehd_status status = read_stream(text, length, file, path, error);
     fclose(file);
     if (status) {
         free(*text);

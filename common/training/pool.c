@@ -115,6 +115,7 @@ static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
 static void run_threads(pool *self) {
     size_t num_workers = self->work->num_workers;
     if (num_workers > self->num_left) num_workers = self->num_left;
+    num_workers = program_take_buffers(num_workers);
     pthread_t *threads = malloc((num_workers + 1) * sizeof *threads);
     size_t started = threads ? start_threads(threads, num_workers, self) : 0;
 

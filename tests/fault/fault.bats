@@ -25,3 +25,31 @@ load sweeps
     sweep romrun close fail -e 5
     sweep residuals open fail -e 5
 }
+
+@test "memory that is refused is 71 and a line" {
+    sweep fullrun memory fail -e 211
+    sweep podbuild memory fail -e 401
+    sweep romrun memory fail -e 701
+    sweep adaptive memory fail -e 9001
+}
+
+@test "a limit of memory is said before OpenBLAS waits for ever" {
+    local code
+    for megabytes in 100 200; do
+        code=0
+        (ulimit -v $((1000 * megabytes)) && timeout -s KILL 60 fullrun scene.yml) 2>log >/dev/null || code=$?
+        [ $code = 71 ]
+        grep -qx "fullrun: OpenBLAS: found too little memory, expected .* MB" log
+    done
+}
+
+@test "a pipe in the place of a file is refused" {
+    mkfifo pipe
+    ln -s pipe link.h5
+    for command in "fullrun pipe" "romrun scene.yml --model link.h5" "podbuild link.h5 -o x.h5" \
+        "snapgen pipe -o x.h5" "deimselect link.h5 --basis b.h5 -o x.h5"; do
+        run timeout -s KILL 20 $command
+        [ "$status" = 66 ]
+        [[ $output == *"found no regular file"* ]]
+    done
+}

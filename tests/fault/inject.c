@@ -18,6 +18,7 @@
  * asked. */
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -70,11 +71,21 @@ __attribute__((destructor)) static void log_count(void) {
     if (atomic_load(&counting)) log_line("calls", atomic_load(&num_calls), "-");
 }
 
-static void log_fault(long call, const void *caller) {
-    Dl_info found;
-    const char *library = dladdr(caller, &found) && found.dli_fname ? found.dli_fname : "?";
-    const char *slash = strrchr(library, '/');
-    log_line("fault", call, slash ? slash + 1 : library);
+/* The library that asked, on behalf of which libc may have. */
+static void log_fault(long call) {
+    enum { DEPTH = 32 };
+    void *frames[DEPTH];
+    const int depth = backtrace(frames, DEPTH);
+    const char *library = "?";
+
+    for (int i = 0; i < depth; i++) {
+        Dl_info found;
+        if (!dladdr(frames[i], &found) || !found.dli_fname) continue;
+        const char *slash = strrchr(found.dli_fname, '/');
+        library = slash ? slash + 1 : found.dli_fname;
+        if (strncmp(library, "libc.", 5) != 0 && strcmp(library, "inject.so") != 0) break;
+    }
+    log_line("fault", call, library);
 }
 
 // ---- whether it is this one
@@ -86,7 +97,7 @@ static _Noreturn void end(void) {
 }
 
 /* True where this call is to fail, of which KILL does not return. */
-static bool is_hit(int kind, const void *caller) {
+static bool is_hit(int kind) {
     if (kind != wanted_kind || !atomic_load(&counting)) return false;
     const long call = atomic_fetch_add(&num_calls, 1) + 1;
     const bool hit =
@@ -94,8 +105,8 @@ static bool is_hit(int kind, const void *caller) {
     if (!hit) return false;
     if (call == wanted_call) {
         const int before = errno;
-        atomic_store(&counting, false); // dladdr may ask for memory
-        log_fault(call, caller);
+        atomic_store(&counting, false); // backtrace may ask for memory
+        log_fault(call);
         atomic_store(&counting, true);
         errno = before;
     }
@@ -107,8 +118,6 @@ static bool is_regular(int file) {
     struct stat about;
     return fstat(file, &about) == 0 && S_ISREG(about.st_mode);
 }
-
-#define CALLER __builtin_return_address(0)
 
 // ---- memory
 
@@ -123,33 +132,33 @@ static void *refused(void) {
 }
 
 void *malloc(size_t size) {
-    return is_hit(MEMORY, CALLER) ? refused() : __libc_malloc(size);
+    return is_hit(MEMORY) ? refused() : __libc_malloc(size);
 }
 
 void *calloc(size_t count, size_t size) {
-    return is_hit(MEMORY, CALLER) ? refused() : __libc_calloc(count, size);
+    return is_hit(MEMORY) ? refused() : __libc_calloc(count, size);
 }
 
 void *realloc(void *memory, size_t size) {
-    return is_hit(MEMORY, CALLER) ? refused() : __libc_realloc(memory, size);
+    return is_hit(MEMORY) ? refused() : __libc_realloc(memory, size);
 }
 
 void *memalign(size_t alignment, size_t size) {
-    return is_hit(MEMORY, CALLER) ? refused() : __libc_memalign(alignment, size);
+    return is_hit(MEMORY) ? refused() : __libc_memalign(alignment, size);
 }
 
 void *aligned_alloc(size_t alignment, size_t size) {
-    return is_hit(MEMORY, CALLER) ? refused() : __libc_memalign(alignment, size);
+    return is_hit(MEMORY) ? refused() : __libc_memalign(alignment, size);
 }
 
 int posix_memalign(void **memory, size_t alignment, size_t size) {
-    if (is_hit(MEMORY, CALLER)) return ENOMEM;
+    if (is_hit(MEMORY)) return ENOMEM;
     *memory = __libc_memalign(alignment, size);
     return *memory ? 0 : ENOMEM;
 }
 
 void *mmap(void *address, size_t length, int protection, int flags, int file, off_t offset) {
-    if (flags & MAP_ANONYMOUS && is_hit(MEMORY, CALLER)) {
+    if (flags & MAP_ANONYMOUS && is_hit(MEMORY)) {
         errno = ENOMEM;
         return MAP_FAILED;
     }
@@ -173,36 +182,34 @@ static int open_mode(int flags, va_list *arguments) {
         va_start(arguments, flags);                                                                \
         const int mode = open_mode(flags, &arguments);                                             \
         va_end(arguments);                                                                         \
-        if (is_hit(OPEN, CALLER)) return fail_with(EIO);                                           \
+        if (is_hit(OPEN)) return fail_with(EIO);                                                   \
         return (int)syscall(SYS_openat, AT_FDCWD, path, flags, mode);                              \
     }
 OPEN_FUNCTION(open)
 OPEN_FUNCTION(open64)
 
-static ssize_t read_at(int file, void *data, size_t size, off_t offset, bool positioned,
-                       const void *caller) {
-    if (is_regular(file) && is_hit(READ, caller)) return fail_with(EIO);
+static ssize_t read_at(int file, void *data, size_t size, off_t offset, bool positioned) {
+    if (is_regular(file) && is_hit(READ)) return fail_with(EIO);
     return positioned ? syscall(SYS_pread64, file, data, size, offset)
                       : syscall(SYS_read, file, data, size);
 }
 
 ssize_t read(int file, void *data, size_t size) {
-    return read_at(file, data, size, 0, false, CALLER);
+    return read_at(file, data, size, 0, false);
 }
 
 ssize_t pread(int file, void *data, size_t size, off_t offset) {
-    return read_at(file, data, size, offset, true, CALLER);
+    return read_at(file, data, size, offset, true);
 }
 
 ssize_t pread64(int file, void *data, size_t size, off_t offset) {
-    return read_at(file, data, size, offset, true, CALLER);
+    return read_at(file, data, size, offset, true);
 }
 
-static ssize_t write_at(int file, const void *data, size_t size, off_t offset, bool positioned,
-                        const void *caller) {
+static ssize_t write_at(int file, const void *data, size_t size, off_t offset, bool positioned) {
     bool torn = false;
 
-    if (is_regular(file) && is_hit(WRITE, caller)) {
+    if (is_regular(file) && is_hit(WRITE)) {
         const off_t at = positioned ? offset : lseek(file, 0, SEEK_CUR);
         const size_t to_page = PAGE - (size_t)at % PAGE;
         if (wanted_how == TEAR) {
@@ -222,39 +229,39 @@ static ssize_t write_at(int file, const void *data, size_t size, off_t offset, b
 }
 
 ssize_t write(int file, const void *data, size_t size) {
-    return write_at(file, data, size, 0, false, CALLER);
+    return write_at(file, data, size, 0, false);
 }
 
 ssize_t pwrite(int file, const void *data, size_t size, off_t offset) {
-    return write_at(file, data, size, offset, true, CALLER);
+    return write_at(file, data, size, offset, true);
 }
 
 ssize_t pwrite64(int file, const void *data, size_t size, off_t offset) {
-    return write_at(file, data, size, offset, true, CALLER);
+    return write_at(file, data, size, offset, true);
 }
 
 int fsync(int file) {
-    return is_hit(SYNC, CALLER) ? fail_with(EIO) : (int)syscall(SYS_fsync, file);
+    return is_hit(SYNC) ? fail_with(EIO) : (int)syscall(SYS_fsync, file);
 }
 
 int fdatasync(int file) {
-    return is_hit(SYNC, CALLER) ? fail_with(EIO) : (int)syscall(SYS_fdatasync, file);
+    return is_hit(SYNC) ? fail_with(EIO) : (int)syscall(SYS_fdatasync, file);
 }
 
 /* A close that fails has closed all the same. */
 int close(int file) {
-    const bool hit = is_regular(file) && is_hit(CLOSE, CALLER);
+    const bool hit = is_regular(file) && is_hit(CLOSE);
     const int outcome = (int)syscall(SYS_close, file);
     return hit ? fail_with(EIO) : outcome;
 }
 
 int rename(const char *from, const char *to) {
-    return is_hit(RENAME, CALLER) ? fail_with(EIO)
-                                  : (int)syscall(SYS_renameat, AT_FDCWD, from, AT_FDCWD, to);
+    return is_hit(RENAME) ? fail_with(EIO)
+                          : (int)syscall(SYS_renameat, AT_FDCWD, from, AT_FDCWD, to);
 }
 
 int unlink(const char *path) {
-    return is_hit(RENAME, CALLER) ? fail_with(EIO) : (int)syscall(SYS_unlinkat, AT_FDCWD, path, 0);
+    return is_hit(RENAME) ? fail_with(EIO) : (int)syscall(SYS_unlinkat, AT_FDCWD, path, 0);
 }
 
 // ---- streams: stdio reads and writes without asking those above, unless it is told to
@@ -272,13 +279,13 @@ static int close_stream(void *cookie) {
     return close((int)(intptr_t)cookie);
 }
 
-static FILE *open_stream(const char *path, const char *mode, const void *caller) {
+static FILE *open_stream(const char *path, const char *mode) {
     const cookie_io_functions_t functions = {
         .read = read_stream, .write = write_stream, .close = close_stream};
     const int flags =
         *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | (*mode == 'w' ? O_TRUNC : O_APPEND);
 
-    if (is_hit(OPEN, caller)) {
+    if (is_hit(OPEN)) {
         errno = EIO;
         return NULL;
     }
@@ -290,11 +297,17 @@ static FILE *open_stream(const char *path, const char *mode, const void *caller)
 }
 
 FILE *fopen(const char *path, const char *mode) {
-    return open_stream(path, mode, CALLER);
+    return open_stream(path, mode);
+}
+
+FILE *fdopen(int file, const char *mode) {
+    const cookie_io_functions_t functions = {
+        .read = read_stream, .write = write_stream, .close = close_stream};
+    return fopencookie((void *)(intptr_t)file, mode, functions); // NOLINT
 }
 
 FILE *fopen64(const char *path, const char *mode) {
-    return open_stream(path, mode, CALLER);
+    return open_stream(path, mode);
 }
 
 // ---- the clock

@@ -120,8 +120,7 @@ static void check_states(const reduced_states *found, const reduced_states *expe
 static hid_t open_raw(void) {
     hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
     assert_true(file >= 0);
-    if (H5Aexists(file, "content_sha256") > 0)
-        assert_true(H5Adelete(file, "content_sha256") >= 0);
+    if (H5Aexists(file, "content_sha256") > 0) assert_true(H5Adelete(file, "content_sha256") >= 0);
     return file;
 }
 
