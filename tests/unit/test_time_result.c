@@ -681,18 +681,20 @@ static void spill(const char *name, const char *text) {
 
 static void resume_refuses_other_inputs(void **state) {
     (void)state;
-    char first[128], second[128], table[128];
+    char scene_path[128], first[128], second[128], table[128];
     const program self = writer();
     size_t num_entries = 0;
     artefact *file = NULL;
 
+    snprintf(scene_path, sizeof scene_path, "%s/scene.yml", folder);
     snprintf(first, sizeof first, "%s/first.h5", folder);
     snprintf(second, sizeof second, "%s/second.h5", folder);
     snprintf(table, sizeof table, "%s/table.csv", folder);
+    spill(scene_path, "a scene");
     spill(first, "one");
     spill(second, "two");
     spill(table, "three");
-    const char *const inputs[] = {"/dev/null", first, table, NULL};
+    const char *const inputs[] = {scene_path, first, table, NULL};
     check_ok(time_result_create(&file, &self, &contact, "scene", inputs, true, false, false,
                                 restart_size, &error));
     run(file, 0, 3);
