@@ -332,18 +332,18 @@ static ehd_status run(const program *self, const snapgen_options *options, ehd_e
 int main(int argc, char **argv) {
     snapgen_options own = {
         .num_jobs = pool_default_workers(), .piece = {1, 1}, .how = adaptive_default_settings()};
-    const program_options options = {
-        .options = own_options,
-        .own = &own,
-        .arguments_doc = "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --adaptive -o "
-                         "SNAPSHOTS.h5\nPLAN.yml --choose [PIECE.h5...] -o "
-                         "SNAPSHOTS.h5\nPLAN.yml --chosen-in SNAPSHOTS.h5.partial -o "
-                         "PIECE.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
-        .doc = "Solves all points of a training plan.",
-        .help_tail = print_settings,
-        .min_arguments = 1,
-        .max_arguments = SIZE_MAX,
-        .needs_output = true};
+    const program_options options = {.options = own_options,
+                                     .own = &own,
+                                     .arguments_doc =
+                                         "PLAN.yml -o SNAPSHOTS.h5\nPLAN.yml --adaptive -o "
+                                         "SNAPSHOTS.h5\nPLAN.yml --choose [PIECE.h5...] -o "
+                                         "SNAPSHOTS.h5\nPLAN.yml --chosen-in S.h5.partial -o "
+                                         "PIECE.h5\nPLAN.yml --basis BASIS.h5 -o RESIDUALS.h5",
+                                     .doc = "Solves all points of a training plan.",
+                                     .help_tail = print_settings,
+                                     .min_arguments = 1,
+                                     .max_arguments = SIZE_MAX,
+                                     .needs_output = true};
     ehd_error error = {""};
     program self;
 

@@ -227,7 +227,7 @@ static const artefact_field result_fields[] = {
 
 static const artefact_attribute result_attributes[] = {
     GRID_ATTRIBUTES("line or point"),
-    ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS, VALUES_POSITIVE,
+    ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "Hertz pressure of the reference"),
     ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,
               "Moes load number M of the reference"),
@@ -319,7 +319,7 @@ static const artefact_field snapshots_fields[] = {
     REAL("moes_L", "1", NEED_OWN, VALUES_NOT_NEGATIVE, "Moes material number L", "state"),
     REAL("alpha_p_H", "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
          "pressure-viscosity coefficient times Hertz pressure", "state"),
-    REAL("hertz_pressure", "Pa", NEED_OWN, VALUES_POSITIVE, "Hertz pressure", "state"),
+    REAL("hertz_pressure", "Pa", NEED_OWN, VALUES_NOT_NEGATIVE, "Hertz pressure", "state"),
     REAL("central_film_thickness", "1", NEED_OWN, VALUES_ANY, "film thickness H at X = 0 (Y = 0)",
          "state"),
     REAL("minimum_film_thickness", "1", NEED_OWN, VALUES_ANY,

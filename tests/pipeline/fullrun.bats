@@ -442,7 +442,7 @@ YAML
     [[ $output == "fullrun: stdout: "* ]]
 }
 
-@test "--check: silent, 0 or 65" {
+@test "--check: 0 and silent, or 65 and a line" {
     fullrun scene.yml -o good.h5
     size=$(stat -c %s good.h5)
     for part in 0 1 8 100 $((size / 2)) $((size - 1)); do
@@ -465,7 +465,7 @@ PYTHON
         run fullrun --check "$bad"
         echo "$bad: $status $output"
         [ "$status" -eq 65 ]
-        [ -z "$output" ]
+        [ "${#lines[@]}" -eq 1 ]
     done
     run fullrun --check flipped.h5 --verbose
     [[ $output == *flipped.h5*pressure* ]]
