@@ -563,8 +563,8 @@ YAML
     [[ $output == *"checked on the last "* ]]
     # how long all stages take yet
     grep -q '^snapgen: 0/20 M=.*; stage 1 of 5$' <<<"$output"
-    grep -q '^snapgen: 33/33 M=.*; stage 3 of 5' <<<"$output"
-    grep -q '^deimselect: 16/16 M=.*; stage 5 of 5' <<<"$output"
+    grep -q '^snapgen: \([0-9]*\)/\1 M=.*; stage 3 of 5' <<<"$output"
+    grep -q '^deimselect: \([0-9]*\)/\1 M=.*; stage 5 of 5' <<<"$output"
     [[ $(grep '^deimselect: ' <<<"$output" | tail -n 1) == *"; stage 5 of 5, about 0 s in all" ]]
     [ "$(cut -d ' ' -f 1,3 out/stages | tr '\n' ,)" = "training 0,model-basis 0,model-residuals 0,model-rows 0,model-check 0," ]
     ../prefix/bin/romrun --check out/model.h5
