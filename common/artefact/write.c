@@ -51,10 +51,11 @@ static ehd_status create_file(artefact **result, const char *path, const artefac
 
     file->id = hdf5_create(file->partial);
     if (file->id < 0) {
+        // that it may be created writer_new has seen
         hdf5_reason reason = hdf5_last_reason();
-        status =
-            ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected a file that can be created",
-                     file->partial, reason.text);
+        status = ehd_fail(error, reason.system ? EHD_IO : EHD_CANTCREATE,
+                          "%s: found %s, expected a file that can be created", file->partial,
+                          reason.text);
     } else {
         status = put_provenance(file, caller, settings_text, inputs, error);
     }
