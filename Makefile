@@ -85,18 +85,25 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
 # ---- Flags
 
-# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas.
+# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
+# threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
+# (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
 MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
 
-# pkg-config is asked like the compiler above.
-PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
-PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
+# pkg-config, and where that OpenBLAS is, are asked like the compiler above.
+SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
+PKG_CONFIG = PKG_CONFIG_PATH="$(SERIAL:%=%/pkgconfig:)$$PKG_CONFIG_PATH" pkg-config
+PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell $(PKG_CONFIG) --cflags $(MODULES))))$(PKG_CFLAGS)
+PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(MODULES))))$(PKG_LIBS)
+SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
+    -Wl$(,)--push-state$(,)--no-as-needed -lblas -llapack -Wl$(,)--pop-state)
+, := ,
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
-ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
+ALL_LIBS      = $(SERIAL_LIBS) $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
 
 # Shown by --version and kept in every result.
 REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
@@ -244,7 +251,7 @@ print-%:
 
 # ---- What has to be installed
 
-PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+PACKAGES := gcc libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
