@@ -233,6 +233,8 @@ hid_t open_dataset(artefact *file, const char *name);
 
 /* Length of a dataset along its first axis. */
 size_t dataset_length(hid_t dataset);
+/* Whether a dataset can grow along its first axis. */
+bool is_extendible(hid_t dataset);
 /* Makes a dataset on the growing axis longer or shorter. */
 bool set_dataset_length(hid_t dataset, size_t length);
 /* Makes it longer where it is too short. */
