@@ -194,7 +194,7 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
-# A multibody code includes <romrun/online/ehdrom.h>, and fallback.h for the full model where that is not
+# A multibody code includes <romrun/online/online.h>, and fallback.h for the full model where that is not
 # good enough; whatever these headers include is installed with them.
 install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages, library, examples
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
@@ -202,7 +202,7 @@ install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages
 	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
 	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libehdrom.a
 	install -D -m 644 $(BUILD)/ehdrom.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
-	@for header in $$($(CC) -I. -MM romrun/online/ehdrom.h romrun/calibrate/fallback.h | tr -d '\\' | sed 's/^[^:]*://'); do \
+	@for header in $$($(CC) -I. -MM romrun/online/online.h romrun/calibrate/fallback.h | tr -d '\\' | sed 's/^[^:]*://'); do \
 	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
 	done
 	@cd scenes && find lib examples \( -name 'out*' -o -name __pycache__ -o -name oscillator \) -prune -o -type f -print | while read -r file; do \

@@ -17,7 +17,7 @@
 #include "romrun/calibrate/verify.h"
 #include "romrun/model/readers.h"
 #include "romrun/model/trade_file.h"
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -28,10 +28,10 @@
 typedef struct romrun_options {
     const char *model;
     const char *against; // NULL: no comparison
-    ehdrom_sizes sizes;
+    model_sizes sizes;
     double accuracy;        // of the films, to choose the sizes by; 0: not given
     accuracy_limits limits; // of other quantities
-    ehdrom_sizes fallback;  // where the result of `sizes` is not accurate enough
+    model_sizes fallback;   // where the result of `sizes` is not accurate enough
     const char *distrust;   // why no reduced step is to be trusted; NULL: single ones are not
     const char *fall_back;  // what solves a scene where no size is: "full"; NULL, "none": nothing
     bool allow_untrusted, resume, verify;
@@ -84,22 +84,22 @@ static void print_settings(void) {
 // ---- the solution
 
 static int compare_seconds(const void *a, const void *b) {
-    double p = ((const ehdrom_result *)a)->seconds, q = ((const ehdrom_result *)b)->seconds;
+    double p = ((const online_result *)a)->seconds, q = ((const online_result *)b)->seconds;
 
     return (p > q) - (p < q);
 }
 
 /* Solves `repeats` times; *result is the run of median time. */
-static ehd_status solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+static ehd_status solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         size_t repeats, ehd_error *error) {
-    ehdrom_result *runs = calloc(repeats, sizeof *runs);
+    online_result *runs = calloc(repeats, sizeof *runs);
     ehd_status status =
         runs ? EHD_OK : ehd_fail(error, EHD_MEMORY, "--repeat: found no memory for %zu", repeats);
 
     for (size_t i = 0; i < repeats && !status; i++)
         status = program_interrupted()
                      ? ehd_fail(error, EHD_INTERRUPTED, "--repeat: interrupted after %zu", i)
-                     : ehdrom_solve(&runs[i], solver, contact, error);
+                     : online_solve(&runs[i], solver, contact, error);
     if (!status) {
         qsort(runs, repeats, sizeof *runs, compare_seconds);
         *result = runs[repeats / 2];
@@ -108,7 +108,7 @@ static ehd_status solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
     return status;
 }
 
-static run_result make_result(const ehdrom_result *solution, const double *pressure,
+static run_result make_result(const online_result *solution, const double *pressure,
                               const double *film) {
     run_result result = {.pressure = pressure,
                          .film = film,
@@ -149,7 +149,7 @@ static bool falls_back(const romrun_options *options) {
 }
 
 /* Of the reduced solution. */
-static ehd_status print_verification(ehdrom_solver *solver, const ehdrom_result *solution,
+static ehd_status print_verification(online_solver *solver, const online_result *solution,
                                      const ehd_contact *contact, ehd_error *error) {
     verification found;
     ehd_status status = verify(&found, solver, solution, contact, error);
@@ -166,7 +166,7 @@ static ehd_status print_verification(ehdrom_solver *solver, const ehdrom_result 
 /* The settings of the scene and the command line's options on which the solution depends. */
 static ehd_status text_with_sizes(char **whole, const char *text, const romrun_options *options,
                                   ehd_error *error) {
-    const ehdrom_sizes *sizes = &options->sizes;
+    const model_sizes *sizes = &options->sizes;
     char accuracy[NUMBER_TEXT + 16] = "", number[NUMBER_TEXT];
 
     if (options->accuracy > 0) {
@@ -183,28 +183,27 @@ static ehd_status text_with_sizes(char **whole, const char *text, const romrun_o
 
 /* The part of a model that a scene is solved with, and the solution. */
 typedef struct attempt {
-    ehdrom_model *model;
-    ehdrom_solver *solver;
-    ehdrom_result solution;
-    ehdrom_indications others;
+    online_model *model;
+    online_solver *solver;
+    online_result solution;
+    online_indications others;
     double first_seconds; // of an earlier attempt, at the sizes chosen first
 } attempt;
 
 static void attempt_free(attempt *self) {
-    ehdrom_solver_free(self->solver);
-    ehdrom_close(self->model);
+    online_solver_free(self->solver);
+    online_close(self->model);
     *self = (attempt){0};
 }
 
-static ehd_status attempt_at(attempt *self, const ehdrom_sizes *sizes,
-                             const romrun_options *options, const ehd_contact *contact,
-                             ehd_error *error) {
-    ehd_status status = ehdrom_open(&self->model, options->model, sizes, error);
+static ehd_status attempt_at(attempt *self, const model_sizes *sizes, const romrun_options *options,
+                             const ehd_contact *contact, ehd_error *error) {
+    ehd_status status = online_open(&self->model, options->model, sizes, error);
 
-    if (!status) status = ehdrom_solver_create(&self->solver, self->model, error);
+    if (!status) status = online_solver_create(&self->solver, self->model, error);
     if (!status && options->accuracy > 0)
-        ehdrom_solver_set_tolerance(self->solver, accuracy_tolerance(options->accuracy));
-    return status ? status : ehdrom_solve(&self->solution, self->solver, contact, error);
+        online_solver_set_tolerance(self->solver, accuracy_tolerance(options->accuracy));
+    return status ? status : online_solve(&self->solution, self->solver, contact, error);
 }
 
 /* Solves with options->sizes and, where the result is not accurate enough, with the fallback sizes,
@@ -216,7 +215,7 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
     run_result result = make_result(&self->solution, NULL, NULL);
     accuracy_judge(&result, options->accuracy);
     if (!result.status && accuracy_limits_any(&options->limits)) {
-        self->others = ehdrom_indicate(self->solver, contact);
+        self->others = online_indicate(self->solver, contact);
         result.indicated = self->others.deviation;
         accuracy_judge_others(&result, &options->limits);
     }
@@ -283,26 +282,26 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     done->solution.seconds += done->first_seconds;
     self->exits = malloc(grid_whole(grid).inner_lines * sizeof(double));
     if (!self->exits) return ehd_fail(error, EHD_MEMORY, "exits: found no memory for the lines");
-    ehdrom_exits(self->exits, done->solver);
+    online_exits(self->exits, done->solver);
     if (with_fields) {
         self->pressure = malloc(grid->num_nodes * sizeof(double));
         self->film = malloc(grid->num_nodes * sizeof(double));
         status = self->pressure && self->film
-                     ? ehdrom_fields(self->pressure, self->film, done->solver, error)
+                     ? online_fields(self->pressure, self->film, done->solver, error)
                      : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
         if (!status)
-            ehdrom_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
+            online_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
     self->result = make_result(&done->solution, self->pressure, self->film);
     self->result.exits = self->exits;
     if (with_effects) {
-        self->effects = ehdrom_effects(done->model, self->contact);
+        self->effects = online_effects(done->model, self->contact);
         self->result.effects = &self->effects;
     }
-    done->others = ehdrom_indicate(done->solver, self->contact);
+    done->others = online_indicate(done->solver, self->contact);
     self->result.indicated = done->others.deviation;
     accuracy_judge(&self->result, self->options->accuracy);
-    const ehdrom_properties model = ehdrom_describe(done->model);
+    const online_properties model = online_describe(done->model);
     const char *unchecked = accuracy_unchecked(&model, false);
     if (unchecked && !self->result.status) {
         self->result.status = EHD_UNTRUSTED;
@@ -418,7 +417,7 @@ static ehd_status run_stationary(const program *caller, romrun_options *options,
 /* The full model beside the reduced one, with --fallback full. */
 static ehd_status create_fallback(fallback_march **full, const program *self,
                                   const romrun_options *options, const ehd_contact *contact,
-                                  ehdrom_transient *in_time, const scene *given,
+                                  online_transient *in_time, const scene *given,
                                   const char *distrust, ehd_error *error) {
     if (!falls_back(options)) return EHD_OK;
     const double accuracy = accuracy_limit(options->accuracy);
@@ -426,15 +425,15 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
         grid_check_memory(self, self->arguments[0], contact, full_march_bytes(contact), 1, error);
 
     return status ? status
-                  : fallback_march_create(full, ehdrom_march(in_time).self,
+                  : fallback_march_create(full, online_march(in_time).self,
                                           given->transient.start_film, accuracy, distrust, error);
 }
 
 static ehd_status run_transient(const program *self, const romrun_options *options,
                                 const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, ehd_error *error) {
-    ehdrom_model *model = NULL;
-    ehdrom_transient *in_time = NULL;
+    online_model *model = NULL;
+    online_transient *in_time = NULL;
     fallback_march *mixed = NULL;
     time_series full = {0};
     time_trace trace = {0};
@@ -442,13 +441,13 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     char *text = NULL;
     ehd_status status = text_with_sizes(&text, scene_lines, options, error);
 
-    if (!status) status = ehdrom_open(&model, options->model, &options->sizes, error);
-    if (!status) status = ehdrom_prepare_transient(model, error);
-    if (!status) status = ehdrom_transient_create(&in_time, model, contact, error);
+    if (!status) status = online_open(&model, options->model, &options->sizes, error);
+    if (!status) status = online_prepare_transient(model, error);
+    if (!status) status = online_transient_create(&in_time, model, contact, error);
     if (!status) {
-        const ehdrom_properties properties = ehdrom_describe(model);
+        const online_properties properties = online_describe(model);
         if (isnan(given->transient.fixed_step))
-            ehdrom_transient_set_tolerance(in_time, given->transient.tolerance);
+            online_transient_set_tolerance(in_time, given->transient.tolerance);
         unchecked = accuracy_unchecked(&properties, true);
         status = create_fallback(&mixed, self, options, contact, in_time, given,
                                  options->distrust ? options->distrust : unchecked, error);
@@ -467,13 +466,13 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
                                     .model = options->model,
                                     .input = options->against,
                                     .solver = mixed ? fallback_march_solver(mixed)
-                                                    : ehdrom_march(in_time),
+                                                    : online_march(in_time),
                                     .accuracy = accuracy_limit(options->accuracy),
                                     .with_fields = given->output.fields == 1,
                                     .resume = options->resume,
                                     .allow_untrusted = options->allow_untrusted,
                                     .untrusted = mixed ? NULL : unchecked,
-                                    .effort = mixed ? fallback_march_effort : ehdrom_march_effort,
+                                    .effort = mixed ? fallback_march_effort : online_march_effort,
                                     .share = mixed ? fallback_march_share : NULL};
         status = time_run(options->against ? &trace : NULL, &task, error);
     }
@@ -485,8 +484,8 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     time_trace_free(&trace);
     time_series_free(&full);
     fallback_march_free(mixed);
-    ehdrom_transient_free(in_time);
-    ehdrom_close(model);
+    online_transient_free(in_time);
+    online_close(model);
     free(text);
     return status;
 }
@@ -523,7 +522,7 @@ static ehd_status check_usage(const program *self, const romrun_options *options
                               ehd_error *error) {
     const bool solves = !options->calibrate && !options->trade;
     const char *mode = options->calibrate ? "--calibrate" : "--trade";
-    const ehdrom_sizes *sizes = &options->sizes;
+    const model_sizes *sizes = &options->sizes;
     const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
 
     if (self->num_arguments != (solves ? 1 : 0))

@@ -86,7 +86,7 @@ void accuracy_judge(run_result *result, double accuracy) {
              given ? "the --accuracy of " : "holds without --accuracy, ", limit);
 }
 
-const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time) {
+const char *accuracy_unchecked(const online_properties *model, bool in_time) {
 #define WHO_CHECKS                                                                                 \
     " at these sizes, which romrun --calibrate does, and deimselect without --no-check"
     if (in_time) return model->checked_in_time ? NULL : "a model never checked in time" WHO_CHECKS;

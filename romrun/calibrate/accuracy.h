@@ -9,9 +9,9 @@
 
 enum { ACCURACY_NOTE = 320 };
 typedef struct accuracy_choice {
-    ehdrom_sizes fastest;       // of those measured to be accurate enough
-    ehdrom_sizes most_accurate; // fallback sizes, where the result of the fastest is not
-    char note[ACCURACY_NOTE];   // the fastest sizes and their measured accuracy
+    model_sizes fastest;       // of those measured to be accurate enough
+    model_sizes most_accurate; // fallback sizes, where the result of the fastest is not
+    char note[ACCURACY_NOTE];  // the fastest sizes and their measured accuracy
 } accuracy_choice;
 
 /* Chooses the sizes for a relative deviation of the films, in time of the central one. `name`: of the model, for errors.
@@ -22,7 +22,7 @@ ehd_status accuracy_choose(
     // input:
     const trade_table *table, double accuracy, bool in_time, const char *name, ehd_error *error);
 
-/* Tolerance for ehdrom_solver_set_tolerance: a fiftieth of the accuracy, at least 1e-8. */
+/* Tolerance for online_solver_set_tolerance: a fiftieth of the accuracy, at least 1e-8. */
 double accuracy_tolerance(double accuracy);
 
 /* What holds for both films: the accuracy, 1 % where that is 0: not given. */
@@ -34,7 +34,7 @@ void accuracy_judge(run_result *result, double accuracy);
 
 /* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
  * NULL: it was. */
-const char *accuracy_unchecked(const ehdrom_properties *model, bool in_time);
+const char *accuracy_unchecked(const online_properties *model, bool in_time);
 
 /* Limits of --accuracy-of, by indicated_quantity; 0: none. */
 typedef struct accuracy_limits {

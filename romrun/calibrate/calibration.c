@@ -108,7 +108,7 @@ static void add_others(samples *self, const contact_scalars *reduced, const solv
     self->off[INDICATED_FILM][self->count] = film / full->central_film_thickness;
 }
 
-static void add_sample(samples *self, const ehdrom_result *result, const solved_scene *solved) {
+static void add_sample(samples *self, const online_result *result, const solved_scene *solved) {
     const contact_scalars *reduced = &result->scalars, *full = &solved->scalars;
     const double deviation[NUM_TRADE_QUANTITIES] = {
         [TRADE_CENTRAL_FILM] =
@@ -129,23 +129,23 @@ static void add_sample(samples *self, const ehdrom_result *result, const solved_
     self->count++;
 }
 
-static ehd_status measure_scene(trade_position *position, samples *self, ehdrom_solver *solver,
+static ehd_status measure_scene(trade_position *position, samples *self, online_solver *solver,
                                 const solved_scene *solved, ehd_error *error) {
-    ehdrom_result result = {.status = EHD_NOT_CONVERGED};
+    online_result result = {.status = EHD_NOT_CONVERGED};
     double *seconds = self->seconds + self->count * REPEATS;
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < REPEATS && !status; i++) {
-        status = ehdrom_solve(&result, solver, solved->contact, error);
+        status = online_solve(&result, solver, solved->contact, error);
         seconds[i] = result.seconds;
     }
     if (!status && result.status) {
         position->num_failures++;
         return EHD_OK;
     }
-    if (!status) status = ehdrom_fields(self->pressure, self->film, solver, error);
+    if (!status) status = online_fields(self->pressure, self->film, solver, error);
     if (status) return status;
-    const ehdrom_indications others = ehdrom_indicate(solver, solved->contact);
+    const online_indications others = online_indicate(solver, solved->contact);
     for (int q = 0; q < NUM_INDICATED; q++)
         self->other_bound[q][self->count] = others.bound[q];
     add_sample(self, &result, solved);
@@ -221,23 +221,23 @@ static ehd_status evaluate(trade_position *position, samples *self, ehd_error *e
     return EHD_OK;
 }
 
-ehd_status calibration_measure(trade_position *position, const ehdrom_model *model,
+ehd_status calibration_measure(trade_position *position, const online_model *model,
                                const solved_scene *scenes, size_t num_scenes, ehd_error *error) {
-    ehdrom_solver *solver = NULL;
+    online_solver *solver = NULL;
     samples measured = {0};
-    ehd_status status = ehdrom_solver_create(&solver, model, error);
+    ehd_status status = online_solver_create(&solver, model, error);
 
     position->num_failures = 0;
     if (!status)
         status =
-            samples_init(&measured, scenes, num_scenes, ehdrom_describe(model).num_nodes, error);
+            samples_init(&measured, scenes, num_scenes, online_describe(model).num_nodes, error);
     for (size_t i = 0; i < num_scenes && !status; i++)
         status = program_interrupted()
                      ? ehd_fail(error, EHD_INTERRUPTED, "%s", "")
                      : measure_scene(position, &measured, solver, &scenes[i], error);
     if (!status) status = evaluate(position, &measured, error);
     samples_free(&measured);
-    ehdrom_solver_free(solver);
+    online_solver_free(solver);
     return status;
 }
 
@@ -345,14 +345,14 @@ static ehd_status repeat_step(march_step *outcome, const march_solver *solver,
 /* Repeats a trajectory. *lost: a step did not converge or was not trusted; what was indicated
  * before holds all the same. */
 static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
-                         const ehdrom_model *model, const recording *wanted, ehd_error *error) {
-    ehdrom_transient *in_time = NULL;
+                         const online_model *model, const recording *wanted, ehd_error *error) {
+    online_transient *in_time = NULL;
     repetition here = *sum;
     march_step outcome = {.status = EHD_OK};
-    ehd_status status = ehdrom_transient_create(&in_time, model, wanted->reference, error);
+    ehd_status status = online_transient_create(&in_time, model, wanted->reference, error);
     if (status) return status;
 
-    const march_solver solver = ehdrom_march(in_time);
+    const march_solver solver = online_march(in_time);
     reduced_march_indicate(solver.self, (film_factors){1, 1, 0}); // it is asked for its bounds
     for (size_t i = 0; i < wanted->num_steps && !status && !outcome.status; i++) {
         double before = program_seconds();
@@ -369,18 +369,18 @@ static ehd_status repeat(bool *lost, repetition *sum, step_samples *steps,
     }
     *lost = outcome.status != EHD_OK;
     if (!*lost) *sum = here;
-    ehdrom_transient_free(in_time);
+    online_transient_free(in_time);
     return status;
 }
 
-ehd_status calibration_measure_in_time(trade_position *position, ehdrom_model *model,
+ehd_status calibration_measure_in_time(trade_position *position, online_model *model,
                                        const recording *recordings, size_t num_recordings,
                                        ehd_error *error) {
     repetition sum = {0};
     step_samples steps = {0};
     size_t num_steps = 0;
     double *indicated = malloc((num_recordings + 1) * sizeof *indicated);
-    ehd_status status = ehdrom_prepare_transient(model, error);
+    ehd_status status = online_prepare_transient(model, error);
 
     for (size_t t = 0; t < num_recordings; t++)
         num_steps += recordings[t].num_steps;

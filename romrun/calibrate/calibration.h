@@ -14,19 +14,19 @@ typedef struct solved_scene {
 } solved_scene;
 
 /* Solves each scene, repeatedly for the time, as romrun does, on one thread. `model` is open at the
- * sizes of the position. Errors of ehdrom_solve; EHD_INTERRUPTED with an empty text. */
+ * sizes of the position. Errors of online_solve; EHD_INTERRUPTED with an empty text. */
 ehd_status calibration_measure(
     // output:
     trade_position *position, // its members for scenes
     // input:
-    const ehdrom_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
+    const online_model *model, const solved_scene *scenes, size_t num_scenes, ehd_error *error);
 
 /* Repeats trajectories with the same steps; prepares the model for that. Errors as before. */
 ehd_status calibration_measure_in_time(
     // output:
     trade_position *position, // its members for trajectories
     // in and out:
-    ehdrom_model *model,
+    online_model *model,
     // input:
     const recording *recordings, size_t num_recordings, ehd_error *error);
 

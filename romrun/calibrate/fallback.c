@@ -13,11 +13,11 @@ void fallback_free(fallback *self) {
     *self = (fallback){0};
 }
 
-ehd_status fallback_load(full_state *state, ehdrom_solver *solver, const ehdrom_result *result,
+ehd_status fallback_load(full_state *state, online_solver *solver, const online_result *result,
                          const ehd_contact *contact, ehd_error *error) {
     const ehd_grid *grid = &contact->grid;
     const double last = (double)(grid_width(grid) - 1);
-    ehd_status status = ehdrom_fields(state->pressure, state->film, solver, error);
+    ehd_status status = online_fields(state->pressure, state->film, solver, error);
 
     // the node at or behind the exit, which may lie within a node
     const double column = (result->scalars.exit_position - grid->x_min) / grid->step;
@@ -108,7 +108,7 @@ static ehd_status make_exits(fallback *self, const ehd_grid *grid, ehd_error *er
     return EHD_OK;
 }
 
-ehd_status fallback_solve(fallback *self, ehdrom_solver *solver, const ehdrom_result *result,
+ehd_status fallback_solve(fallback *self, online_solver *solver, const online_result *result,
                           const ehd_contact *contact, size_t repeats, ehd_error *error) {
     const full_settings settings = full_default_settings();
     // 150 random scenes in and around a training (M 3 to 200, L 0.5 to 16): from the 109 reduced

@@ -6,7 +6,7 @@
 #include "common/output/result.h"
 #include "fullrun/full_solver.h"
 #include "fullrun/judge.h"
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 
 /* The full model's solution. */
 typedef struct fallback {
@@ -21,19 +21,19 @@ typedef struct fallback {
 void fallback_free(fallback *self); // of one that is zero too
 
 /* A full state from the last solution of `solver`, `result` of the stationary `contact`. Errors of
- * ehdrom_fields. */
-ehd_status fallback_load(full_state *state, ehdrom_solver *solver, const ehdrom_result *result,
+ * online_fields. */
+ehd_status fallback_load(full_state *state, online_solver *solver, const online_result *result,
                          const ehd_contact *contact, ehd_error *error);
 
 /* Solves the stationary contact with the full model, `repeats` times. It starts from the last
  * solution of `solver`, `result` of the same contact; cold where that did not converge, is no state
- * of a contact, or leads to none. Not converged is an outcome in self->status. Errors of ehdrom_fields and of
+ * of a contact, or leads to none. Not converged is an outcome in self->status. Errors of online_fields and of
  * full_solve. */
 ehd_status fallback_solve(
     // output:
     fallback *self, // free with fallback_free, also after a failure
     // input:
-    ehdrom_solver *solver, const ehdrom_result *result, const ehd_contact *contact, size_t repeats,
+    online_solver *solver, const online_result *result, const ehd_contact *contact, size_t repeats,
     ehd_error *error);
 
 /* As a result: a view of it, which deviates by nothing from the full model. */

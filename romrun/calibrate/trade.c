@@ -19,7 +19,7 @@ static size_t num_strides(size_t max_modes) {
 }
 
 /* Adds the positions with a number of pressure modes. */
-static void add_positions(trade_table *table, size_t modes, const ehdrom_properties *whole) {
+static void add_positions(trade_table *table, size_t modes, const online_properties *whole) {
     double part = (double)modes / (double)whole->pressure_modes;
     size_t deformation = (size_t)ceil(part * (double)whole->deformation_modes), last = 0;
 
@@ -27,11 +27,11 @@ static void add_positions(trade_table *table, size_t modes, const ehdrom_propert
         size_t rows = (size_t)fmin(ceil(ROWS_PER_MODE[i] * (double)modes), (double)whole->rows);
         if (rows == last) continue;
         last = rows;
-        table->positions[table->num_positions++].sizes = (ehdrom_sizes){modes, deformation, rows};
+        table->positions[table->num_positions++].sizes = (model_sizes){modes, deformation, rows};
     }
 }
 
-ehd_status trade_ladder(trade_table *table, const ehdrom_properties *whole, ehd_error *error) {
+ehd_status trade_ladder(trade_table *table, const online_properties *whole, ehd_error *error) {
     size_t strides = num_strides(whole->pressure_modes), last = 0;
     double max_modes = (double)whole->pressure_modes;
 
@@ -253,7 +253,7 @@ size_t trade_most_accurate(const trade_table *table, bool in_time) {
 
 // ---- printing
 
-void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes) {
+void trade_name(char name[TRADE_NAME], const model_sizes *sizes) {
     if (sizes->deformation_modes > 0)
         snprintf(name, TRADE_NAME, "%zu pressure modes, %zu deformation modes, %zu rows",
                  sizes->pressure_modes, sizes->deformation_modes, sizes->rows);
@@ -266,7 +266,7 @@ static const char *const quantities[NUM_TRADE_QUANTITIES] = {"central film", "mi
                                                              "central pressure", "pressure / p_H"};
 
 static void print_sizes(const trade_table *table, size_t i, bool in_time, FILE *stream) {
-    const ehdrom_sizes *sizes = &table->positions[i].sizes;
+    const model_sizes *sizes = &table->positions[i].sizes;
 
     fprintf(stream, "%c %5zu%6zu%6zu", trade_is_dominated(table, i, in_time) ? ' ' : '*',
             sizes->pressure_modes, sizes->deformation_modes, sizes->rows);

@@ -4,7 +4,7 @@
 #define EHD_TRADE_H
 
 #include "romrun/model/trade_file.h"
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ ehd_status trade_ladder(
     // output:
     trade_table *table, // free with trade_free; only the sizes are filled
     // input:
-    const ehdrom_properties *whole, ehd_error *error);
+    const online_properties *whole, ehd_error *error);
 
 /* Quantile of the values (nearest rank), which are sorted; NaN: no values. */
 double trade_quantile_of(double *values, size_t count, double quantile);
@@ -53,7 +53,7 @@ double trade_part_in_time(const trade_position *position, double deviation);
 
 /* "80 pressure modes, 120 rows" */
 enum { TRADE_NAME = 96 };
-void trade_name(char name[TRADE_NAME], const ehdrom_sizes *sizes);
+void trade_name(char name[TRADE_NAME], const model_sizes *sizes);
 
 /* What a factor has beyond the scenes that were measured, for kinds that were not: 2. */
 extern const double trade_margin;

@@ -98,14 +98,14 @@ ehd_status validation_solve(validation *self, const trained_range *range, const 
 // ---- reduced solutions
 
 static ehd_status make_ladder(trade_table *table, const char *model_path, ehd_error *error) {
-    ehdrom_model *model = NULL;
-    ehd_status status = ehdrom_open(&model, model_path, NULL, error);
+    online_model *model = NULL;
+    ehd_status status = online_open(&model, model_path, NULL, error);
 
     if (!status) {
-        const ehdrom_properties whole = ehdrom_describe(model);
+        const online_properties whole = online_describe(model);
         status = trade_ladder(table, &whole, error);
     }
-    ehdrom_close(model);
+    online_close(model);
     return status;
 }
 
@@ -120,11 +120,11 @@ ehd_status validation_measure(trade_table *table, const validation *scenes, cons
     progress_start(&shown, caller, table->num_positions);
     for (size_t i = 0; i < table->num_positions && !status; i++) {
         trade_position *position = &table->positions[i];
-        ehdrom_model *model = NULL;
+        online_model *model = NULL;
         char name[TRADE_NAME];
         trade_name(name, &position->sizes);
         progress_show(&shown, i, name);
-        status = ehdrom_open(&model, model_path, &position->sizes, error);
+        status = online_open(&model, model_path, &position->sizes, error);
         if (!status)
             status =
                 calibration_measure(position, model, scenes->scenes, scenes->num_scenes, error);
@@ -135,7 +135,7 @@ ehd_status validation_measure(trade_table *table, const validation *scenes, cons
             ehd_fail(error, status, "%s: interrupted after %zu of %zu sizes, nothing written",
                      caller->output, i, table->num_positions);
         if (!status) progress_show(&shown, i + 1, name);
-        ehdrom_close(model);
+        online_close(model);
     }
     progress_finish(&shown);
     return status;
@@ -148,24 +148,24 @@ static double worse_film(const contact_scalars *reduced, const contact_scalars *
 
 ehd_status validation_worst(const ehd_contact **worst, const validation *scenes,
                             const char *model_path, ehd_error *error) {
-    ehdrom_model *model = NULL;
-    ehdrom_solver *solver = NULL;
+    online_model *model = NULL;
+    online_solver *solver = NULL;
     double largest = -1;
-    ehd_status status = ehdrom_open(&model, model_path, NULL, error);
+    ehd_status status = online_open(&model, model_path, NULL, error);
 
     *worst = NULL;
-    if (!status) status = ehdrom_solver_create(&solver, model, error);
+    if (!status) status = online_solver_create(&solver, model, error);
     for (size_t i = 0; i < scenes->num_scenes && !status; i++) {
         const solved_scene *solved = &scenes->scenes[i];
-        ehdrom_result result;
-        status = ehdrom_solve(&result, solver, solved->contact, error);
+        online_result result;
+        status = online_solve(&result, solver, solved->contact, error);
         const double here =
             status || result.status ? INFINITY : worse_film(&result.scalars, &solved->scalars);
         if (!(here > largest)) continue;
         largest = here;
         *worst = solved->contact;
     }
-    ehdrom_solver_free(solver);
-    ehdrom_close(model);
+    online_solver_free(solver);
+    online_close(model);
     return status;
 }

@@ -21,7 +21,7 @@ static ehd_status newton_steps(full_info *info, full_state *state, const ehd_con
     return status;
 }
 
-ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_result *result,
+ehd_status verify(verification *outcome, online_solver *solver, const online_result *result,
                   const ehd_contact *contact, ehd_error *error) {
     full_state state = {0};
     full_info info = {0};

@@ -3,7 +3,7 @@
 #ifndef EHD_VERIFY_H
 #define EHD_VERIFY_H
 
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 
 typedef struct verification {
     double residual;         // largest scaled one of all rows before the exit and of the closure
@@ -16,8 +16,8 @@ typedef struct verification {
 } verification;
 
 /* Verifies the last solution of `solver`, `result` of the stationary `contact`, and changes none of
- * them. Errors of ehdrom_fields and of full_solve. */
-ehd_status verify(verification *outcome, ehdrom_solver *solver, const ehdrom_result *result,
+ * them. Errors of online_fields and of full_solve. */
+ehd_status verify(verification *outcome, online_solver *solver, const online_result *result,
                   const ehd_contact *contact, ehd_error *error);
 
 #endif

@@ -40,7 +40,7 @@ ehd_status model_read(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
-    const char *path, const ehdrom_sizes *sizes, ehd_error *error);
+    const char *path, const model_sizes *sizes, ehd_error *error);
 
 /* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and,
  * of an independent basis, [num_nodes, num_deformation] (else NULL). */

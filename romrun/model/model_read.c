@@ -386,7 +386,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
 }
 
 static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artefact *file,
-                               const ehdrom_sizes *wanted, ehd_error *error) {
+                               const model_sizes *wanted, ehd_error *error) {
     bool coupled = model->deformation == DEFORMATION_COUPLED;
 
     stored->pressure = artefact_length(file, "pressure_mode");
@@ -408,11 +408,11 @@ static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artef
                                   "--rows", error);
 }
 
-ehd_status model_read(reduced_model *model, const char *path, const ehdrom_sizes *sizes,
+ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
                       ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};
     artefact *file = NULL;
-    const ehdrom_sizes whole = {0};
+    const model_sizes whole = {0};
     stored_sizes stored;
     ehd_status status = artefact_open(&file, path, kinds, error);
 

@@ -5,8 +5,8 @@
 #include <stddef.h>
 
 /* Size of the part of a stored model that is used, its first modes and rows; 0: all. */
-typedef struct ehdrom_sizes {
+typedef struct model_sizes {
     size_t pressure_modes, deformation_modes, rows;
-} ehdrom_sizes;
+} model_sizes;
 
 #endif

@@ -43,7 +43,7 @@ double trade_indicated(double factor, indicator_shape shape, double bound);
 
 /* Sizes of the model, with accuracy and time on the scenes that they solved (NaN: none). */
 typedef struct trade_position {
-    ehdrom_sizes sizes; // 0 only for the deformation modes of a coupled basis
+    model_sizes sizes; // 0 only for the deformation modes of a coupled basis
     double deviation[NUM_TRADE_QUANTITIES][NUM_TRADE_QUANTILES];
     double mean_iterations, max_iterations; // Newton, of a scene
     double seconds;                         // of a solution, median

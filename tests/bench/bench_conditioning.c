@@ -520,8 +520,8 @@ int main(int argc, char **argv) {
     }
     openblas_set_num_threads(1);
     const char *path = argv[1], *variant = argv[5];
-    const ehdrom_sizes sizes = {.pressure_modes = strtoul(argv[3], NULL, 10),
-                                .rows = strtoul(argv[4], NULL, 10)};
+    const model_sizes sizes = {.pressure_modes = strtoul(argv[3], NULL, 10),
+                               .rows = strtoul(argv[4], NULL, 10)};
     must(scene_read(&given, argv[2], (const char *const *)argv + 6, (size_t)argc - 6, &error),
          &error);
     must(scene_contact(&contact, &given, &error), &error);

@@ -122,8 +122,8 @@ int main(int argc, char **argv) {
     openblas_set_num_threads(1);
     size_t repeats = strtoul(argv[3], NULL, 10), num_overrides = (size_t)argc - 7;
     settings.tolerance = strtod(argv[4], NULL);
-    const ehdrom_sizes sizes = {.pressure_modes = strtoul(argv[5], NULL, 10),
-                                .rows = strtoul(argv[6], NULL, 10)};
+    const model_sizes sizes = {.pressure_modes = strtoul(argv[5], NULL, 10),
+                               .rows = strtoul(argv[6], NULL, 10)};
     must(scene_read(&given, argv[2], (const char *const *)argv + 7, num_overrides, &error), &error);
     must(scene_contact(&contact, &given, &error), &error);
     must(model_read(&model, argv[1], &sizes, &error), &error);

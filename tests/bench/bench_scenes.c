@@ -103,8 +103,8 @@ int main(int argc, char **argv) {
     openblas_set_num_threads(1);
     const size_t repeats = strtoul(argv[3], NULL, 10);
     settings.tolerance = strtod(argv[4], NULL);
-    const ehdrom_sizes sizes = {.pressure_modes = strtoul(argv[5], NULL, 10),
-                                .rows = strtoul(argv[6], NULL, 10)};
+    const model_sizes sizes = {.pressure_modes = strtoul(argv[5], NULL, 10),
+                               .rows = strtoul(argv[6], NULL, 10)};
     must(model_read(&model, argv[1], &sizes, &error), &error);
     must(reduced_solver_create(&solver, &model, &settings, &error), &error);
     must(reduced_state_init(&state, &model, &error), &error);

@@ -184,7 +184,7 @@ awk 'FNR == 1 { total[FILENAME] = $3 }
      { cost[FILENAME, $1] = $3 }
      END { base = "reduced-base.calls"; without = "reduced-without-control.calls"
            printf "program %.0f, of it opening the model %.0f, solution %.0f, indicator %.0f (without control rows %.0f)\n",
-               total[base] / 1000, cost[base, "ehdrom_open"] / 1000, cost[base, "reduced_solve"] / 1000,
+               total[base] / 1000, cost[base, "online_open"] / 1000, cost[base, "reduced_solve"] / 1000,
                cost[base, "indicator_bound"] / 1000, cost[without, "indicator_bound"] / 1000
            printf "a result file takes %+.0f, fields in it %+.0f\n", (total["reduced-file.calls"] - total[base]) / 1000,
                (total["reduced-fields.calls"] - total["reduced-file.calls"]) / 1000 }' reduced-*.calls
@@ -193,7 +193,7 @@ printf 'heap: %d kB, with fields %d kB, without control rows %d kB\n' "$(heap "$
     "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model without-control.h5)"
 check_terms reduced
 none full-short '^full_resolution'
-none reduced-base '^(reduced_fields|model_read_modes|ehdrom_fields|result_write)'
-none reduced-time '^(reduced_fields|ehdrom_fields|indicator_)'
+none reduced-base '^(reduced_fields|model_read_modes|online_fields|result_write)'
+none reduced-time '^(reduced_fields|online_fields|indicator_)'
 none reduced-without-control '^reduced_model_complete_control'
 exit $failed

@@ -35,20 +35,20 @@ static int tear_down(void **state) {
 
 /* A solver of a model and its solution of a contact. */
 typedef struct solved {
-    ehdrom_model *model;
-    ehdrom_solver *solver;
-    ehdrom_result result;
+    online_model *model;
+    online_solver *solver;
+    online_result result;
 } solved;
 
 static void solve(solved *self, const ehd_contact *contact) {
-    check_ok(ehdrom_open(&self->model, path, NULL, &error));
-    check_ok(ehdrom_solver_create(&self->solver, self->model, &error));
-    check_ok(ehdrom_solve(&self->result, self->solver, contact, &error));
+    check_ok(online_open(&self->model, path, NULL, &error));
+    check_ok(online_solver_create(&self->solver, self->model, &error));
+    check_ok(online_solve(&self->result, self->solver, contact, &error));
 }
 
 static void solved_free(solved *self) {
-    ehdrom_solver_free(self->solver);
-    ehdrom_close(self->model);
+    online_solver_free(self->solver);
+    online_close(self->model);
 }
 
 /* What it comes to is the full model's own solution, from where it is expected to start. */

@@ -23,7 +23,7 @@ static double factors[NUM_ROWS], jacobian_modes[NUM_ROWS][NUM_JACOBIAN_MODES];
 static char path[128];
 static ehd_error error;
 static char *words[] = {"podbuild", NULL};
-static const ehdrom_sizes everything = {0};
+static const model_sizes everything = {0};
 
 #define check_ok(call) assert_string_equal(((call) == EHD_OK) ? "" : error.text, "")
 
@@ -161,7 +161,7 @@ static void basis_is_refused(const char *words_of_it) {
     check_refused(basis_read(&found, identity, path, &error), words_of_it);
 }
 
-static void model_is_refused(const ehdrom_sizes *sizes, const char *words_of_it) {
+static void model_is_refused(const model_sizes *sizes, const char *words_of_it) {
     reduced_model found;
 
     check_refused(model_read(&found, path, sizes, &error), words_of_it);
@@ -290,7 +290,7 @@ static void control_rows_come_back(void **state) {
         check_ok(artefact_check(path, &error));
         for (size_t fewer = 0; fewer < 3; fewer += 2) {
             size_t deformation = basis->num_deformation ? basis->num_deformation - fewer : 0;
-            const ehdrom_sizes sizes = {basis->num_pressure - fewer, deformation, 40 - fewer};
+            const model_sizes sizes = {basis->num_pressure - fewer, deformation, 40 - fewer};
             const row_set *expected = &model.control, *control = &found.control;
             check_ok(model_read(&found, path, &sizes, &error));
             assert_int_equal(control->num_rows, 3);
@@ -320,7 +320,7 @@ static void control_rows_come_back(void **state) {
 static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        const ehdrom_sizes sizes = {.rows = 30};
+        const model_sizes sizes = {.rows = 30};
         reduced_model whole, part, found;
         build_model(&whole, &bases[kind], NUM_ROWS);
         build_in_order(&part, &bases[kind], 30);
@@ -339,7 +339,7 @@ static void a_prefix_of_the_rows_is_the_model_of_those_rows(void **state) {
 static void a_prefix_of_the_modes_is_the_model_of_those_modes(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        const ehdrom_sizes sizes = {7, kind ? 0 : 6, 0};
+        const model_sizes sizes = {7, kind ? 0 : 6, 0};
         reduced_basis small;
         reduced_model whole, part, found;
         trained_basis(&small, &training, bases[kind].deformation, 7, kind ? 0 : 6);
@@ -380,7 +380,7 @@ static size_t place_of(const reduced_model *model, size_t node) {
 /* The whole has the weights that are stored. */
 static void a_part_is_weighed_by_itself(void **state) {
     const struct {
-        ehdrom_sizes sizes;
+        model_sizes sizes;
         size_t num_rows, num_modes;
     } cases[] = {{{0, 0, 0}, NUM_ROWS, 10},
                  {{0, 0, 30}, 30, 10},
@@ -407,7 +407,7 @@ static void a_part_is_weighed_by_itself(void **state) {
 }
 
 static void a_part_of_unknown_weights_is_refused(void **state) {
-    const ehdrom_sizes part = {.rows = 30};
+    const model_sizes part = {.rows = 30};
     reduced_model model, found;
     (void)state;
 
@@ -500,7 +500,7 @@ static void bad_models_are_refused(void **state) {
 static void sizes_beyond_the_model_are_refused(void **state) {
     (void)state;
     const struct {
-        ehdrom_sizes sizes;
+        model_sizes sizes;
         const char *words;
     } cases[] = {{{10, 0, 0}, "--pressure-modes: found 10, expected at most the 9"},
                  {{0, 8, 0}, "--deformation-modes: found 8, expected at most the 7"},
@@ -511,7 +511,7 @@ static void sizes_beyond_the_model_are_refused(void **state) {
     write_model(&model, &bases[0]);
     for (size_t i = 0; i < 3; i++)
         model_is_refused(&cases[i].sizes, cases[i].words);
-    const ehdrom_sizes few = {0, 0, 8};
+    const model_sizes few = {0, 0, 8};
     reduced_model found;
     assert_int_equal(model_read(&found, path, &few, &error), EHD_DATA);
     assert_non_null(

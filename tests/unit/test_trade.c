@@ -41,9 +41,9 @@ static int tear_down(void **state) {
 
 // ---- the ladder
 
-static void check_ladder(size_t modes, size_t deformation, size_t rows,
-                         const ehdrom_sizes *expected, size_t count) {
-    const ehdrom_properties whole = {
+static void check_ladder(size_t modes, size_t deformation, size_t rows, const model_sizes *expected,
+                         size_t count) {
+    const online_properties whole = {
         .pressure_modes = modes, .deformation_modes = deformation, .rows = rows};
     trade_table table;
 
@@ -56,13 +56,13 @@ static void check_ladder(size_t modes, size_t deformation, size_t rows,
 
 static void the_ladder_goes_from_ten_modes_to_all(void **state) {
     // 10 sqrt(2)^k, in the end 10 2^(k/4), and 50 rows are fewer than twice 28 modes
-    const ehdrom_sizes coupled[] = {
-        {10, 0, 12}, {10, 0, 15}, {10, 0, 20}, {10, 0, 30}, {10, 0, 50}, {14, 0, 17}, {14, 0, 21},
-        {14, 0, 28}, {14, 0, 42}, {14, 0, 50}, {17, 0, 21}, {17, 0, 26}, {17, 0, 34}, {17, 0, 50},
-        {20, 0, 24}, {20, 0, 30}, {20, 0, 40}, {20, 0, 50}, {24, 0, 29}, {24, 0, 36}, {24, 0, 48},
-        {24, 0, 50}, {28, 0, 34}, {28, 0, 42}, {28, 0, 50}};
-    const ehdrom_sizes small[] = {{4, 3, 5}, {4, 3, 6}, {4, 3, 8}, {4, 3, 9}};
-    const ehdrom_sizes square[] = {{10, 5, 11}, {11, 5, 11}};
+    const model_sizes coupled[] = {{10, 0, 12}, {10, 0, 15}, {10, 0, 20}, {10, 0, 30}, {10, 0, 50},
+                                   {14, 0, 17}, {14, 0, 21}, {14, 0, 28}, {14, 0, 42}, {14, 0, 50},
+                                   {17, 0, 21}, {17, 0, 26}, {17, 0, 34}, {17, 0, 50}, {20, 0, 24},
+                                   {20, 0, 30}, {20, 0, 40}, {20, 0, 50}, {24, 0, 29}, {24, 0, 36},
+                                   {24, 0, 48}, {24, 0, 50}, {28, 0, 34}, {28, 0, 42}, {28, 0, 50}};
+    const model_sizes small[] = {{4, 3, 5}, {4, 3, 6}, {4, 3, 8}, {4, 3, 9}};
+    const model_sizes square[] = {{10, 5, 11}, {11, 5, 11}};
     (void)state;
 
     check_ladder(28, 0, 50, coupled, 25);
@@ -75,18 +75,18 @@ static void every_position_can_be_opened(void **state) {
     (void)state;
     for (size_t modes = 1; modes < 130; modes++)
         for (size_t rows = modes; rows < 4 * modes; rows++) {
-            const ehdrom_properties whole = {
+            const online_properties whole = {
                 .pressure_modes = modes, .deformation_modes = modes / 2, .rows = rows};
             trade_table table;
             check_ok(trade_ladder(&table, &whole, &error));
             for (size_t i = 0; i < table.num_positions; i++) {
-                const ehdrom_sizes *sizes = &table.positions[i].sizes;
+                const model_sizes *sizes = &table.positions[i].sizes;
                 assert_true(sizes->pressure_modes >= 1 && sizes->pressure_modes <= modes);
                 assert_true(sizes->rows >= sizes->pressure_modes && sizes->rows <= rows);
                 assert_true(sizes->deformation_modes <= modes / 2);
                 assert_true(modes / 2 == 0 || sizes->deformation_modes >= 1);
             }
-            const ehdrom_sizes *last = &table.positions[table.num_positions - 1].sizes;
+            const model_sizes *last = &table.positions[table.num_positions - 1].sizes;
             assert_true(last->pressure_modes == modes && last->rows == rows &&
                         last->deformation_modes == modes / 2);
             trade_free(&table);
@@ -282,7 +282,7 @@ static void accuracy_chooses_the_fastest_and_the_best(void **state) {
     (void)state;
 
     for (size_t i = 0; i < 4; i++)
-        positions[i].sizes = (ehdrom_sizes){10 + i, 0, 20 + i};
+        positions[i].sizes = (model_sizes){10 + i, 0, 20 + i};
     check_ok(accuracy_choose(&choice, &table, 2e-2, false, "m.h5", &error));
     assert_memory_equal(&choice.fastest, &positions[1].sizes, sizeof choice.fastest);
     assert_memory_equal(&choice.most_accurate, &positions[2].sizes, sizeof choice.most_accurate);
@@ -305,8 +305,8 @@ static void accuracy_goes_by_the_steps_in_time(void **state) {
     accuracy_choice choice;
     (void)state;
 
-    positions[0].sizes = (ehdrom_sizes){10, 4, 20};
-    positions[1].sizes = (ehdrom_sizes){12, 5, 24};
+    positions[0].sizes = (model_sizes){10, 4, 20};
+    positions[1].sizes = (model_sizes){12, 5, 24};
     positions[0].worst_in_time[TRADE_CENTRAL_FILM] = 1;
     positions[1].worst_in_time[TRADE_CENTRAL_FILM] = 0.25;
     positions[0].step_seconds = 1e-4;
@@ -409,17 +409,17 @@ static void a_full_model_deviates_by_what_it_is_told(void **state) {
     const size_t num_nodes = training.set.grid.num_nodes;
     solved_scene scenes[TRAINED_STATES];
     double *shifted = malloc(num_nodes * sizeof *shifted);
-    ehdrom_model *model;
-    ehdrom_solver *solver;
-    ehdrom_result result;
+    online_model *model;
+    online_solver *solver;
+    online_result result;
     trade_position position = {0};
     (void)state;
 
     assert_non_null(shifted);
-    check_ok(ehdrom_open(&model, path, NULL, &error));
-    check_ok(ehdrom_solver_create(&solver, model, &error));
+    check_ok(online_open(&model, path, NULL, &error));
+    check_ok(online_solver_create(&solver, model, &error));
     for (size_t s = 0; s < TRAINED_STATES; s++) {
-        check_ok(ehdrom_solve(&result, solver, &training.contacts[s], &error));
+        check_ok(online_solve(&result, solver, &training.contacts[s], &error));
         scenes[s] = (solved_scene){&training.contacts[s], training.set.pressure + s * num_nodes,
                                    result.scalars};
     }
@@ -442,37 +442,37 @@ static void a_full_model_deviates_by_what_it_is_told(void **state) {
     check_close(position.deviation[TRADE_CENTRAL_PRESSURE][TRADE_WORST], 0.25, 1e-9, 0);
     check_close(position.deviation[TRADE_PRESSURE][TRADE_WORST], 0.25, 1e-3, 0);
     check_close(position.deviation[TRADE_CENTRAL_FILM][TRADE_MEDIAN], 0, 0, 1e-12);
-    ehdrom_solver_free(solver);
-    ehdrom_close(model);
+    online_solver_free(solver);
+    online_close(model);
     free(shifted);
 }
 
 static void scenes_that_fail_count_as_failures_only(void **state) {
     ehd_contact outside = training.contacts[0];
     solved_scene scenes[] = {{.contact = &outside, .pressure = training.set.pressure}};
-    ehdrom_model *model;
+    online_model *model;
     trade_position position = {0};
     (void)state;
 
     contact_set_moes(&outside, 30, 3);
-    check_ok(ehdrom_open(&model, path, NULL, &error));
+    check_ok(online_open(&model, path, NULL, &error));
     check_ok(calibration_measure(&position, model, scenes, 1, &error));
     assert_int_equal(position.num_failures, 1);
     assert_true(isnan(position.deviation[TRADE_CENTRAL_FILM][TRADE_WORST]));
     assert_true(isnan(position.seconds) && isnan(position.mean_iterations));
-    ehdrom_close(model);
+    online_close(model);
 }
 
 static void failing_allocations_are_reported(void **state) {
     const double *pressure = training.set.pressure;
     const solved_scene scenes[] = {
         {&training.contacts[0], pressure, {.central_film_thickness = 1}}};
-    ehdrom_model *model;
+    online_model *model;
     trade_position position = {0};
     size_t call = 0;
     (void)state;
 
-    check_ok(ehdrom_open(&model, path, NULL, &error));
+    check_ok(online_open(&model, path, NULL, &error));
     for (;; call++) {
         allocation_fail_at(call);
         ehd_status status = calibration_measure(&position, model, scenes, 1, &error);
@@ -480,7 +480,7 @@ static void failing_allocations_are_reported(void **state) {
         assert_true(status == EHD_MEMORY || status == EHD_DATA); // the latter while reading modes
     }
     assert_true(call > 40);
-    ehdrom_close(model);
+    online_close(model);
 }
 
 // ---- the file
@@ -504,11 +504,11 @@ static void a_table_comes_back(void **state) {
     trade_position positions[] = {measured(0.125, 2e-4, 0), measured(NAN, NAN, 7)};
     const trade_table table = {7, 2, 2, positions};
     trade_table found;
-    ehdrom_model *model;
+    online_model *model;
     (void)state;
 
-    positions[0].sizes = (ehdrom_sizes){9, 0, 20};
-    positions[1].sizes = (ehdrom_sizes){12, 0, 121};
+    positions[0].sizes = (model_sizes){9, 0, 20};
+    positions[1].sizes = (model_sizes){12, 0, 121};
     positions[0].mean_iterations = 4.5;
     positions[0].max_iterations = 9;
     positions[0].num_lost = 1;
@@ -537,14 +537,14 @@ static void a_table_comes_back(void **state) {
     assert_int_equal(found.num_trajectories, 2);
     assert_int_equal(found.num_positions, 2);
     assert_memory_equal(&found.positions[0], &positions[0], sizeof positions[0]);
-    assert_memory_equal(&found.positions[1].sizes, &positions[1].sizes, sizeof(ehdrom_sizes));
+    assert_memory_equal(&found.positions[1].sizes, &positions[1].sizes, sizeof(model_sizes));
     assert_int_equal(found.positions[1].num_failures, 7);
     assert_true(isnan(found.positions[1].seconds));
     trade_free(&found);
     // it is still a model
-    check_ok(ehdrom_open(&model, calibrated, &positions[0].sizes, &error));
-    assert_int_equal(ehdrom_describe(model).rows, 20);
-    ehdrom_close(model);
+    check_ok(online_open(&model, calibrated, &positions[0].sizes, &error));
+    assert_int_equal(online_describe(model).rows, 20);
+    online_close(model);
 }
 
 static void table_is_refused(const trade_table *table, const char *words_of_it) {
@@ -563,11 +563,11 @@ static void tables_that_do_not_fit_are_refused(void **state) {
 
     assert_int_equal(trade_read(&found, path, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "found a model that is not calibrated"));
-    position.sizes = (ehdrom_sizes){13, 0, 30};
+    position.sizes = (model_sizes){13, 0, 30};
     table_is_refused(&table, "position_pressure_modes: found 13, expected 1 to 12");
-    position.sizes = (ehdrom_sizes){12, 1, 30};
+    position.sizes = (model_sizes){12, 1, 30};
     table_is_refused(&table, "position_deformation_modes: found 1, expected 0 to 0");
-    position.sizes = (ehdrom_sizes){12, 0, 0};
+    position.sizes = (model_sizes){12, 0, 0};
     table_is_refused(&table, "position_rows: found 0, expected 1 to 121");
     position.sizes.rows = 30;
     position.num_failures = 4;

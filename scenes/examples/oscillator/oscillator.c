@@ -12,7 +12,7 @@
 #include "common/program/program.h"
 #include "common/time/march.h"
 #include "fullrun/full_march.h"
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 
 #include <errno.h>
 #include <math.h>
@@ -65,10 +65,10 @@ static reply reply_of(ehd_status status, const char *reason, const contact_scala
 }
 
 static ehd_status reduced_start(reply *now, void *self, ehd_error *error) {
-    const ehdrom_conditions conditions = {
+    const online_conditions conditions = {
         .load = 1, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
-    ehdrom_state state;
-    ehd_status status = ehdrom_transient_start(&state, self, &conditions, error);
+    online_state state;
+    ehd_status status = online_transient_start(&state, self, &conditions, error);
 
     if (!status) *now = reply_of(state.status, state.reason, &state.scalars);
     return status;
@@ -76,17 +76,17 @@ static ehd_status reduced_start(reply *now, void *self, ehd_error *error) {
 
 static ehd_status reduced_step(reply *now, void *self, double approach, double step,
                                ehd_error *error) {
-    const ehdrom_conditions conditions = {
+    const online_conditions conditions = {
         .load = NAN, .approach = approach, .speed = 1, .radius = 1, .modulus = 1};
-    ehdrom_state state;
-    ehd_status status = ehdrom_step(&state, self, &conditions, step, error);
+    online_state state;
+    ehd_status status = online_step(&state, self, &conditions, step, error);
 
     if (!status) *now = reply_of(state.status, state.reason, &state.scalars);
     return status;
 }
 
 static void reduced_accept(void *self) {
-    ehdrom_accept(self);
+    online_accept(self);
 }
 
 /* The full model has no such interface, but is marched in the same way. */
@@ -242,18 +242,18 @@ static void print_run(const char *name, const trace *self) {
 
 static ehd_status run_reduced(trace *self, const char *model_path, const ehd_contact *reference,
                               ehd_error *error) {
-    ehdrom_model *model = NULL;
-    ehdrom_transient *contact = NULL;
-    ehd_status status = ehdrom_open(&model, model_path, NULL, error);
+    online_model *model = NULL;
+    online_transient *contact = NULL;
+    ehd_status status = online_open(&model, model_path, NULL, error);
 
-    if (!status) status = ehdrom_prepare_transient(model, error);
-    if (!status) status = ehdrom_transient_create(&contact, model, reference, error);
+    if (!status) status = online_prepare_transient(model, error);
+    if (!status) status = online_transient_create(&contact, model, reference, error);
     if (!status) {
         const force_element element = {contact, reduced_start, reduced_step, reduced_accept};
         status = run(self, &element, error);
     }
-    ehdrom_transient_free(contact);
-    ehdrom_close(model);
+    online_transient_free(contact);
+    online_close(model);
     return status;
 }
 

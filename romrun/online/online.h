@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The online solver as a library: open a model once, solve many scenes.
+/* The online solver as programs call it: open a model once, solve many scenes.
  *
- *     ehdrom_model *model = NULL;
- *     ehdrom_solver *solver = NULL;
+ *     online_model *model = NULL;
+ *     online_solver *solver = NULL;
  *     ehd_contact contact;
- *     ehdrom_result result;
+ *     online_result result;
  *     ehd_error error;
  *     scene given;
  *
- *     if (ehdrom_open(&model, "model.h5", NULL, &error) ||      // once
- *         ehdrom_solver_create(&solver, model, &error) ||       // once a thread
+ *     if (online_open(&model, "model.h5", NULL, &error) ||      // once
+ *         online_solver_create(&solver, model, &error) ||       // once a thread
  *         scene_read(&given, "scene.yml", NULL, 0, &error) ||   // or fill a scene by scene_set
  *         scene_contact(&contact, &given, &error) ||
- *         ehdrom_solve(&result, solver, &contact, &error))      // as often as wanted
+ *         online_solve(&result, solver, &contact, &error))      // as often as wanted
  *         fprintf(stderr, "%s\n", error.text);
  *
  * Nothing else is solved in place of a contact that the model does not solve well: `status` and
@@ -22,8 +22,8 @@
  * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then
  * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread.
  * Opening a model switches off HDF5's messages and its filter plugins in the process. */
-#ifndef EHDROM_H
-#define EHDROM_H
+#ifndef ONLINE_H
+#define ONLINE_H
 
 #include "common/output/film_effects.h"
 #include "common/output/indicated.h"
@@ -35,11 +35,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-typedef struct ehdrom_model ehdrom_model;
-typedef struct ehdrom_solver ehdrom_solver;
+typedef struct online_model online_model;
+typedef struct online_solver online_solver;
 
 /* Sizes and kind of a model, for information. */
-typedef struct ehdrom_properties {
+typedef struct online_properties {
     size_t num_inner;                         // n, nodes of the full grid
     size_t num_nodes;                         // with the boundary nodes
     size_t num_lines;                         // across, both sides of a mirror; 1 of a line contact
@@ -55,10 +55,10 @@ typedef struct ehdrom_properties {
     // whether the sizes in use were measured (deimselect, romrun --calibrate) on stationary scenes, and
     // on trajectories; where not, no deviation is indicated, and a result that is OK may be off by any
     bool checked, checked_in_time;
-} ehdrom_properties;
+} online_properties;
 
 /* One solution; dimensionless unless stated. */
-typedef struct ehdrom_result {
+typedef struct online_result {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED, also where the pressure cannot be one;
                              // EHD_UNTRUSTED: solved, but outside of the trained range, or a false
                              // solution by its residual or iterations
@@ -74,82 +74,82 @@ typedef struct ehdrom_result {
     double seconds_rows;      // rows and reduced Jacobian
     double seconds_linear;    // least squares
     double seconds_exit;      // exit boundary and its updates
-} ehdrom_result;
+} online_result;
 
 /* Loads a model. `sizes` NULL: all of it. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
-ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_sizes *sizes,
+ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
                        ehd_error *error);
-ehdrom_model *ehdrom_close(ehdrom_model *model); // accepts and returns NULL
-ehdrom_properties ehdrom_describe(const ehdrom_model *model);
+online_model *online_close(online_model *model); // accepts and returns NULL
+online_properties online_describe(const online_model *model);
 
 /* Memory of one solver; the model must outlive it. */
-ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *model,
+ehd_status online_solver_create(online_solver **solver, const online_model *model,
                                 ehd_error *error);
-ehdrom_solver *ehdrom_solver_free(ehdrom_solver *solver); // accepts and returns NULL
+online_solver *online_solver_free(online_solver *solver); // accepts and returns NULL
 
-/* Tolerance of ehdrom_solve, 1e-8 unless set: iterations stop where another one is expected to
+/* Tolerance of online_solve, 1e-8 unless set: iterations stop where another one is expected to
  * change the central film by a smaller part. A looser tolerance saves an iteration of three. */
-void ehdrom_solver_set_tolerance(ehdrom_solver *solver, double tolerance);
+void online_solver_set_tolerance(online_solver *solver, double tolerance);
 
 /* Solves one contact from the trained solutions. Not converged and not trusted are outcomes in
  * result->status. The grid is the model's, also where M and L alone would choose another. Returns
  * EHD_OK, or EHD_DATA when the scene gives a grid, or has a discretisation or a boundary, that is
  * not the model's: one that names none has the accurate one, a model of a version before 0.3.0 the
  * published one. */
-ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+ehd_status online_solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         ehd_error *error);
 
-/* Judges the pressures of a result on the whole grid, [num_nodes] by ehdrom_fields, as ehdrom_solve
+/* Judges the pressures of a result on the whole grid, [num_nodes] by online_fields, as online_solve
  * does those that it sees: EHD_NOT_CONVERGED where one is negative by more than rounding and the
  * truncated basis leave, or beyond the limit of the viscosity law. */
-void ehdrom_judge_pressure(ehdrom_result *result, const ehd_contact *contact,
+void online_judge_pressure(online_result *result, const ehd_contact *contact,
                            const double *pressure, size_t num_nodes);
 
 /* What is indicated of other quantities of the last solution. */
-typedef struct ehdrom_indications {
+typedef struct online_indications {
     double bound[NUM_INDICATED];     // of the deviation, up to a factor
     double deviation[NUM_INDICATED]; // NaN: not calibrated at these sizes, or there is none
-} ehdrom_indications;
+} online_indications;
 
 /* Takes twice as long as a solution, so that it is made only when asked for. `contact`: that of the last
- * ehdrom_solve. A given load is known: what the result has less is its deviation. */
-ehdrom_indications ehdrom_indicate(ehdrom_solver *solver, const ehd_contact *contact);
+ * online_solve. A given load is known: what the result has less is its deviation. */
+online_indications online_indicate(online_solver *solver, const ehd_contact *contact);
 
 /* What the grid of the model's training does to the films of a contact, which no solution of the
  * model tells: relative changes of central and minimum film by smaller steps and a longer inlet,
  * interpolated between the estimates of the training points (film_effects.h). NaN: the model holds
  * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
-film_effects ehdrom_effects(const ehdrom_model *model, const ehd_contact *contact);
+film_effects online_effects(const online_model *model, const ehd_contact *contact);
 
 /* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
  * half grid the half: the only call whose cost grows with the grid. Reads the model file at the
  * first call, hence one thread at a time. */
-ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error);
+ehd_status online_fields(double *pressure, double *film, online_solver *solver, ehd_error *error);
 
 /* X of the last solution's exit on each of num_lines lines. */
-void ehdrom_exits(double *positions, const ehdrom_solver *solver);
+void online_exits(double *positions, const online_solver *solver);
 
 // ---- in time: a contact whose load, speed, radius or modulus vary
 
 /* A contact in time, for somebody else's integrator:
  *
- *     ehdrom_prepare_transient(model, &error);                            // once
- *     ehdrom_transient_create(&contact_in_time, model, &contact, &error); // one a contact
- *     ehdrom_transient_start(&state, contact_in_time, &conditions, &error);
+ *     online_prepare_transient(model, &error);                            // once
+ *     online_transient_create(&contact_in_time, model, &contact, &error); // one a contact
+ *     online_transient_start(&state, contact_in_time, &conditions, &error);
  *     while (…) {
  *         do
  *             // as often as wanted, always from the last accepted state
- *             ehdrom_step(&state, contact_in_time, &conditions, step, &error);
+ *             online_step(&state, contact_in_time, &conditions, step, &error);
  *         while (…);
- *         ehdrom_accept(contact_in_time);
+ *         online_accept(contact_in_time);
  *     }
  *
  * Time is T = u_ref t / a_ref, and steps are BDF2 (the first one BDF1). Everything in and out is
- * relative to the reference contact of ehdrom_transient_create. */
-typedef struct ehdrom_transient ehdrom_transient;
+ * relative to the reference contact of online_transient_create. */
+typedef struct online_transient online_transient;
 
 /* Conditions at the end of a step, relative to the reference. */
-typedef struct ehdrom_conditions {
+typedef struct online_conditions {
     /* Given where the approach is NaN. Else an outcome, and this any value near it to scale the
      * frame with; NaN: extrapolated from the last steps. */
     double load;
@@ -158,9 +158,9 @@ typedef struct ehdrom_conditions {
     double approach;
     double speed; // entrainment, not negative
     double radius, modulus;
-} ehdrom_conditions;
+} online_conditions;
 
-typedef struct ehdrom_state {
+typedef struct online_state {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED: try a shorter step; EHD_UNTRUSTED
     const char *reason;      // why it is not EHD_OK, or ""
     double time;             // T
@@ -172,52 +172,52 @@ typedef struct ehdrom_state {
     double indicated, indicated_minimum;
     size_t iterations;
     double residual;
-} ehdrom_state;
+} online_state;
 
 /* Reads what only transient scenes need. Once a model, one thread at a time. */
-ehd_status ehdrom_prepare_transient(ehdrom_model *model, ehd_error *error);
+ehd_status online_prepare_transient(online_model *model, ehd_error *error);
 
 /* The model must outlive it. EHD_DATA: other grid or discretisation; EHD_INTERNAL: not prepared; EHD_MEMORY. */
-ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
+ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error);
-ehdrom_transient *ehdrom_transient_free(ehdrom_transient *transient); // accepts and returns NULL
+online_transient *online_transient_free(online_transient *transient); // accepts and returns NULL
 
 /* What the steps may do to the central film, as transient.tolerance: iterations along the path then
  * leave a tenth of a step's part, which saves a fifth of them. Unless set a step is iterated as
- * ehdrom_solve does it. */
-void ehdrom_transient_set_tolerance(ehdrom_transient *transient, double tolerance);
+ * online_solve does it. */
+void online_transient_set_tolerance(online_transient *transient, double tolerance);
 
 /* Solves and accepts the stationary state of the conditions at time 0. Where it does not converge,
  * no step can follow. EHD_DATA: conditions out of range. */
-ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *transient,
-                                  const ehdrom_conditions *conditions, ehd_error *error);
+ehd_status online_transient_start(online_state *state, online_transient *transient,
+                                  const online_conditions *conditions, ehd_error *error);
 
 /* Solves the state a step (in T) after the last accepted one. Allocates nothing. EHD_DATA as
  * before; EHD_INTERNAL: neither started nor restored. */
-ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *transient,
-                       const ehdrom_conditions *conditions, double step, ehd_error *error);
+ehd_status online_step(online_state *state, online_transient *transient,
+                       const online_conditions *conditions, double step, ehd_error *error);
 
 /* Accepts the last step. Without effect where it did not converge, was refused or is accepted. */
-void ehdrom_accept(ehdrom_transient *transient);
+void online_accept(online_transient *transient);
 
 /* After a jump of the conditions: the next step is first order, from the last state alone. */
-void ehdrom_restart(ehdrom_transient *transient);
+void online_restart(online_transient *transient);
 
-/* Saves the accepted state, [ehdrom_saved_size], and restores it, in any object of the same model
+/* Saves the accepted state, [online_saved_size], and restores it, in any object of the same model
  * and reference: steps that follow are the same to the last bit. EHD_DATA: not a saved state; the
  * object must then be started or restored anew. */
-size_t ehdrom_saved_size(const ehdrom_transient *transient);
-void ehdrom_save(double *saved, const ehdrom_transient *transient);
-ehd_status ehdrom_restore(ehdrom_transient *transient, const double *saved, ehd_error *error);
+size_t online_saved_size(const online_transient *transient);
+void online_save(double *saved, const online_transient *transient);
+ehd_status online_restore(online_transient *transient, const double *saved, ehd_error *error);
 
-/* P and H of the accepted state on the whole grid, as by ehdrom_fields, in its own frame: the only
+/* P and H of the accepted state on the whole grid, as by online_fields, in its own frame: the only
  * call here whose cost grows with the grid. */
-ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *transient,
+ehd_status online_transient_fields(double *pressure, double *film, online_transient *transient,
                                    ehd_error *error);
 
 /* A solver for march_run, which chooses the steps itself, and its effort so far in seconds. Use
  * either that or the calls above, not both in turn. */
-march_solver ehdrom_march(ehdrom_transient *transient);
-void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver);
+march_solver online_march(online_transient *transient);
+void online_march_effort(double *rows, double *linear, double *exit, const void *solver);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 
 #include "romrun/model/model_file.h"
 #include "romrun/model/trade_file.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct ehdrom_model {
+struct online_model {
     reduced_model reduced;
     char *path;
     trained_range *range;
@@ -30,8 +30,8 @@ struct ehdrom_model {
     double *pressure_basis, *deformation_basis;
 };
 
-struct ehdrom_solver {
-    const ehdrom_model *model;
+struct online_solver {
+    const online_model *model;
     reduced_solver *reduced;
     indicator *indicator;
     reduced_state state;
@@ -41,9 +41,9 @@ struct ehdrom_solver {
 };
 
 /* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
-static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *error) {
+static ehd_status read_factors(online_model *self, const char *path, ehd_error *error) {
     const reduced_model *model = &self->reduced;
-    const ehdrom_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
+    const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
     trade_table table;
     bool calibrated;
     ehd_status status = trade_read_optional(&table, &calibrated, path, error);
@@ -69,9 +69,9 @@ static ehd_status read_factors(ehdrom_model *self, const char *path, ehd_error *
     return EHD_OK;
 }
 
-ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_sizes *sizes,
+ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
                        ehd_error *error) {
-    ehdrom_model *self = calloc(1, sizeof *self);
+    online_model *self = calloc(1, sizeof *self);
 
     *model = NULL;
     if (self) self->path = strdup(path);
@@ -86,13 +86,13 @@ ehd_status ehdrom_open(ehdrom_model **model, const char *path, const ehdrom_size
         if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
     if (status)
-        ehdrom_close(self);
+        online_close(self);
     else
         *model = self;
     return status;
 }
 
-ehdrom_model *ehdrom_close(ehdrom_model *self) {
+online_model *online_close(online_model *self) {
     if (self) {
         reduced_model_free(&self->reduced);
         trained_range_free(self->range);
@@ -105,9 +105,9 @@ ehdrom_model *ehdrom_close(ehdrom_model *self) {
     return NULL;
 }
 
-ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
+online_properties online_describe(const online_model *self) {
     const reduced_model *model = &self->reduced;
-    ehdrom_properties properties = {.num_inner = model->grid.num_inner,
+    online_properties properties = {.num_inner = model->grid.num_inner,
                                     .num_nodes = model->grid.num_nodes,
                                     .num_lines = grid_whole(&model->grid).inner_lines,
                                     .x_min = model->grid.x_min,
@@ -127,10 +127,10 @@ ehdrom_properties ehdrom_describe(const ehdrom_model *self) {
     return properties;
 }
 
-ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *model,
+ehd_status online_solver_create(online_solver **solver, const online_model *model,
                                 ehd_error *error) {
     const reduced_settings settings = reduced_default_settings();
-    ehdrom_solver *self = calloc(1, sizeof *self);
+    online_solver *self = calloc(1, sizeof *self);
     ehd_status status = EHD_OK;
 
     *solver = NULL;
@@ -142,13 +142,13 @@ ehd_status ehdrom_solver_create(ehdrom_solver **solver, const ehdrom_model *mode
         status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     if (!status) status = reduced_solver_create(&self->reduced, &model->reduced, &settings, error);
     if (status)
-        ehdrom_solver_free(self);
+        online_solver_free(self);
     else
         *solver = self;
     return status;
 }
 
-ehdrom_solver *ehdrom_solver_free(ehdrom_solver *self) {
+online_solver *online_solver_free(online_solver *self) {
     if (self) {
         reduced_solver_free(self->reduced);
         indicator_free(self->indicator);
@@ -159,11 +159,11 @@ ehdrom_solver *ehdrom_solver_free(ehdrom_solver *self) {
     return NULL;
 }
 
-void ehdrom_solver_set_tolerance(ehdrom_solver *self, double tolerance) {
+void online_solver_set_tolerance(online_solver *self, double tolerance) {
     reduced_solver_set_tolerance(self->reduced, tolerance);
 }
 
-static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *contact,
+static ehd_status check_contact(const online_model *model, const ehd_contact *contact,
                                 ehd_error *error) {
     const ehd_grid *own = &model->reduced.grid, *grid = &contact->grid;
     ehd_contact on_model = *contact;
@@ -185,9 +185,9 @@ static ehd_status check_contact(const ehdrom_model *model, const ehd_contact *co
 }
 
 /* Estimates the deviation from the residuals of the rows. */
-static void indicate(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+static void indicate(online_result *result, online_solver *solver, const ehd_contact *contact,
                      const reduced_info *info) {
-    const ehdrom_model *model = solver->model;
+    const online_model *model = solver->model;
     const double start = program_seconds();
 
     result->bound = result->bound_minimum = result->indicated = result->indicated_minimum = NAN;
@@ -227,7 +227,7 @@ static const double MAX_ITERATIONS_OVER_CALIBRATION = 5;
 static const double MOST_NEGATIVE = 1e-3;
 
 /* Marks a result whose pressures cannot be a solution's as not converged. */
-static void judge_pressure(ehdrom_result *result, const ehd_contact *contact,
+static void judge_pressure(online_result *result, const ehd_contact *contact,
                            const reduced_pressures *range) {
     if (result->status == EHD_NOT_CONVERGED) return;
     if (range->least >= -MOST_NEGATIVE &&
@@ -239,7 +239,7 @@ static void judge_pressure(ehdrom_result *result, const ehd_contact *contact,
                          : "a pressure below zero by more than a thousandth of the Hertz pressure";
 }
 
-void ehdrom_judge_pressure(ehdrom_result *result, const ehd_contact *contact,
+void online_judge_pressure(online_result *result, const ehd_contact *contact,
                            const double *pressure, size_t num_nodes) {
     reduced_pressures range = {0, 0};
 
@@ -250,7 +250,7 @@ void ehdrom_judge_pressure(ehdrom_result *result, const ehd_contact *contact,
 
 /* Marks a converged result outside of the trained range, or far from solving its rows, as
  * untrusted. */
-static void judge(ehdrom_result *result, const ehdrom_model *model, const ehd_contact *contact) {
+static void judge(online_result *result, const online_model *model, const ehd_contact *contact) {
     if (result->status) return;
     const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
     if (!reason && result->residual > MAX_RESIDUAL_OVER_CALIBRATION * model->largest_residual)
@@ -263,7 +263,7 @@ static void judge(ehdrom_result *result, const ehdrom_model *model, const ehd_co
     result->reason = reason;
 }
 
-ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_contact *contact,
+ehd_status online_solve(online_result *result, online_solver *solver, const ehd_contact *contact,
                         ehd_error *error) {
     const reduced_model *model = &solver->model->reduced;
     reduced_info info;
@@ -275,7 +275,7 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
     solver->solved = !status && info.status != EHD_NOT_CONVERGED;
     if (status) return status;
     solver->scalars = info.scalars;
-    *result = (ehdrom_result){.status = info.status,
+    *result = (online_result){.status = info.status,
                               .reason = info.reason,
                               .scalars = info.scalars,
                               .iterations = info.iterations,
@@ -293,10 +293,10 @@ ehd_status ehdrom_solve(ehdrom_result *result, ehdrom_solver *solver, const ehd_
     return EHD_OK;
 }
 
-ehdrom_indications ehdrom_indicate(ehdrom_solver *solver, const ehd_contact *contact) {
-    const ehdrom_model *model = solver->model;
+online_indications online_indicate(online_solver *solver, const ehd_contact *contact) {
+    const online_model *model = solver->model;
     const contact_scalars *scalars = &solver->scalars;
-    ehdrom_indications found;
+    online_indications found;
 
     for (int q = 0; q < NUM_INDICATED; q++)
         found.bound[q] = found.deviation[q] = NAN;
@@ -313,12 +313,12 @@ ehdrom_indications ehdrom_indicate(ehdrom_solver *solver, const ehd_contact *con
     return found;
 }
 
-film_effects ehdrom_effects(const ehdrom_model *model, const ehd_contact *contact) {
+film_effects online_effects(const online_model *model, const ehd_contact *contact) {
     return reduced_effects(&model->reduced, contact->moes_M, contact->alpha_p_H,
                            &contact->lubricant);
 }
 
-ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, ehd_error *error) {
+ehd_status online_fields(double *pressure, double *film, online_solver *solver, ehd_error *error) {
     const reduced_model *model = &solver->model->reduced;
 
     if (!solver->pressure_basis) {
@@ -329,7 +329,7 @@ ehd_status ehdrom_fields(double *pressure, double *film, ehdrom_solver *solver, 
     return reduced_fields(pressure, film, &solver->state, model, solver->pressure_basis, error);
 }
 
-void ehdrom_exits(double *positions, const ehdrom_solver *solver) {
+void online_exits(double *positions, const online_solver *solver) {
     const reduced_model *model = &solver->model->reduced;
 
     if (model->band.num_lines == 1)
@@ -340,8 +340,8 @@ void ehdrom_exits(double *positions, const ehdrom_solver *solver) {
 
 // ---- in time
 
-struct ehdrom_transient {
-    const ehdrom_model *model;
+struct online_transient {
+    const online_model *model;
     ehd_contact reference;
     reduced_march *march;
     bool started;           // there is an accepted state
@@ -352,7 +352,7 @@ struct ehdrom_transient {
     double path, speed;     // of the fluid, accepted
 };
 
-ehd_status ehdrom_prepare_transient(ehdrom_model *self, ehd_error *error) {
+ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
     if (self->transient) return EHD_OK;
     ehd_status status = model_read_modes(&self->pressure_basis, &self->deformation_basis,
                                          self->path, &self->reduced, error);
@@ -363,17 +363,17 @@ ehd_status ehdrom_prepare_transient(ehdrom_model *self, ehd_error *error) {
     return status;
 }
 
-ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_model *model,
+ehd_status online_transient_create(online_transient **transient, const online_model *model,
                                    const ehd_contact *reference, ehd_error *error) {
     const reduced_settings settings = reduced_default_settings();
-    ehdrom_transient *self = NULL;
+    online_transient *self = NULL;
     ehd_status status = check_contact(model, reference, error);
 
     *transient = NULL;
     if (!status && !model->transient)
         status = ehd_fail(error, EHD_INTERNAL,
                           "%s: found a model that is not prepared, expected "
-                          "ehdrom_prepare_transient before",
+                          "online_prepare_transient before",
                           model->path);
     if (status) return status;
     self = calloc(1, sizeof *self);
@@ -385,13 +385,13 @@ ehd_status ehdrom_transient_create(ehdrom_transient **transient, const ehdrom_mo
                                   &settings, error);
     if (!status) reduced_march_indicate(self->march, model->in_time);
     if (status)
-        ehdrom_transient_free(self);
+        online_transient_free(self);
     else
         *transient = self;
     return status;
 }
 
-ehdrom_transient *ehdrom_transient_free(ehdrom_transient *self) {
+online_transient *online_transient_free(online_transient *self) {
     if (self) {
         reduced_march_free(self->march);
         free(self);
@@ -399,15 +399,15 @@ ehdrom_transient *ehdrom_transient_free(ehdrom_transient *self) {
     return NULL;
 }
 
-void ehdrom_transient_set_tolerance(ehdrom_transient *self, double tolerance) {
+void online_transient_set_tolerance(online_transient *self, double tolerance) {
     reduced_march_set_tolerance(self->march, tolerance);
 }
 
-march_solver ehdrom_march(ehdrom_transient *self) {
+march_solver online_march(online_transient *self) {
     return reduced_march_solver(self->march);
 }
 
-void ehdrom_march_effort(double *rows, double *linear, double *exit, const void *solver) {
+void online_march_effort(double *rows, double *linear, double *exit, const void *solver) {
     reduced_march_effort effort = reduced_march_effort_of(solver);
 
     *rows = effort.seconds_rows + effort.seconds_previous;
@@ -415,10 +415,10 @@ void ehdrom_march_effort(double *rows, double *linear, double *exit, const void 
     *exit = effort.seconds_exit;
 }
 
-static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
+static void fill_state(online_state *state, const online_transient *self) {
     const march_step *step = &self->last;
 
-    *state = (ehdrom_state){.status = step->status,
+    *state = (online_state){.status = step->status,
                             .reason = step->reason,
                             .time = step->frame.time,
                             .scalars =
@@ -431,7 +431,7 @@ static void fill_state(ehdrom_state *state, const ehdrom_transient *self) {
                             .residual = step->residual};
 }
 
-static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditions *conditions,
+static contact_frame frame_of(const online_transient *self, const online_conditions *conditions,
                               double step) {
     double values[NUM_VARY] = {[VARY_LOAD] =
                                    isnan(conditions->load)
@@ -447,7 +447,7 @@ static contact_frame frame_of(const ehdrom_transient *self, const ehdrom_conditi
     return frame;
 }
 
-static ehd_status check_conditions(const ehdrom_conditions *conditions,
+static ehd_status check_conditions(const online_conditions *conditions,
                                    const ehd_contact *reference, ehd_error *error) {
     bool expected = isnan(conditions->load) && !isnan(conditions->approach);
     const struct {
@@ -472,8 +472,8 @@ static ehd_status check_conditions(const ehdrom_conditions *conditions,
     return isnan(conditions->approach) ? EHD_OK : contact_check_approach(reference, error);
 }
 
-ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
-                                  const ehdrom_conditions *conditions, ehd_error *error) {
+ehd_status online_transient_start(online_state *state, online_transient *self,
+                                  const online_conditions *conditions, ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
@@ -494,8 +494,8 @@ ehd_status ehdrom_transient_start(ehdrom_state *state, ehdrom_transient *self,
     return EHD_OK;
 }
 
-ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
-                       const ehdrom_conditions *conditions, double step, ehd_error *error) {
+ehd_status online_step(online_state *state, online_transient *self,
+                       const online_conditions *conditions, double step, ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
     ehd_status status = check_conditions(conditions, &self->reference, error);
 
@@ -503,8 +503,8 @@ ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
         status = ehd_fail(error, EHD_DATA, "step: found %g, expected a number above 0", step);
     if (!status && !self->started)
         status = ehd_fail(error, EHD_INTERNAL,
-                          "step: found no accepted state, expected ehdrom_transient_start or "
-                          "ehdrom_restore before");
+                          "step: found no accepted state, expected online_transient_start or "
+                          "online_restore before");
     self->solved = false;
     if (status) return status;
     contact_frame frame = frame_of(self, conditions, step);
@@ -517,7 +517,7 @@ ehd_status ehdrom_step(ehdrom_state *state, ehdrom_transient *self,
     return EHD_OK;
 }
 
-void ehdrom_accept(ehdrom_transient *self) {
+void online_accept(online_transient *self) {
     march_solver solver = reduced_march_solver(self->march);
     double load = self->last.scalars.load * self->last.frame.load;
 
@@ -531,7 +531,7 @@ void ehdrom_accept(ehdrom_transient *self) {
     self->speed = self->last.frame.speed;
 }
 
-void ehdrom_restart(ehdrom_transient *self) {
+void online_restart(online_transient *self) {
     march_solver solver = reduced_march_solver(self->march);
 
     solver.restart(solver.self);
@@ -539,13 +539,13 @@ void ehdrom_restart(ehdrom_transient *self) {
 
 enum { NUM_OWN = 3 };
 
-size_t ehdrom_saved_size(const ehdrom_transient *self) {
+size_t online_saved_size(const online_transient *self) {
     march_solver solver = reduced_march_solver(self->march);
 
     return NUM_OWN + solver.saved_size(solver.self);
 }
 
-void ehdrom_save(double *saved, const ehdrom_transient *self) {
+void online_save(double *saved, const online_transient *self) {
     march_solver solver = reduced_march_solver(self->march);
 
     saved[0] = self->time;
@@ -554,7 +554,7 @@ void ehdrom_save(double *saved, const ehdrom_transient *self) {
     solver.save(saved + NUM_OWN, solver.self);
 }
 
-ehd_status ehdrom_restore(ehdrom_transient *self, const double *saved, ehd_error *error) {
+ehd_status online_restore(online_transient *self, const double *saved, ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
     ehd_status status = EHD_OK;
 
@@ -577,7 +577,7 @@ ehd_status ehdrom_restore(ehdrom_transient *self, const double *saved, ehd_error
     return EHD_OK;
 }
 
-ehd_status ehdrom_transient_fields(double *pressure, double *film, ehdrom_transient *self,
+ehd_status online_transient_fields(double *pressure, double *film, online_transient *self,
                                    ehd_error *error) {
     march_solver solver = reduced_march_solver(self->march);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The library: opens a model and solves contacts with it. How it takes steps in time is in
- * test_ehdrom_transient.c. */
-#include "romrun/online/ehdrom.h"
+ * test_online_transient.c. */
+#include "romrun/online/online.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/reduced_problem.h"
@@ -35,22 +35,22 @@ static int tear_down(void **state) {
 }
 
 typedef struct library_run {
-    const ehdrom_model *model;
-    ehdrom_result results[8];
+    const online_model *model;
+    online_result results[8];
     ehd_status status;
 } library_run;
 
 static void *solve_many(void *argument) {
     library_run *run = argument;
-    ehdrom_solver *solver = NULL;
+    online_solver *solver = NULL;
 
-    run->status = ehdrom_solver_create(&solver, run->model, NULL);
+    run->status = online_solver_create(&solver, run->model, NULL);
     for (size_t i = 0; i < 8 && !run->status; i++) {
         ehd_contact contact = training.contacts[0];
         contact_set_moes(&contact, 9 + (double)i, 3);
-        run->status = ehdrom_solve(&run->results[i], solver, &contact, NULL);
+        run->status = online_solve(&run->results[i], solver, &contact, NULL);
     }
-    ehdrom_solver_free(solver);
+    online_solver_free(solver);
     return NULL;
 }
 
@@ -59,7 +59,7 @@ static void check_same_results(const library_run *a, const library_run *b) {
     assert_int_equal(a->status, EHD_OK);
     assert_int_equal(b->status, EHD_OK);
     for (size_t i = 0; i < 8; i++) {
-        const ehdrom_result *p = &a->results[i], *q = &b->results[i];
+        const online_result *p = &a->results[i], *q = &b->results[i];
         assert_int_equal(p->status, EHD_OK);
         assert_int_equal(q->iterations, p->iterations);
         check_close(q->scalars.central_film_thickness, p->scalars.central_film_thickness, 0, 0);
@@ -73,9 +73,9 @@ static void check_same_results(const library_run *a, const library_run *b) {
 static void two_threads_give_the_same_bits(void **state) {
     (void)state;
     for (int kind = 0; kind < 2; kind++) {
-        ehdrom_model *model;
+        online_model *model;
         rows_model_write(&bases[kind], rows, NUM_ROWS, path);
-        check_ok(ehdrom_open(&model, path, NULL, &error));
+        check_ok(online_open(&model, path, NULL, &error));
         library_run alone = {.model = model}, runs[2] = {{.model = model}, {.model = model}};
         pthread_t threads[2];
         solve_many(&alone);
@@ -85,7 +85,7 @@ static void two_threads_give_the_same_bits(void **state) {
             pthread_join(threads[i], NULL);
         check_same_results(&runs[0], &alone);
         check_same_results(&runs[1], &alone);
-        assert_null(ehdrom_close(model));
+        assert_null(online_close(model));
     }
 }
 
@@ -93,16 +93,16 @@ static void the_library_says_what_it_solved(void **state) {
     (void)state;
     size_t num_nodes = training.set.grid.num_nodes;
     double *pressure = calloc(2 * num_nodes, sizeof *pressure), *film = pressure + num_nodes;
-    const ehdrom_sizes sizes = {8, 0, 35};
-    ehdrom_model *model;
-    ehdrom_solver *solver;
-    ehdrom_result result;
+    const model_sizes sizes = {8, 0, 35};
+    online_model *model;
+    online_solver *solver;
+    online_result result;
 
     for (size_t s = 0; s < TRAINED_STATES; s++)
         bases[1].states.effects[s].of[EFFECT_STEP] = -0.02;
     rows_model_write(&bases[1], rows, NUM_ROWS, path);
-    check_ok(ehdrom_open(&model, path, &sizes, &error));
-    ehdrom_properties properties = ehdrom_describe(model);
+    check_ok(online_open(&model, path, &sizes, &error));
+    online_properties properties = online_describe(model);
     assert_int_equal(properties.num_inner, 121);
     assert_int_equal(properties.pressure_modes, 8);
     assert_int_equal(properties.rows, 35);
@@ -113,10 +113,10 @@ static void the_library_says_what_it_solved(void **state) {
 
     ehd_contact contact = training.contacts[4];
     contact_set_moes(&contact, 12, 3);
-    check_ok(ehdrom_solver_create(&solver, model, &error));
-    check_ok(ehdrom_solve(&result, solver, &contact, &error));
+    check_ok(online_solver_create(&solver, model, &error));
+    check_ok(online_solve(&result, solver, &contact, &error));
     assert_string_equal(result.reason, "");
-    check_ok(ehdrom_fields(pressure, film, solver, &error));
+    check_ok(online_fields(pressure, film, solver, &error));
     const double least = trained_least_film(film, &training.set.grid);
     double load = 0;
     for (size_t k = 0; k < num_nodes; k++)
@@ -125,49 +125,49 @@ static void the_library_says_what_it_solved(void **state) {
     check_close(pressure[81], result.scalars.central_pressure, 1e-11, 0);
     check_close(least, result.scalars.minimum_film_thickness, 1e-11, 0);
     check_close(load, result.scalars.load, 1e-11, 0);
-    const film_effects effects = ehdrom_effects(model, &contact);
+    const film_effects effects = online_effects(model, &contact);
     check_close(effects.of[EFFECT_STEP], -0.02, 1e-12, 0);
     assert_true(isnan(effects.of[EFFECT_STEP_MINIMUM]) && isnan(effects.of[EFFECT_INLET]));
 
     // a pressure beyond the end of the viscosity law, seen by the solver and on the whole grid
     contact.lubricant.pressure_limit =
         0.98 * result.scalars.central_pressure * contact.hertz_pressure;
-    ehdrom_result beyond = result;
-    ehdrom_judge_pressure(&beyond, &contact, pressure, num_nodes);
+    online_result beyond = result;
+    online_judge_pressure(&beyond, &contact, pressure, num_nodes);
     assert_int_equal(beyond.status, EHD_NOT_CONVERGED);
-    check_ok(ehdrom_solve(&beyond, solver, &contact, &error));
+    check_ok(online_solve(&beyond, solver, &contact, &error));
     assert_int_equal(beyond.status, EHD_NOT_CONVERGED);
     assert_non_null(strstr(beyond.reason, "beyond the limit of the viscosity law"));
     contact.lubricant.pressure_limit = INFINITY;
     // one that is not a number, or below zero by more than rounding
     const double strange[] = {NAN, -1.1e-3, -0.9e-3};
     for (size_t i = 0; i < 3; i++) {
-        ehdrom_result judged = result;
+        online_result judged = result;
         pressure[20] = strange[i];
-        ehdrom_judge_pressure(&judged, &contact, pressure, num_nodes);
+        online_judge_pressure(&judged, &contact, pressure, num_nodes);
         assert_int_equal(judged.status, i < 2 ? EHD_NOT_CONVERGED : EHD_OK);
     }
 
     // outside of what was trained: solved, and said
     contact_set_moes(&contact, 25, 3);
-    check_ok(ehdrom_solve(&result, solver, &contact, &error));
+    check_ok(online_solve(&result, solver, &contact, &error));
     assert_int_equal(result.status, EHD_UNTRUSTED);
     assert_non_null(strstr(result.reason, "trained range"));
     // another grid
     const ehd_grid *grid = &training.set.grid;
     contact.grid = grid_like(grid, grid->x_min, grid->step, grid->inner_x + 1, 1);
-    assert_int_equal(ehdrom_solve(&result, solver, &contact, &error), EHD_DATA);
+    assert_int_equal(online_solve(&result, solver, &contact, &error), EHD_DATA);
     assert_non_null(strstr(error.text, "grid: found a line contact"));
-    ehdrom_solver_free(solver);
-    ehdrom_close(model);
+    online_solver_free(solver);
+    online_close(model);
     free(pressure);
 
     snprintf(path + strlen(path), 3, "no");
-    assert_int_equal(ehdrom_open(&model, path, NULL, &error), EHD_NOINPUT);
+    assert_int_equal(online_open(&model, path, NULL, &error), EHD_NOINPUT);
     assert_null(model);
     path[strlen(path) - 2] = '\0';
-    assert_null(ehdrom_close(NULL));
-    assert_null(ehdrom_solver_free(NULL));
+    assert_null(online_close(NULL));
+    assert_null(online_solver_free(NULL));
 }
 
 int main(void) {

@@ -2,7 +2,7 @@
 /* The stepping interface of the library, as the force element of somebody else's integrator. */
 #include "fullrun/full_march.h"
 #include "podbuild/bases.h"
-#include "romrun/online/ehdrom.h"
+#include "romrun/online/online.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
@@ -29,7 +29,7 @@ enum { NUM_STEPS = 128, NUM_STATES = NUM_STEPS + 1, NUM_MODES = 40 };
 static scene given;
 static ehd_contact reference;
 static ehd_histories *histories;
-static ehdrom_model *models[2];      // coupled, independent
+static online_model *models[2];      // coupled, independent
 static double full_exit[NUM_STATES]; // of the training
 static ehd_error error;
 
@@ -108,15 +108,15 @@ static void training_run(training *self) {
 }
 
 /* Writes a model with all rows, and opens it. */
-static ehdrom_model *make_model(const snapshot_set *set, deformation_kind kind, const char *path) {
+static online_model *make_model(const snapshot_set *set, deformation_kind kind, const char *path) {
     const bases_settings settings = {{.num_modes = NUM_MODES}, {.num_modes = NUM_MODES}, kind};
     reduced_basis basis;
     pod_basis pressure, deformation;
-    ehdrom_model *opened;
+    online_model *opened;
 
     check_ok(bases_build(&basis, &pressure, &deformation, set, &settings, &error));
     whole_model_write(&basis, path);
-    check_ok(ehdrom_open(&opened, path, NULL, &error));
+    check_ok(online_open(&opened, path, NULL, &error));
     reduced_basis_free(&basis);
     pod_free(&pressure);
     pod_free(&deformation);
@@ -137,72 +137,72 @@ static int set_up(void **state) {
     training_init(&self);
     training_run(&self);
     models[0] = make_model(&self.set, DEFORMATION_COUPLED, path);
-    check_ok(ehdrom_prepare_transient(models[0], &error)); // before the file is another one
+    check_ok(online_prepare_transient(models[0], &error)); // before the file is another one
     models[1] = make_model(&self.set, DEFORMATION_INDEPENDENT, path);
-    check_ok(ehdrom_prepare_transient(models[1], &error));
+    check_ok(online_prepare_transient(models[1], &error));
     full_march_free(self.march);
     snapshot_set_free(&self.set);
     return 0;
 }
 
 static int tear_down(void **state) {
-    ehdrom_close(models[0]);
-    ehdrom_close(models[1]);
+    online_close(models[0]);
+    online_close(models[1]);
     histories_free(histories);
     return remove_folder(state);
 }
 
 // ---- helpers
 
-static ehdrom_transient *create(const ehdrom_model *model) {
-    ehdrom_transient *contact;
+static online_transient *create(const online_model *model) {
+    online_transient *contact;
 
-    check_ok(ehdrom_transient_create(&contact, model, &reference, &error));
+    check_ok(online_transient_create(&contact, model, &reference, &error));
     return contact;
 }
 
 /* What the trained history says at a time, with the load given. */
-static ehdrom_conditions conditions_at(double time) {
+static online_conditions conditions_at(double time) {
     double values[NUM_VARY];
 
     histories_at(values, histories, time);
-    return (ehdrom_conditions){.load = values[VARY_LOAD],
+    return (online_conditions){.load = values[VARY_LOAD],
                                .approach = NAN,
                                .speed = values[VARY_SPEED],
                                .radius = values[VARY_RADIUS],
                                .modulus = values[VARY_MODULUS]};
 }
 
-static ehdrom_state start(ehdrom_transient *contact) {
-    const ehdrom_conditions conditions = conditions_at(0);
-    ehdrom_state state;
+static online_state start(online_transient *contact) {
+    const online_conditions conditions = conditions_at(0);
+    online_state state;
 
-    check_ok(ehdrom_transient_start(&state, contact, &conditions, &error));
+    check_ok(online_transient_start(&state, contact, &conditions, &error));
     assert_string_equal(state.reason, "");
     assert_int_equal(state.status, EHD_OK);
     return state;
 }
 
 /* One step along the history, not accepted. */
-static ehdrom_state step_from(ehdrom_transient *contact, double time, double step) {
-    const ehdrom_conditions conditions = conditions_at(time + step);
-    ehdrom_state state;
+static online_state step_from(online_transient *contact, double time, double step) {
+    const online_conditions conditions = conditions_at(time + step);
+    online_state state;
 
-    check_ok(ehdrom_step(&state, contact, &conditions, step, &error));
+    check_ok(online_step(&state, contact, &conditions, step, &error));
     return state;
 }
 
 /* Goes on along the history; states[i] is what came of the i-th step. */
-static void go(ehdrom_state *states, ehdrom_transient *contact, size_t first, size_t count) {
+static void go(online_state *states, online_transient *contact, size_t first, size_t count) {
     for (size_t i = 0; i < count; i++) {
         states[i] = step_from(contact, (double)(first + i) * STEP, STEP);
         assert_string_equal(states[i].reason, "");
         assert_int_equal(states[i].status, EHD_OK);
-        ehdrom_accept(contact);
+        online_accept(contact);
     }
 }
 
-static void check_same(const ehdrom_state *found, const ehdrom_state *expected) {
+static void check_same(const online_state *found, const online_state *expected) {
     const double numbers[2][10] = {
         {found->time, found->scalars.central_film_thickness, found->scalars.minimum_film_thickness,
          found->scalars.central_pressure, found->scalars.rigid_approach,
@@ -219,7 +219,7 @@ static void check_same(const ehdrom_state *found, const ehdrom_state *expected) 
     assert_int_equal(found->iterations, expected->iterations);
 }
 
-static void check_all_same(const ehdrom_state *found, const ehdrom_state *expected, size_t count) {
+static void check_all_same(const online_state *found, const online_state *expected, size_t count) {
     for (size_t i = 0; i < count; i++)
         check_same(&found[i], &expected[i]);
 }
@@ -232,16 +232,16 @@ static void check_all_same(const ehdrom_state *found, const ehdrom_state *expect
  * off by up to a step of the grid, and jump. */
 static void the_exit_moves_as_in_the_full_model(void **unused) {
     (void)unused;
-    static ehdrom_state states[NUM_STEPS];
+    static online_state states[NUM_STEPS];
     for_both_models {
-        ehdrom_transient *contact = create(models[m]);
-        const ehdrom_state first = start(contact);
+        online_transient *contact = create(models[m]);
+        const online_state first = start(contact);
         check_close(first.scalars.exit_position, full_exit[0], 0, 0.01 * reference.grid.step);
         go(states, contact, 0, NUM_STEPS);
         for (size_t i = 0; i < NUM_STEPS; i++)
             check_close(states[i].scalars.exit_position, full_exit[i + 1], 0,
                         0.03 * reference.grid.step);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
 }
 
@@ -249,21 +249,21 @@ static void the_exit_moves_as_in_the_full_model(void **unused) {
 static void a_constant_contact_stays(void **unused) {
     (void)unused;
     for_both_models {
-        ehdrom_transient *contact = create(models[m]);
-        const ehdrom_conditions conditions = conditions_at(0);
-        ehdrom_state first = start(contact), state = first;
+        online_transient *contact = create(models[m]);
+        const online_conditions conditions = conditions_at(0);
+        online_state first = start(contact), state = first;
         check_close(first.time, 0, 0, 0);
         check_close(first.scalars.load, 1, 1e-6, 0);
         for (int i = 1; i <= 20; i++) {
-            check_ok(ehdrom_step(&state, contact, &conditions, 0.25, &error));
+            check_ok(online_step(&state, contact, &conditions, 0.25, &error));
             assert_string_equal(state.reason, "");
-            ehdrom_accept(contact);
+            online_accept(contact);
             check_close(state.time, 0.25 * i, 0, 0);
         }
         check_close(state.scalars.central_film_thickness, first.scalars.central_film_thickness,
                     1e-6, 0);
         check_close(state.scalars.rigid_approach, first.scalars.rigid_approach, 1e-6, 0);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
 }
 
@@ -271,8 +271,8 @@ static void a_step_can_be_repeated(void **unused) {
     (void)unused;
     const size_t before = 10, count = 20; // by then there are kept factors
     for_both_models {
-        ehdrom_transient *straight = create(models[m]), *repeating = create(models[m]);
-        ehdrom_state expected[20], first, again;
+        online_transient *straight = create(models[m]), *repeating = create(models[m]);
+        online_state expected[20], first, again;
         start(straight);
         start(repeating);
         go(expected, straight, 0, before);
@@ -287,46 +287,46 @@ static void a_step_can_be_repeated(void **unused) {
             step_from(repeating, time, 3 * STEP); // rejected
             again = step_from(repeating, time, STEP);
             check_same(&again, &expected[i]);
-            ehdrom_accept(repeating);
+            online_accept(repeating);
         }
-        ehdrom_transient_free(straight);
-        ehdrom_transient_free(repeating);
+        online_transient_free(straight);
+        online_transient_free(repeating);
     }
 }
 
 /* Without a step there is nothing to accept. */
 static void a_step_counts_once(void **unused) {
     (void)unused;
-    ehdrom_transient *once = create(models[0]), *often = create(models[0]);
-    ehdrom_state expected, found;
+    online_transient *once = create(models[0]), *often = create(models[0]);
+    online_state expected, found;
 
     start(once);
     start(often);
-    ehdrom_accept(often);
+    online_accept(often);
     for (size_t i = 0; i < 5; i++) {
         go(&expected, once, i, 1);
         go(&found, often, i, 1);
-        ehdrom_accept(often);
+        online_accept(often);
         check_same(&found, &expected);
     }
-    ehdrom_transient_free(once);
-    ehdrom_transient_free(often);
+    online_transient_free(once);
+    online_transient_free(often);
 }
 
 static void after_a_jump_the_past_does_not_count(void **unused) {
     (void)unused;
-    ehdrom_transient *contact = create(models[0]);
-    ehdrom_state states[10], state;
+    online_transient *contact = create(models[0]);
+    online_state states[10], state;
 
     start(contact);
     go(states, contact, 0, 10);
     assert_true(states[9].local_error > 0);
     state = step_from(contact, 10 * STEP, STEP);
     assert_true(state.local_error > 0);
-    ehdrom_restart(contact);
+    online_restart(contact);
     state = step_from(contact, 10 * STEP, STEP);
     check_close(state.local_error, 0, 0, 0); // one previous state tells none
-    ehdrom_transient_free(contact);
+    online_transient_free(contact);
 }
 
 static void fields_are_those_of_the_accepted_state(void **unused) {
@@ -339,14 +339,14 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
     assert_non_null(pressure);
     check_close(grid_x(grid, centre), 0, 0, 1e-12);
     for_both_models {
-        ehdrom_transient *contact = create(models[m]);
-        ehdrom_state states[10];
+        online_transient *contact = create(models[m]);
+        online_state states[10];
         double load = 0;
         start(contact);
         go(states, contact, 0, 10);
         step_from(contact, 10 * STEP, 4 * STEP); // does not count
-        check_ok(ehdrom_transient_fields(pressure, film, contact, &error));
-        const ehdrom_state *last = &states[9];
+        check_ok(online_transient_fields(pressure, film, contact, &error));
+        const online_state *last = &states[9];
         double width = last->half_width, film_scale = width * width; // radius 1
         for (size_t k = 0; k < grid->num_nodes; k++)
             load += pressure[k] * grid->step;
@@ -357,7 +357,7 @@ static void fields_are_those_of_the_accepted_state(void **unused) {
         // p_H / p_H,ref = load / half width
         check_close(pressure[centre] * conditions_at(10 * STEP).load / width,
                     last->scalars.central_pressure, 1e-9, 0);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
     free(pressure);
 }
@@ -368,35 +368,35 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
     (void)unused;
     const size_t before = 12, count = 20;
     for_both_models {
-        ehdrom_transient *one = create(models[m]), *other = create(models[m]);
-        double *saved = calloc(ehdrom_saved_size(one), sizeof *saved);
-        ehdrom_state expected[20], found[20];
+        online_transient *one = create(models[m]), *other = create(models[m]);
+        double *saved = calloc(online_saved_size(one), sizeof *saved);
+        online_state expected[20], found[20];
         assert_non_null(saved);
-        assert_int_equal(ehdrom_saved_size(other), ehdrom_saved_size(one));
+        assert_int_equal(online_saved_size(other), online_saved_size(one));
         start(one);
         go(expected, one, 0, before);
-        ehdrom_save(saved, one);
+        online_save(saved, one);
         go(expected, one, before, count);
         // in the same object, further on
-        check_ok(ehdrom_restore(one, saved, &error));
+        check_ok(online_restore(one, saved, &error));
         go(found, one, before, count);
         check_all_same(found, expected, count);
         // in a fresh one, with steps that do not count around it
-        check_ok(ehdrom_restore(other, saved, &error));
+        check_ok(online_restore(other, saved, &error));
         step_from(other, (double)before * STEP, 2 * STEP);
         go(found, other, before, count);
         check_all_same(found, expected, count);
         // the state saved there once more is the same
-        check_ok(ehdrom_restore(one, saved, &error));
-        double *again = calloc(ehdrom_saved_size(one), sizeof *again);
+        check_ok(online_restore(one, saved, &error));
+        double *again = calloc(online_saved_size(one), sizeof *again);
         assert_non_null(again);
         step_from(one, (double)before * STEP, STEP);
-        ehdrom_save(again, one);
-        assert_memory_equal(again, saved, ehdrom_saved_size(one) * sizeof *saved);
+        online_save(again, one);
+        assert_memory_equal(again, saved, online_saved_size(one) * sizeof *saved);
         free(again);
         free(saved);
-        ehdrom_transient_free(one);
-        ehdrom_transient_free(other);
+        online_transient_free(one);
+        online_transient_free(other);
     }
 }
 
@@ -404,51 +404,51 @@ static void a_saved_state_goes_on_to_the_bit(void **unused) {
 static void any_state_can_be_saved(void **unused) {
     (void)unused;
     for_both_models {
-        ehdrom_transient *one = create(models[m]), *other = create(models[m]);
-        double *saved = calloc(ehdrom_saved_size(one), sizeof *saved);
-        ehdrom_state expected, found;
+        online_transient *one = create(models[m]), *other = create(models[m]);
+        double *saved = calloc(online_saved_size(one), sizeof *saved);
+        online_state expected, found;
         assert_non_null(saved);
         start(one);
         for (size_t i = 0; i < 40; i++) {
-            ehdrom_save(saved, one);
-            check_ok(ehdrom_restore(other, saved, &error));
+            online_save(saved, one);
+            check_ok(online_restore(other, saved, &error));
             go(&expected, one, i, 1);
             go(&found, other, i, 1);
             check_same(&found, &expected);
         }
         free(saved);
-        ehdrom_transient_free(one);
-        ehdrom_transient_free(other);
+        online_transient_free(one);
+        online_transient_free(other);
     }
 }
 
 static void no_state_is_refused(void **unused) {
     (void)unused;
-    ehdrom_transient *contact = create(models[0]);
-    size_t size = ehdrom_saved_size(contact);
+    online_transient *contact = create(models[0]);
+    size_t size = online_saved_size(contact);
     double *saved = calloc(size, sizeof *saved), *wrong = calloc(size, sizeof *wrong);
-    const ehdrom_conditions conditions = conditions_at(STEP);
-    ehdrom_state states[5], state;
+    const online_conditions conditions = conditions_at(STEP);
+    online_state states[5], state;
 
     assert_non_null(saved);
     assert_non_null(wrong);
-    assert_int_equal(ehdrom_restore(contact, wrong, &error), EHD_DATA);
+    assert_int_equal(online_restore(contact, wrong, &error), EHD_DATA);
     start(contact);
     go(states, contact, 0, 5);
-    ehdrom_save(saved, contact);
+    online_save(saved, contact);
     for (size_t i = 0; i < 4; i++) { // time, load, load rate, number of states
         memcpy(wrong, saved, size * sizeof *saved);
         wrong[i] = NAN;
-        assert_int_equal(ehdrom_restore(contact, wrong, &error), EHD_DATA);
+        assert_int_equal(online_restore(contact, wrong, &error), EHD_DATA);
         assert_non_null(strstr(error.text, "saved state: found"));
         // and what may be half of it is not gone on from
-        assert_int_equal(ehdrom_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
+        assert_int_equal(online_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
     }
-    check_ok(ehdrom_restore(contact, saved, &error));
+    check_ok(online_restore(contact, saved, &error));
     go(states, contact, 5, 1);
     free(saved);
     free(wrong);
-    ehdrom_transient_free(contact);
+    online_transient_free(contact);
 }
 
 // ---- threads
@@ -456,9 +456,9 @@ static void no_state_is_refused(void **unused) {
 enum { THREAD_STEPS = 60 };
 
 typedef struct element {
-    ehdrom_transient *contact;
+    online_transient *contact;
     size_t first; // step of the history at which it starts
-    ehdrom_state states[THREAD_STEPS];
+    online_state states[THREAD_STEPS];
 } element;
 
 /* Only ehdrom calls: cmocka's checks are not for threads. */
@@ -468,12 +468,12 @@ static void *run_element(void *argument) {
 
     for (size_t i = 0; i <= THREAD_STEPS; i++) {
         double time = (double)(self->first + i) * STEP;
-        const ehdrom_conditions conditions = conditions_at(time);
-        ehdrom_state state;
-        if (i == 0 && ehdrom_transient_start(&state, self->contact, &conditions, &own)) break;
+        const online_conditions conditions = conditions_at(time);
+        online_state state;
+        if (i == 0 && online_transient_start(&state, self->contact, &conditions, &own)) break;
         if (i == 0) continue;
-        if (ehdrom_step(&self->states[i - 1], self->contact, &conditions, STEP, &own)) break;
-        ehdrom_accept(self->contact);
+        if (online_step(&self->states[i - 1], self->contact, &conditions, STEP, &own)) break;
+        online_accept(self->contact);
     }
     return NULL;
 }
@@ -499,8 +499,8 @@ static void two_threads_agree_with_one(void **unused) {
         for (size_t i = 0; i < 2; i++) {
             check_close(alone[i].states[THREAD_STEPS - 1].time, THREAD_STEPS * STEP, 0, 0);
             check_all_same(beside[i].states, alone[i].states, THREAD_STEPS);
-            ehdrom_transient_free(alone[i].contact);
-            ehdrom_transient_free(beside[i].contact);
+            online_transient_free(alone[i].contact);
+            online_transient_free(beside[i].contact);
         }
     }
 }
@@ -524,15 +524,15 @@ static void march_run_takes_the_same_steps(void **unused) {
     (void)unused;
     for_both_models {
         static march_trace trace;
-        ehdrom_transient *by_hand = create(models[m]), *marching = create(models[m]);
+        online_transient *by_hand = create(models[m]), *marching = create(models[m]);
         march run = {.histories = histories,
                      .settings = march_settings_of(&given, histories, NAN),
                      .reference = &reference,
-                     .solver = ehdrom_march(marching),
+                     .solver = online_march(marching),
                      .store = trace_step,
                      .sink = &trace};
         march_step first;
-        ehdrom_state state = start(by_hand);
+        online_state state = start(by_hand);
         ehd_status outcome;
         trace.count = 0;
         check_ok(march_begin(&first, &run, &error));
@@ -552,29 +552,29 @@ static void march_run_takes_the_same_steps(void **unused) {
             check_close(state.local_error, step->local_error, 0, 0);
             assert_int_equal(state.iterations, step->iterations);
         }
-        ehdrom_transient_free(by_hand);
-        ehdrom_transient_free(marching);
+        online_transient_free(by_hand);
+        online_transient_free(marching);
     }
 }
 
 // ---- approach and force
 
 /* The approaches of a run with the load given lead to that load. */
-static void follow_approach(const ehdrom_state *by_load, ehdrom_transient *contact, bool known,
+static void follow_approach(const online_state *by_load, online_transient *contact, bool known,
                             double tolerance) {
     const size_t before = known ? 0 : 10; // until the load's rate is known
-    ehdrom_state states[10];
+    online_state states[10];
 
     start(contact);
     go(states, contact, 0, before);
     for (size_t i = before; i < NUM_STEPS; i++) {
-        const ehdrom_state *expected = &by_load[i];
-        ehdrom_conditions conditions = conditions_at(expected->time);
+        const online_state *expected = &by_load[i];
+        online_conditions conditions = conditions_at(expected->time);
         conditions.load = known ? conditions.load : NAN;
         conditions.approach = expected->scalars.rigid_approach;
-        check_ok(ehdrom_step(&states[0], contact, &conditions, STEP, &error));
+        check_ok(online_step(&states[0], contact, &conditions, STEP, &error));
         assert_string_equal(states[0].reason, "");
-        ehdrom_accept(contact);
+        online_accept(contact);
         check_close(states[0].scalars.rigid_approach, conditions.approach, 1e-7, 0);
         check_close(states[0].scalars.load, expected->scalars.load, tolerance, 0);
         check_close(states[0].scalars.central_film_thickness,
@@ -586,13 +586,13 @@ static void follow_approach(const ehdrom_state *by_load, ehdrom_transient *conta
 static void the_approach_gives_the_load_back(void **unused) {
     (void)unused;
     for_both_models {
-        static ehdrom_state by_load[NUM_STEPS];
-        ehdrom_transient *contact = create(models[m]);
+        static online_state by_load[NUM_STEPS];
+        online_transient *contact = create(models[m]);
         start(contact);
         go(by_load, contact, 0, NUM_STEPS);
         follow_approach(by_load, contact, true, 1e-5);
         follow_approach(by_load, contact, false, 3e-4);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
 }
 
@@ -600,21 +600,21 @@ static void the_approach_gives_the_load_back(void **unused) {
 static void a_start_from_an_approach_finds_its_load(void **unused) {
     (void)unused;
     for_both_models {
-        ehdrom_transient *contact = create(models[m]);
-        ehdrom_conditions conditions = {
+        online_transient *contact = create(models[m]);
+        online_conditions conditions = {
             .load = 1.05, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
-        ehdrom_state by_load, by_approach;
-        check_ok(ehdrom_transient_start(&by_load, contact, &conditions, &error));
+        online_state by_load, by_approach;
+        check_ok(online_transient_start(&by_load, contact, &conditions, &error));
         assert_string_equal(by_load.reason, "");
         conditions.load = NAN;
         conditions.approach = by_load.scalars.rigid_approach;
-        check_ok(ehdrom_transient_start(&by_approach, contact, &conditions, &error));
+        check_ok(online_transient_start(&by_approach, contact, &conditions, &error));
         assert_string_equal(by_approach.reason, "");
         check_close(by_approach.scalars.load, 1.05, 1e-7, 0);
         check_close(by_approach.half_width, sqrt(1.05), 1e-7, 0);
         check_close(by_approach.scalars.central_film_thickness,
                     by_load.scalars.central_film_thickness, 1e-6, 0);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
 }
 
@@ -623,7 +623,7 @@ static void a_start_from_an_approach_finds_its_load(void **unused) {
 static void conditions_out_of_range_are_refused(void **unused) {
     (void)unused;
     const struct {
-        ehdrom_conditions conditions;
+        online_conditions conditions;
         double step;
         const char *words;
     } cases[] = {
@@ -642,8 +642,8 @@ static void conditions_out_of_range_are_refused(void **unused) {
         {{1, NAN, 1, 1, 1}, NAN, "step: found nan, expected"},
         {{1, NAN, 1, 1, 1}, INFINITY, "step: found inf, expected"},
     };
-    ehdrom_transient *contact = create(models[0]), *undisturbed = create(models[0]);
-    ehdrom_state expected, found;
+    online_transient *contact = create(models[0]), *undisturbed = create(models[0]);
+    online_state expected, found;
 
     start(contact);
     start(undisturbed);
@@ -651,63 +651,63 @@ static void conditions_out_of_range_are_refused(void **unused) {
     go(&expected, undisturbed, 0, 1);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         ehd_status status =
-            ehdrom_step(&found, contact, &cases[i].conditions, cases[i].step, &error);
+            online_step(&found, contact, &cases[i].conditions, cases[i].step, &error);
         if (status != EHD_DATA || !strstr(error.text, cases[i].words) || strchr(error.text, '\n'))
             fail_msg("found %d \"%s\", expected \"%s\"", (int)status, error.text, cases[i].words);
         if (cases[i].step == STEP)
-            assert_int_equal(ehdrom_transient_start(&found, contact, &cases[i].conditions, &error),
+            assert_int_equal(online_transient_start(&found, contact, &cases[i].conditions, &error),
                              EHD_DATA);
-        ehdrom_accept(contact); // nothing was solved
+        online_accept(contact); // nothing was solved
     }
     go(&found, contact, 1, 1);
     go(&expected, undisturbed, 1, 1);
     check_same(&found, &expected);
-    ehdrom_transient_free(contact);
-    ehdrom_transient_free(undisturbed);
+    online_transient_free(contact);
+    online_transient_free(undisturbed);
 }
 
 static void calls_out_of_order_are_refused(void **unused) {
     (void)unused;
     char path[128];
-    ehdrom_model *unprepared;
-    ehdrom_transient *contact;
+    online_model *unprepared;
+    online_transient *contact;
     ehd_contact other = reference;
-    const ehdrom_conditions conditions = conditions_at(STEP);
-    ehdrom_state state;
+    const online_conditions conditions = conditions_at(STEP);
+    online_state state;
 
     snprintf(path, sizeof path, "%s/model.h5", folder);
-    check_ok(ehdrom_open(&unprepared, path, NULL, &error));
-    assert_int_equal(ehdrom_transient_create(&contact, unprepared, &reference, &error),
+    check_ok(online_open(&unprepared, path, NULL, &error));
+    assert_int_equal(online_transient_create(&contact, unprepared, &reference, &error),
                      EHD_INTERNAL);
     assert_null(contact);
-    assert_non_null(strstr(error.text, "expected ehdrom_prepare_transient before"));
-    ehdrom_close(unprepared);
+    assert_non_null(strstr(error.text, "expected online_prepare_transient before"));
+    online_close(unprepared);
     other.grid.step *= 2;
-    assert_int_equal(ehdrom_transient_create(&contact, models[0], &other, &error), EHD_DATA);
+    assert_int_equal(online_transient_create(&contact, models[0], &other, &error), EHD_DATA);
     assert_null(contact);
     contact = create(models[0]);
-    assert_int_equal(ehdrom_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
-    assert_non_null(strstr(error.text, "expected ehdrom_transient_start"));
-    assert_null(ehdrom_transient_free(contact));
-    assert_null(ehdrom_transient_free(NULL));
+    assert_int_equal(online_step(&state, contact, &conditions, STEP, &error), EHD_INTERNAL);
+    assert_non_null(strstr(error.text, "expected online_transient_start"));
+    assert_null(online_transient_free(contact));
+    assert_null(online_transient_free(NULL));
 }
 
 static void what_was_not_trained_is_not_trusted(void **unused) {
     (void)unused;
     const struct {
-        ehdrom_conditions conditions;
+        online_conditions conditions;
         double step;
     } cases[] = {{{1.2, NAN, 1, 1, 1}, 0.5},    // load
                  {{1, NAN, 1.1, 1, 1}, 0.5},    // speed
                  {{1.05, NAN, 1, 1, 1}, 0.01}}; // rate
     for_both_models for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        ehdrom_transient *contact = create(models[m]);
-        ehdrom_state state;
+        online_transient *contact = create(models[m]);
+        online_state state;
         start(contact);
-        check_ok(ehdrom_step(&state, contact, &cases[i].conditions, cases[i].step, &error));
+        check_ok(online_step(&state, contact, &cases[i].conditions, cases[i].step, &error));
         assert_int_equal(state.status, EHD_UNTRUSTED);
         assert_true(strlen(state.reason) > 0);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
 }
 
@@ -716,38 +716,38 @@ static void what_was_not_trained_is_not_trusted(void **unused) {
 static void a_step_allocates_nothing(void **unused) {
     (void)unused;
     for_both_models {
-        ehdrom_transient *contact = create(models[m]);
-        double *saved = malloc(ehdrom_saved_size(contact) * sizeof *saved);
-        ehdrom_state states[30];
+        online_transient *contact = create(models[m]);
+        double *saved = malloc(online_saved_size(contact) * sizeof *saved);
+        online_state states[30];
         assert_non_null(saved);
         allocation_fail_at(0);
         start(contact);
         go(states, contact, 0, 30);
-        ehdrom_save(saved, contact);
-        check_ok(ehdrom_restore(contact, saved, &error));
-        ehdrom_restart(contact);
+        online_save(saved, contact);
+        check_ok(online_restore(contact, saved, &error));
+        online_restart(contact);
         assert_false(allocation_failed());
         free(saved);
-        ehdrom_transient_free(contact);
+        online_transient_free(contact);
     }
 }
 
 static void memory_may_fail(void **unused) {
     (void)unused;
-    ehdrom_transient *contact = NULL;
+    online_transient *contact = NULL;
     ehd_status status;
     size_t call = 0;
 
     do {
         allocation_fail_at(call);
-        status = ehdrom_transient_create(&contact, models[0], &reference, &error);
+        status = online_transient_create(&contact, models[0], &reference, &error);
         if (!allocation_failed()) break;
         assert_int_equal(status, EHD_MEMORY);
         assert_null(contact);
     } while (call++ < 1000);
     assert_int_equal(status, EHD_OK);
     assert_true(call > 10);
-    ehdrom_transient_free(contact);
+    online_transient_free(contact);
 }
 
 int main(void) {
