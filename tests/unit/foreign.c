@@ -8,7 +8,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-static const char *const libraries[] = {"libhdf5", "libfftw3"};
+static const char *const libraries[] = {"libhdf5", "libfftw3", "libgsl"};
 enum { NUM_LIBRARIES = sizeof libraries / sizeof *libraries };
 
 typedef struct protection {

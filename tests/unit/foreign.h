@@ -4,7 +4,7 @@
 #ifndef EHD_FOREIGN_H
 #define EHD_FOREIGN_H
 
-/* HDF5 and FFTW; the test fails where the process has none of them. */
+/* HDF5, FFTW and GSL; the test fails where the process has none of them. */
 void foreign_forbid(void);
 void foreign_allow(void);
 

@@ -8,6 +8,7 @@
 #include "tests/unit/foreign.h"
 #include "tests/unit/reduced_problem.h"
 
+#include <gsl/gsl_errno.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -224,6 +225,34 @@ static void fields_run_free(fields_run *self) {
     free(self->film);
 }
 
+static void handler_of_host(const char *reason, const char *file, int line, int code) {
+    fail_msg("%s:%d: %s (%d)", file, line, reason, code);
+}
+
+/* GSL calls a handler, by default one that ends the process; it is the host's. */
+static void the_process_keeps_what_it_has_set(void **state) {
+    static const char text[] = "contact: line\nregime: stationary\nmoes: {M: 12, L: 3}\n"
+                               "lubricant: {viscosity: {law: wlf, preset: no1}}\n";
+    gsl_error_handler_t *const before = gsl_set_error_handler(handler_of_host);
+    online_model *model;
+    ehd_contact contact;
+    fields_run run;
+    scene given;
+    (void)state;
+
+    check_ok(scene_parse(&given, text, strlen(text), "scene", NULL, 0, &error));
+    check_ok(scene_contact(&contact, &given, &error));
+    rows_model_write(&bases[1], rows, NUM_ROWS, path);
+    check_ok(online_open(&model, path, NULL, &error));
+    check_ok(online_prepare_transient(model, &error));
+    fields_run_init(&run, model);
+    use_all(&run);
+    assert_int_equal(run.status, EHD_OK);
+    fields_run_free(&run);
+    online_close(model);
+    assert_ptr_equal(gsl_set_error_handler(before), handler_of_host);
+}
+
 /* Two threads at once, and one alone, give the same bits. */
 static void a_loaded_model_calls_no_library_that_may_end_the_process(void **state) {
     (void)state;
@@ -309,6 +338,7 @@ int main(void) {
         cmocka_unit_test(the_library_says_what_it_solved),
         cmocka_unit_test(a_loaded_model_calls_no_library_that_may_end_the_process),
         cmocka_unit_test(refused_memory_is_said),
+        cmocka_unit_test(the_process_keeps_what_it_has_set),
         cmocka_unit_test(fields_are_not_those_of_another_model),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

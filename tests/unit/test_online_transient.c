@@ -733,7 +733,7 @@ static void a_step_allocates_nothing(void **unused) {
     }
 }
 
-/* From the object to its end, and whatever is asked of it: HDF5 and FFTW may end the process. */
+/* From the object to its end, and whatever is asked of it: HDF5, FFTW and GSL may end the process. */
 static void a_prepared_model_calls_no_library_that_may_end_the_process(void **unused) {
     (void)unused;
     const size_t num_nodes = reference.grid.num_nodes;
