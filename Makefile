@@ -86,7 +86,7 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 # ---- Flags
 
 # OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas.
-MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
+MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
 # pkg-config is asked like the compiler above.
 PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
@@ -245,7 +245,7 @@ print-%:
 # ---- What has to be installed
 
 PACKAGES := gcc libc6-dev pkg-config libopenblas-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
 
