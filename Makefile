@@ -88,7 +88,7 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 # OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
 # threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
 # (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
-MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
+MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
 # pkg-config, and where that OpenBLAS is, are asked like the compiler above.
 SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
@@ -252,7 +252,7 @@ print-%:
 # ---- What has to be installed
 
 PACKAGES := gcc libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
 

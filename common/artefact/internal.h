@@ -7,6 +7,7 @@
 #include "common/program/arena.h"
 
 #include <hdf5.h>
+#include <nettle/sha2.h>
 
 /* A dataset as it was found when a file was opened. */
 typedef struct dataset_shape {
@@ -163,7 +164,10 @@ const char *digest_outcome(hid_t file);
 
 // ---- provenance.c
 
-/* SHA-256 of a file, 64 hexadecimal digits. EHD_NOINPUT, EHD_IO. */
+/* SHA-256 as 64 hexadecimal digits. */
+void sha256_end(struct sha256_ctx *context, char text[65]);
+
+/* That of a file. EHD_NOINPUT, EHD_IO. */
 ehd_status sha256_file(char identity[65], const char *path, ehd_error *error);
 
 /* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free().
