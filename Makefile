@@ -102,26 +102,31 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
 # ---- Flags
 
-# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas.
-MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
+# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
+# threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
+# (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
+MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
-# pkg-config is asked like the compiler above.
-PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
-PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
+# pkg-config, and where that OpenBLAS is, are asked like the compiler above.
+SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
+PKG_CONFIG = PKG_CONFIG_PATH="$(SERIAL:%=%/pkgconfig:)$$PKG_CONFIG_PATH" pkg-config
+PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell $(PKG_CONFIG) --cflags $(MODULES))))$(PKG_CFLAGS)
+PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(MODULES))))$(PKG_LIBS)
+SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
+    -Wl$(,)--push-state$(,)--no-as-needed -lblas -llapack -Wl$(,)--pop-state)
+, := ,
 
-# The library has the OpenBLAS that begins no threads, where Debian puts it; else the one there is. Of LAPACKE it takes
-# the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
-LIBRARY_MODULES := openblas gsl fftw3 hdf5-serial yaml-0.1 libmd
-serial_path      = $(eval serial_path := $$(wildcard /usr/lib/*/openblas-serial/pkgconfig))$(serial_path)
-LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell PKG_CONFIG_PATH=$$(serial_path) \
-                   pkg-config --libs $$(LIBRARY_MODULES))) -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
-LIBRARY_RPATH    = $(serial_path:%/pkgconfig=-Wl,-rpath,%)
+# Of LAPACKE the library takes the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
+LIBRARY_MODULES := $(filter-out lapacke,$(MODULES))
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) \
+                   -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
+LIBRARY_RPATH    = $(SERIAL:%=-Wl$(,)-rpath$(,)%)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
-ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
+ALL_LIBS      = $(SERIAL_LIBS) $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
 
 # Shown by --version and kept in every result.
 REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
@@ -276,8 +281,8 @@ print-%:
 
 # ---- What has to be installed
 
-PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-dev libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats cmake \
+PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
 
@@ -357,11 +362,9 @@ $(LIBRARY_LINKS): $(SHARED_LIBRARY)
 
 $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)mkdir -p $(@D) && rm -f $@ && \
-	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(comma)-u$(comma)%,$(exported)) \
+	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
 	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
-comma := ,
-
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 $(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)
