@@ -65,7 +65,11 @@ LIBRARY_EXPORTS := romrun/library/ehdrom.map
 SONAME          := libehdrom.so.0
 SHARED_LIBRARY  := $(BUILD)/lib/libehdrom.so.$(VERSION)
 STATIC_LIBRARY  := $(BUILD)/lib/libehdrom.a
-LIBRARY         := $(SHARED_LIBRARY) $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so $(STATIC_LIBRARY)
+HEADER          := $(BUILD)/include/ehdrom.h
+PC_FILE         := $(BUILD)/lib/pkgconfig/ehdrom.pc
+LIBRARY_LINKS   := $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so
+# where they will be installed below PREFIX, so that scenes find them in either place
+LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(STATIC_LIBRARY) $(PC_FILE)
 # A program with sanitizers or counts would have to bring them along.
 ifeq ($(filter release debug,$(VARIANT)),)
   LIBRARY :=
@@ -101,7 +105,7 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 # OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
 # threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
 # (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
-MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
+MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
 # pkg-config, and where that OpenBLAS is, are asked like the compiler above.
 SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
@@ -112,13 +116,11 @@ SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
     -Wl$(,)--push-state$(,)--no-as-needed -lblas -llapack -Wl$(,)--pop-state)
 , := ,
 
-# The library has the OpenBLAS that begins no threads, where Debian puts it; else the one there is. Of LAPACKE it takes
-# the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
-LIBRARY_MODULES := openblas gsl fftw3 hdf5-serial yaml-0.1 libmd
-serial_path      = $(eval serial_path := $$(wildcard /usr/lib/*/openblas-serial/pkgconfig))$(serial_path)
-LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell PKG_CONFIG_PATH=$$(serial_path) \
-                   pkg-config --libs $$(LIBRARY_MODULES))) -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
-LIBRARY_RPATH    = $(serial_path:%/pkgconfig=-Wl,-rpath,%)
+# Of LAPACKE the library takes the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
+LIBRARY_MODULES := $(filter-out lapacke,$(MODULES))
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) \
+                   -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
+LIBRARY_RPATH    = $(SERIAL:%=-Wl$(,)-rpath$(,)%)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
@@ -215,27 +217,24 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
-PC_FILE := $(BUILD)/lib/ehdrom.pc
-
 # Names below PREFIX; of the library a link to the version that there is, and one to link with.
-install: all man $(PC_FILE) ## into DESTDIR, PREFIX: programs, man pages, library, examples
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/lib/pkgconfig
+install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
 	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
 	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
-	install -D -m 644 romrun/library/ehdrom.h $(DESTDIR)$(PREFIX)/include/ehdrom.h
-	install -m 644 $(SHARED_LIBRARY) $(STATIC_LIBRARY) $(DESTDIR)$(PREFIX)/lib
-	cp -P $(filter-out $(SHARED_LIBRARY) $(STATIC_LIBRARY),$(LIBRARY)) $(DESTDIR)$(PREFIX)/lib
-	install -m 644 $(PC_FILE) $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	@for file in $(filter-out $(LIBRARY_LINKS),$(LIBRARY:$(BUILD)/%=%)); do \
+	    install -D -m 644 $(BUILD)/$$file $(DESTDIR)$(PREFIX)/$$file || exit; \
+	done
+	cp -P $(LIBRARY_LINKS) $(DESTDIR)$(PREFIX)/lib
 	@cd scenes && $(list_scenes) | while read -r file; do \
 	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
-list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycache__ -o -name oscillator -type f \) -prune -o -type f -print
+list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycache__ \) -prune -o -type f -print
 
 # Only what install writes, and folders of its own that are then empty.
 uninstall: ## remove what install has written there
 	rm -f $(PROGRAMS:$(BIN)/%=$(DESTDIR)$(PREFIX)/bin/%) $(MAN_PAGES:$(BUILD)/man/%=$(DESTDIR)$(PREFIX)/share/man/man1/%) \
-	    $(DESTDIR)$(PREFIX)/include/ehdrom.h $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%) \
-	    $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
+	    $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%)
 	@cd scenes && $(list_scenes) | while read -r file; do rm -f $(DESTDIR)$(PREFIX)/share/ehdrom/$$file; done
 	@[ ! -d $(DESTDIR)$(PREFIX)/share/ehdrom ] || find $(DESTDIR)$(PREFIX)/share/ehdrom -depth -type d -empty -delete
 
@@ -247,7 +246,7 @@ $(PC_FILE): $(BUILD)/flags FORCE
 
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
-FORMATTED := $(ALL_C) $(HEADERS) $(wildcard tests/pipeline/*.c)
+FORMATTED := $(ALL_C) $(HEADERS) $(wildcard tests/pipeline/*.c scenes/examples/*/*.h)
 
 format: | lint-deps ## clang-format all sources in place
 	clang-format -i $(FORMATTED)
@@ -262,7 +261,7 @@ lint: format-check | deps lint-deps ## formatting, cppcheck and clang-tidy on al
 	@$(call tidy,$(filter-out tests/unit/%,$(ALL_C)))
 	@$(call tidy,$(UNIT_SOURCES),-include tests/lint.h)
 tidy = printf '%s\n' $1 | xargs -P $(JOBS) -n 3 sh -c 'clang-tidy --quiet "$$@" -- -std=c17 \
-    $2 $(ALL_CPPFLAGS) 2>&1 | \
+    $2 $(ALL_CPPFLAGS) -Iromrun/library 2>&1 | \
     { ! grep -vE "^[0-9]+ warnings? (generated|treated)|^Suppressed|^$$"; }' sh
 
 clean: ## remove build/
@@ -283,7 +282,7 @@ print-%:
 # ---- What has to be installed
 
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
 
@@ -355,16 +354,17 @@ $(SHARED_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	    -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) -Wl,--gc-sections -Wl,-z,defs,-z,relro \
 	    $(LIBRARY_RPATH) -l:liblapacke.a $(LIBRARY_LIBS)
 
-$(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so: $(SHARED_LIBRARY)
+$(HEADER): romrun/library/ehdrom.h
+	@mkdir -p $(@D) && cp $< $@
+
+$(LIBRARY_LINKS): $(SHARED_LIBRARY)
 	@ln -sf $(<F) $@
 
 $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)mkdir -p $(@D) && rm -f $@ && \
-	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(comma)-u$(comma)%,$(exported)) \
+	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
 	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
-comma := ,
-
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 $(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)

@@ -286,9 +286,10 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     if (with_fields) {
         self->pressure = malloc(grid->num_nodes * sizeof(double));
         self->film = malloc(grid->num_nodes * sizeof(double));
-        status = self->pressure && self->film
-                     ? online_fields(self->pressure, self->film, done->solver, error)
-                     : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        status = online_prepare_fields(done->model, error);
+        if (!status && !(self->pressure && self->film))
+            status = ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        if (!status) status = online_fields(self->pressure, self->film, done->solver, error);
         if (!status)
             online_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
@@ -335,6 +336,7 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
     if (!reduced.status) return EHD_OK;
     status =
         grid_check_memory(self->caller, path, contact, full_solver_bytes(&contact->grid), 1, error);
+    if (!status) status = online_prepare_fields(self->attempt.model, error);
     if (!status)
         status = fallback_solve(full, self->attempt.solver, &self->attempt.solution, contact,
                                 options->repeats, error);
@@ -366,7 +368,8 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
         printf("%-24sthe full model, %s, in %.3g ms of these\n", "solved by",
                self->full.from_reduced ? "from the reduced solution" : "cold",
                self->full.info.seconds * 1e3);
-    if (options->verify)
+    if (options->verify) status = online_prepare_fields(done->model, error);
+    if (!status && options->verify)
         status = print_verification(done->solver, &done->solution, self->contact, error);
     if (!status && options->against)
         against_print(&self->result, &self->against, options->against, self->contact);

@@ -84,7 +84,9 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
     const model_sizes sizes = {options.pressure_modes, options.deformation_modes, options.rows};
     library_lock();
     status = online_open(&self->online, path, &sizes, error);
-    if (!status && !options.stationary) {
+    if (!status && options.stationary) {
+        status = online_prepare_fields(self->online, error);
+    } else if (!status) {
         status = online_prepare_transient(self->online, error);
         self->in_time = !status;
     }

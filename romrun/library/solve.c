@@ -364,11 +364,9 @@ static ehd_status find_fields(ehdrom_contact *self) {
     if (!self->film) self->film = calloc(num_nodes, sizeof(double));
     if (!self->pressure || !self->film)
         return ehd_fail(&self->error, EHD_MEMORY, "fields: found no memory");
-    library_lock();
     status = self->last == LAST_SOLVED
                  ? online_fields(self->pressure, self->film, self->solver, &self->error)
                  : online_transient_fields(self->pressure, self->film, self->in_time, &self->error);
-    library_unlock();
     return status;
 }
 

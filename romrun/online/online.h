@@ -19,8 +19,9 @@
  * `reason` of each result and of each step say so, and what follows is the caller's. fallback_solve
  * of romrun/calibrate/fallback.h solves the contact with the full model, from the last solution.
  *
- * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then
- * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread.
+ * Nothing is global. Open and prepare models one thread at a time (HDF5 is not thread-safe); a model
+ * may then be shared by any number of solvers in as many threads: neither HDF5 nor FFTW, which may
+ * end a process that is refused memory, is called any more. For speed, keep OpenBLAS at one thread.
  * Opening a model switches off HDF5's messages and its filter plugins in the process. */
 #ifndef ONLINE_H
 #define ONLINE_H
@@ -134,10 +135,15 @@ online_indications online_indicate(online_solver *solver, const ehd_contact *con
  * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
 film_effects online_effects(const online_model *model, const ehd_contact *contact);
 
+/* Reads and makes what fields need: memory of twice [num_nodes, pressure_modes] numbers. Once a model,
+ * one thread at a time; a second call does nothing. EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
+ehd_status online_prepare_fields(online_model *model, ehd_error *error);
+
 /* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
- * half grid the half: the only call whose cost grows with the grid. Reads the model file at the
- * first call, hence one thread at a time. */
-ehd_status online_fields(double *pressure, double *film, online_solver *solver, ehd_error *error);
+ * half grid the half: the only call whose cost grows with the grid. Any number of threads, each with
+ * a solver of its own. EHD_INTERNAL: neither fields nor transient scenes are prepared. */
+ehd_status online_fields(double *pressure, double *film, const online_solver *solver,
+                         ehd_error *error);
 
 /* X of the last solution's exit on each of num_lines lines. */
 void online_exits(double *positions, const online_solver *solver);
@@ -187,7 +193,7 @@ typedef struct online_state {
     double residual;
 } online_state;
 
-/* Reads what only transient scenes need. Once a model, one thread at a time. */
+/* Reads what only transient scenes need, and fields. Once a model, one thread at a time. */
 ehd_status online_prepare_transient(online_model *model, ehd_error *error);
 
 /* The model must outlive it. EHD_DATA: other grid or discretisation; EHD_INTERNAL: not prepared; EHD_MEMORY. */
