@@ -48,13 +48,14 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 PROGRAM_FOLDERS := fullrun snapgen podbuild deimselect romrun
 MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
-LIB_SOURCES     := $(sort $(filter-out $(MAINS),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
+FMU_ONLY        := romrun/fmu/processor.c
+LIB_SOURCES     := $(sort $(filter-out $(MAINS) $(FMU_ONLY),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
 UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
 BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
 FUZZ_SOURCES    := $(sort $(wildcard tests/fuzz/*.c))
 HEADERS         := $(sort $(wildcard */*.h */*/*.h))
 FAULT_SOURCES   := $(sort $(wildcard tests/fault/*.c))
-SOURCES         := $(MAINS) $(LIB_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES) $(FUZZ_SOURCES)
+SOURCES         := $(MAINS) $(LIB_SOURCES) $(FMU_ONLY) $(UNIT_SOURCES) $(BENCH_SOURCES) $(FUZZ_SOURCES)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
 
@@ -70,6 +71,12 @@ PC_FILE         := $(BUILD)/lib/pkgconfig/ehdrom.pc
 LIBRARY_LINKS   := $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so
 # where they will be installed below PREFIX, so that scenes find them in either place
 LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(STATIC_LIBRARY) $(PC_FILE)
+# What romrun puts into FMUs, of the same flags in all variants, where the standard's names for x86-64 apply.
+FMU         := build/fmu
+FMU_SOURCES := $(FMU_ONLY) romrun/fmu/fmi2.c romrun/fmu/fmi3.c romrun/fmu/instance.c romrun/fmu/variables.c
+FMU_CORES   := $(FMU)/any.o $(FMU)/v3.o
+FMU_FILES   := $(if $(filter x86_64,$(shell uname -m)),$(BUILD)/lib/ehdrom/fmu.so $(BUILD)/lib/ehdrom/licenses)
+
 # A program with sanitizers or counts would have to bring them along.
 ifeq ($(filter release debug,$(VARIANT)),)
   LIBRARY :=
@@ -126,7 +133,7 @@ WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
-ALL_LIBS      = $(SERIAL_LIBS) $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
+ALL_LIBS      = $(SERIAL_LIBS) $(PKG_LIBS) -lumfpack -lhdf5_hl -lminizip -lm $(LDLIBS)
 
 # Shown by --version and kept in every result.
 REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
@@ -144,7 +151,7 @@ FORCE:
 
 # ---- Targets for people
 
-all: $(PROGRAMS) $(LIBRARY) ## build all programs and the library (the default)
+all: $(PROGRAMS) $(LIBRARY) $(FMU_FILES) ## build all programs and the library (the default)
 .DEFAULT_GOAL := all
 
 demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
@@ -154,7 +161,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(LIBRARY) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(LIBRARY) $(FMU_FILES) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
@@ -226,6 +233,9 @@ install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
 	    install -D -m 644 $(BUILD)/$$file $(DESTDIR)$(PREFIX)/$$file || exit; \
 	done
 	cp -P $(LIBRARY_LINKS) $(DESTDIR)$(PREFIX)/lib
+	@$(if $(FMU_FILES),cd $(BUILD) && find lib/ehdrom -type f | while read -r file; do \
+	    install -D -m 644 $$file $(abspath $(DESTDIR)$(PREFIX))/$$file || exit; \
+	done)
 	@cd scenes && $(list_scenes) | while read -r file; do \
 	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
@@ -235,6 +245,7 @@ list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycach
 uninstall: ## remove what install has written there
 	rm -f $(PROGRAMS:$(BIN)/%=$(DESTDIR)$(PREFIX)/bin/%) $(MAN_PAGES:$(BUILD)/man/%=$(DESTDIR)$(PREFIX)/share/man/man1/%) \
 	    $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%)
+	rm -rf $(DESTDIR)$(PREFIX)/lib/ehdrom
 	@cd scenes && $(list_scenes) | while read -r file; do rm -f $(DESTDIR)$(PREFIX)/share/ehdrom/$$file; done
 	@[ ! -d $(DESTDIR)$(PREFIX)/share/ehdrom ] || find $(DESTDIR)$(PREFIX)/share/ehdrom -depth -type d -empty -delete
 
@@ -282,7 +293,7 @@ print-%:
 # ---- What has to be installed
 
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats cmake \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libminizip-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
 
@@ -365,6 +376,49 @@ $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
 	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
+# The library once for any x86-64 and once for x86-64-v3, each one object with names of its own (romrun/fmu/processor.c),
+# and all that it needs but libc and libm. FFTW, GSL: see romrun/fmu/README.md.
+FMU_CFLAGS = $(ALL_CPPFLAGS) -std=c17 -pthread $(WARNINGS) -O3 $(PIC_CFLAGS) -DEHD_VERSION='"$(VERSION)"' \
+             -DEHD_REVISION='""' -DEHD_FLAGS='""'
+fmu_calls  = $(shell sed -n 's/^CHOOSE(\(.*\))/\1/p' $(FMU_ONLY))
+fmu_compile = $(call quiet,FMU ,$< $1)mkdir -p $(@D) && $(CC) $(FMU_CFLAGS) -march=$1 -MMD -MP -c -o $@ $<
+
+$(FMU)/flags: TEXT = $(CC) $(FMU_CFLAGS) $(FMU_LIBS)
+$(FMU)/objects: TEXT = $(LIBRARY_SOURCES) $(FMU_SOURCES)
+$(FMU)/flags $(FMU)/objects: FORCE | deps
+	@mkdir -p $(@D)
+	@echo '$(TEXT)' | cmp -s - $@ || echo '$(TEXT)' > $@
+
+$(FMU)/any/%.o: %.c $(FMU)/flags
+	$(call fmu_compile,x86-64)
+$(FMU)/v3/%.o: %.c $(FMU)/flags
+	$(call fmu_compile,x86-64-v3)
+
+$(FMU)/any.o: $(LIBRARY_SOURCES:%.c=$(FMU)/any/%.o)
+$(FMU)/v3.o: $(LIBRARY_SOURCES:%.c=$(FMU)/v3/%.o)
+$(FMU_CORES): $(FMU_ONLY) $(FMU)/objects
+	$(call quiet,LINK,$@)$(CC) -r -nostdlib -o $@ -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(fmu_calls)) \
+	    $(filter %.o,$^) -l:liblapacke.a && \
+	objcopy $(addprefix --keep-global-symbol=,$(fmu_calls)) $@ && \
+	objcopy $(foreach name,$(fmu_calls),--redefine-sym $(name)=$(name)_$(basename $(@F))) $@
+
+FMU_LIBS = $(SERIAL)/libopenblas.a -Wl,-Bstatic -lgsl -lfftw3 -lyaml -lnettle -lgfortran -lquadmath -Wl,-Bdynamic -lhdf5_serial -lm
+$(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU_CORES) romrun/fmu/fmi.map
+	$(call quiet,LINK,$@)$(CC) -shared -static-libgcc -s -o $@ $(filter %.o,$^) $(FMU_LIBS) \
+	    -Wl,--version-script=romrun/fmu/fmi.map -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs,-z,relro,-z,noexecstack
+
+$(BUILD)/lib/ehdrom/fmu.so: $(FMU)/fmu.so
+	@mkdir -p $(@D) && ln -f $< $@
+
+# Of all that is linked, as Debian keeps them.
+FMU_LICENCES := libopenblas0-serial liblapacke libgfortran5 libquadmath0 libgsl27 libfftw3-double3 libyaml-0-2 libnettle8
+$(BUILD)/lib/ehdrom/licenses: LICENSE $(FMU)/flags
+	@rm -rf $@ && mkdir -p $@ && cp LICENSE $@/ehdrom.txt
+	@for package in $(FMU_LICENCES); do \
+	    cp /usr/share/doc/$$package/copyright $@/$$package.txt || exit; \
+	done
+	@for text in GPL-3 LGPL-3 GPL-2; do cp /usr/share/common-licenses/$$text $@/$$text.txt || exit; done
+
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 $(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)
@@ -396,5 +450,6 @@ $(REPLAY) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(L
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 -include $(LIBRARY_OBJECTS:%.o=%.d)
+-include $(patsubst %.c,$(FMU)/any/%.d,$(LIBRARY_SOURCES) $(FMU_SOURCES)) $(LIBRARY_SOURCES:%.c=$(FMU)/v3/%.d)
 -include $(FUZZ_SHARED:%.o=%.d)
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

@@ -15,6 +15,7 @@
 #include "romrun/calibrate/fallback.h"
 #include "romrun/calibrate/fallback_march.h"
 #include "romrun/calibrate/verify.h"
+#include "romrun/fmu/export.h"
 #include "romrun/model/readers.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/online.h"
@@ -38,6 +39,8 @@ typedef struct romrun_options {
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
     bool trade;
+    bool fmu;        // export it
+    size_t fmi;      // 2 or 3; 0: not given
     size_t num_jobs; // 0: by itself
 } romrun_options;
 
@@ -73,6 +76,9 @@ static const program_option own_options[] = {
      "plan, none of them trained on, and write the model with the table to -o", OPTION_TEXT(calibrate)},
     {"jobs", 'j', "N", "Full solutions at a time with --calibrate; as many as there are processors by default",
      OPTION_COUNT(num_jobs, 1, 4096)},
+    {"fmu", 0, NULL, "Write the scene's contact as an FMU for co-simulation, to run inside other programs, to -o",
+     OPTION_FLAG(fmu)},
+    {"fmi", 0, "N", "Version of the FMI standard with --fmu: 3, the default, or 2", OPTION_COUNT(fmi, 2, 3)},
     {"trade", 0, NULL, "Print the table of a calibrated model", OPTION_FLAG(trade)},
     {0}};
 // clang-format on
@@ -593,6 +599,23 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     return EHD_OK;
 }
 
+/* An FMU of one scene. */
+static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
+    ehd_contact contact;
+    scene given;
+    char *scene_lines = NULL;
+    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
+    const fmu_request request = {.model = options->model,
+                                 .given = &given,
+                                 .accuracy =
+                                     options->accuracy > 0 ? options->accuracy : online_accuracy,
+                                 .fmi = options->fmi ? (int)options->fmi : 3};
+
+    if (!status) status = fmu_export(self, &request, error);
+    free(scene_lines);
+    return status;
+}
+
 /* One scene. */
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
@@ -625,7 +648,7 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
     if (options->calibrate)
         return calibrate(self, options->calibrate, options->model,
                          options->num_jobs ? options->num_jobs : pool_default_workers(), error);
-    return run_scene(self, options, error);
+    return options->fmu ? export_fmu(self, options, error) : run_scene(self, options, error);
 }
 
 int main(int argc, char **argv) {
@@ -635,6 +658,7 @@ int main(int argc, char **argv) {
         .own = &own,
         // as many lines as help2man takes: argp breaks those of more than 79 columns
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
+                         "--fmu SCENE.yml --model MODEL.h5 -o CONTACT.fmu\n"
                          "--calibrate PLAN.yml --model MODEL.h5 -o NEW.h5\n"
                          "--trade --model NEW.h5",
         .doc = "Solves one scene with the reduced model, or measures what the model can do.",

@@ -1,0 +1,519 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* FMI 3.0 as seen from outside: each call is one of instance.h. */
+#include "romrun/fmu/fmi3.h"
+
+#include "romrun/fmu/instance.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* The instance and who is told. */
+typedef struct component {
+    fmu_instance *contact;
+    fmi3LogMessageCallback log;
+    fmi3InstanceEnvironment environment;
+} component;
+
+static fmi3Status outcome(bool good) {
+    return good ? fmi3OK : fmi3Error;
+}
+
+static fmu_instance *contact_of(fmi3Instance instance) {
+    return ((component *)instance)->contact;
+}
+
+static fmi3Status refuse(fmi3Instance instance, const char *function) {
+    return outcome(fmu_refuse(contact_of(instance), function));
+}
+
+const char *fmi3GetVersion(void) {
+    return "3.0";
+}
+
+// ---- creation
+
+static void show(void *to, bool wrong, const char *text) {
+    const component *self = to;
+
+    if (self->log)
+        self->log(self->environment, wrong ? fmi3Error : fmi3OK,
+                  wrong ? "logStatusError" : "logAll", text);
+}
+
+fmi3Instance
+fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String resources,
+                            fmi3Boolean visible, fmi3Boolean logging, fmi3Boolean event_mode,
+                            fmi3Boolean early_return, const fmi3ValueReference intermediate[],
+                            size_t num_intermediate, fmi3InstanceEnvironment environment,
+                            fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update) {
+    component *self = calloc(1, sizeof *self);
+
+    // nothing to see; it never returns early, and has no values between communication points
+    (void)name, (void)visible, (void)early_return, (void)intermediate, (void)num_intermediate;
+    (void)update;
+    if (!self) return NULL;
+    self->log = log;
+    self->environment = environment;
+    if (event_mode)
+        show(self, true, "event mode: found used, expected not, as hasEventMode says");
+    else if (!resources)
+        show(self, true, "resources: found none, expected the path of their folder");
+    else
+        self->contact = fmu_create(token, resources, show, self);
+    if (!self->contact) {
+        free(self);
+        return NULL;
+    }
+    fmu_set_verbose(self->contact, logging);
+    return self;
+}
+
+void fmi3FreeInstance(fmi3Instance instance) {
+    if (instance) fmu_free(contact_of(instance));
+    free(instance);
+}
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean on, size_t num_categories,
+                               const fmi3String categories[]) {
+    (void)num_categories; // errors are always told
+    (void)categories;
+    fmu_set_verbose(contact_of(instance), on);
+    return fmi3OK;
+}
+
+// ---- modes
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean has_tolerance,
+                                       fmi3Float64 tolerance, fmi3Float64 start,
+                                       fmi3Boolean has_stop, fmi3Float64 stop) {
+    return outcome(fmu_setup(contact_of(instance), start, has_stop ? stop : INFINITY,
+                             has_tolerance ? tolerance : 0) &&
+                   fmu_enter_initialization(contact_of(instance)));
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance) {
+    return outcome(fmu_exit_initialization(contact_of(instance)));
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) {
+    return outcome(fmu_terminate(contact_of(instance)));
+}
+
+fmi3Status fmi3Reset(fmi3Instance instance) {
+    return outcome(fmu_reset(contact_of(instance)));
+}
+
+// ---- variables
+
+/* None of them is an array. */
+static bool same_length(fmi3Instance instance, size_t num_refs, size_t num_values) {
+    return num_refs == num_values || fmu_refuse(contact_of(instance), "arrays");
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                          fmi3Float64 values[], size_t num_values) {
+    double value = 0;
+    bool good = same_length(instance, num_refs, num_values);
+
+    for (size_t i = 0; i < num_refs && good; i++) {
+        good = fmu_get(contact_of(instance), refs[i], FMU_REAL, &value);
+        if (good) values[i] = value;
+    }
+    return outcome(good);
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                          const fmi3Float64 values[], size_t num_values) {
+    bool good = same_length(instance, num_refs, num_values);
+
+    for (size_t i = 0; i < num_refs && good; i++)
+        good = fmu_set(contact_of(instance), refs[i], FMU_REAL, values[i]);
+    return outcome(good);
+}
+
+fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        fmi3Int32 values[], size_t num_values) {
+    double value = 0;
+    bool good = same_length(instance, num_refs, num_values);
+
+    for (size_t i = 0; i < num_refs && good; i++) {
+        good = fmu_get(contact_of(instance), refs[i], FMU_INTEGER, &value);
+        if (good) values[i] = (fmi3Int32)value;
+    }
+    return outcome(good);
+}
+
+fmi3Status fmi3SetInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        const fmi3Int32 values[], size_t num_values) {
+    bool good = same_length(instance, num_refs, num_values);
+
+    for (size_t i = 0; i < num_refs && good; i++)
+        good = fmu_set(contact_of(instance), refs[i], FMU_INTEGER, values[i]);
+    return outcome(good);
+}
+
+fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                          fmi3Boolean values[], size_t num_values) {
+    double value = 0;
+    bool good = same_length(instance, num_refs, num_values);
+
+    for (size_t i = 0; i < num_refs && good; i++) {
+        good = fmu_get(contact_of(instance), refs[i], FMU_BOOLEAN, &value);
+        if (good) values[i] = value != 0;
+    }
+    return outcome(good);
+}
+
+fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                          const fmi3Boolean values[], size_t num_values) {
+    bool good = same_length(instance, num_refs, num_values);
+
+    for (size_t i = 0; i < num_refs && good; i++)
+        good = fmu_set(contact_of(instance), refs[i], FMU_BOOLEAN, values[i]);
+    return outcome(good);
+}
+
+// ---- states
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
+    fmu_state *own = *state;
+    const bool good = fmu_state_get(contact_of(instance), &own);
+
+    *state = own;
+    return outcome(good);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
+    return outcome(fmu_state_set(contact_of(instance), state));
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
+    (void)instance;
+    free(*state);
+    *state = NULL;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
+    (void)instance;
+    *size = ((const fmu_state *)state)->size;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3Byte bytes[],
+                                 size_t size) {
+    return outcome(fmu_state_write(contact_of(instance), state, bytes, size));
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
+                                   fmi3FMUState *state) {
+    fmu_state *own = *state;
+    const bool good = fmu_state_read(contact_of(instance), &own, bytes, size);
+
+    *state = own;
+    return outcome(good);
+}
+
+// ---- steps
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
+                      fmi3Boolean no_state_before, fmi3Boolean *event_needed,
+                      fmi3Boolean *terminate, fmi3Boolean *early_return, fmi3Float64 *last_time) {
+    const bool good = fmu_step(contact_of(instance), time, step);
+
+    (void)no_state_before;
+    *event_needed = *terminate = *early_return = false;
+    *last_time = fmu_time(contact_of(instance));
+    return outcome(good);
+}
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        size_t num_unknowns, const fmi3ValueReference knowns[],
+                                        size_t num_knowns, const fmi3Float64 seed[],
+                                        size_t num_seed, fmi3Float64 sensitivity[],
+                                        size_t num_sensitivity) {
+    return outcome(same_length(instance, num_knowns, num_seed) &&
+                   same_length(instance, num_unknowns, num_sensitivity) &&
+                   fmu_derivative(contact_of(instance), unknowns, num_unknowns, knowns, num_knowns,
+                                  seed, sensitivity));
+}
+
+// ---- what is not offered: other types, arrays, clocks, events, derivatives in time, configuration, other kinds of FMU
+
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String resources,
+                                          fmi3Boolean visible, fmi3Boolean logging,
+                                          fmi3InstanceEnvironment environment,
+                                          fmi3LogMessageCallback log) {
+    const component self = {.log = log, .environment = environment};
+
+    show((void *)&self, true, "instance: found model exchange, expected co-simulation");
+    return NULL;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(
+    fmi3String name, fmi3String token, fmi3String resources, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    fmi3ClockUpdateCallback clock_update, fmi3LockPreemptionCallback lock,
+    fmi3UnlockPreemptionCallback unlock) {
+    const component self = {.log = log, .environment = environment};
+
+    show((void *)&self, true, "instance: found scheduled execution, expected co-simulation");
+    return NULL;
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                          fmi3Float32 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                       fmi3Int8 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        fmi3UInt8 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        fmi3Int16 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         fmi3UInt16 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         fmi3UInt32 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        fmi3Int64 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         fmi3UInt64 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         fmi3String values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         size_t sizes[], fmi3Binary values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        fmi3Clock values[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                          const fmi3Float32 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                       const fmi3Int8 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetUInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        const fmi3UInt8 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        const fmi3Int16 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetUInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         const fmi3UInt16 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetUInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         const fmi3UInt32 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        const fmi3Int64 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         const fmi3UInt64 values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         const fmi3String values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                         const size_t sizes[], const fmi3Binary values[], size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
+                        const fmi3Clock values[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance instance, fmi3ValueReference ref,
+                                               size_t *num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance instance, fmi3ValueReference dependent,
+                                       size_t elements_of_dependent[],
+                                       fmi3ValueReference independents[],
+                                       size_t elements_of_independents[],
+                                       fmi3DependencyKind kinds[], size_t num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                    size_t num_unknowns, const fmi3ValueReference knowns[],
+                                    size_t num_knowns, const fmi3Float64 seed[], size_t num_seed,
+                                    fmi3Float64 sensitivity[], size_t num_sensitivity) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance instance) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance instance) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
+                                  size_t num_refs, fmi3Float64 intervals[],
+                                  fmi3IntervalQualifier qualifiers[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                   size_t num_refs, fmi3UInt64 counters[], fmi3UInt64 resolutions[],
+                                   fmi3IntervalQualifier qualifiers[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetShiftDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
+                               size_t num_refs, fmi3Float64 shifts[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                size_t num_refs, fmi3UInt64 counters[], fmi3UInt64 resolutions[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetIntervalDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
+                                  size_t num_refs, const fmi3Float64 intervals[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetIntervalFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                   size_t num_refs, const fmi3UInt64 counters[],
+                                   const fmi3UInt64 resolutions[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetShiftDecimal(fmi3Instance instance, const fmi3ValueReference refs[],
+                               size_t num_refs, const fmi3Float64 shifts[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetShiftFraction(fmi3Instance instance, const fmi3ValueReference refs[],
+                                size_t num_refs, const fmi3UInt64 counters[],
+                                const fmi3UInt64 resolutions[]) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance instance) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *need_update,
+                                    fmi3Boolean *terminate, fmi3Boolean *nominals_changed,
+                                    fmi3Boolean *states_changed, fmi3Boolean *has_next_event,
+                                    fmi3Float64 *next_event) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean no_state_before,
+                                       fmi3Boolean *enter_event_mode, fmi3Boolean *terminate) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 states[], size_t num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
+                                             size_t num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 indicators[], size_t num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 states[], size_t num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
+                                             size_t num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *num) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3EnterStepMode(fmi3Instance instance) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference refs[],
+                                    size_t num_refs, const fmi3Int32 orders[], fmi3Float64 values[],
+                                    size_t num_values) {
+    return refuse(instance, __func__);
+}
+
+fmi3Status fmi3ActivateModelPartition(fmi3Instance instance, fmi3ValueReference clock,
+                                      fmi3Float64 time) {
+    return refuse(instance, __func__);
+}

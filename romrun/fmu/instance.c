@@ -1,0 +1,613 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/fmu/instance.h"
+
+#include "romrun/library/ehdrom.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum fmu_mode {
+    MODE_INSTANTIATED,
+    MODE_INITIALIZATION,
+    MODE_STEP,
+    MODE_TERMINATED
+} fmu_mode;
+
+/* Inputs at a time, as the contact takes them. */
+typedef struct conditions {
+    double given; // load or approach
+    double speed, radius;
+} conditions;
+
+/* All that a saved state holds beside the contact's own. */
+typedef struct moment {
+    char mark[8];
+    char token[FMU_TOKEN];
+    fmu_mode mode;
+    double time, stop;
+    double values[FMU_NUM_VARIABLES];
+    bool solved;      // the outputs are of the inputs (initialization)
+    bool lost;        // a step failed halfway
+    double pending;   // s, a step that the contact has taken and not accepted; 0: none
+    double last;      // s, the last internal step; 0: none
+    conditions held;  // at the contact's last state
+    conditions aimed; // at the end of the pending step
+} moment;
+
+static const char state_mark[8] = "ehdfmu1";
+
+struct fmu_instance {
+    fmu_log log;
+    void *log_to;
+    bool verbose;
+    fmu_contents contents;
+    ehdrom_model *model;
+    ehdrom_contact *contact;
+    moment now;
+};
+
+// ---- messages
+
+static void say(const fmu_instance *self, bool wrong, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+static void say(const fmu_instance *self, bool wrong, const char *format, ...) {
+    char text[1024];
+    va_list arguments;
+
+    if (!self->log || !(wrong || self->verbose)) return;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    self->log(self->log_to, wrong, text);
+}
+
+#define fail(self, ...) (say(self, true, __VA_ARGS__), false)
+
+bool fmu_refuse(fmu_instance *self, const char *function) {
+    return fail(self,
+                "%s: found a call that this FMU does not offer, expected those of "
+                "modelDescription.xml",
+                function);
+}
+
+void fmu_set_verbose(fmu_instance *self, bool verbose) {
+    self->verbose = verbose;
+}
+
+static const char *const mode_names[] = {"instantiated", "initialization", "step", "terminated"};
+
+static bool in_mode(const fmu_instance *self, fmu_mode mode, const char *what) {
+    if (self->now.mode == mode) return true;
+    return fail(self, "%s: found it in %s mode, expected %s", what, mode_names[self->now.mode],
+                mode_names[mode]);
+}
+
+// ---- creation
+
+static void set_to_start(fmu_instance *self) {
+    self->now = (moment){.mode = MODE_INSTANTIATED, .stop = INFINITY};
+    memcpy(self->now.mark, state_mark, sizeof state_mark);
+    memcpy(self->now.token, self->contents.token, sizeof self->now.token);
+    memcpy(self->now.values, self->contents.start, sizeof self->now.values);
+}
+
+static FILE *open_resource(char path[PATH_MAX], const char *folder, const char *name) {
+    const size_t length = strlen(folder);
+    const char *slash = length && folder[length - 1] == '/' ? "" : "/";
+
+    if (snprintf(path, PATH_MAX, "%s%s%s", folder, slash, name) >= PATH_MAX) return NULL;
+    return fopen(path, "re");
+}
+
+static bool read_contents(fmu_instance *self, const char *token, const char *resources) {
+    char path[PATH_MAX];
+    FILE *file = open_resource(path, resources, "contact.txt");
+    const bool read = file && fmu_contents_read(&self->contents, file);
+
+    if (file) fclose(file);
+    if (!read)
+        return fail(self, "%s: found %s, expected the list of this FMU's variables", path,
+                    file ? "another content" : "no file");
+    if (!token || strcmp(token, self->contents.token) != 0)
+        return fail(self, "token: found %s, expected %s of modelDescription.xml",
+                    token ? token : "none", self->contents.token);
+    return true;
+}
+
+static bool open_contact(fmu_instance *self, const char *resources) {
+    char path[PATH_MAX];
+    FILE *file = open_resource(path, resources, "model.ehdrom");
+
+    if (file) fclose(file);
+    if (ehdrom_model_open(&self->model, path, NULL))
+        return fail(self, "%s", ehdrom_model_error(self->model));
+    if (ehdrom_contact_create(&self->contact, self->model))
+        return fail(self, "%s", ehdrom_contact_error(self->contact));
+    file = open_resource(path, resources, "contact.yml");
+    if (file) fclose(file);
+    if (ehdrom_contact_read(self->contact, path))
+        return fail(self, "%s", ehdrom_contact_error(self->contact));
+    return true;
+}
+
+fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, void *log_to) {
+    fmu_instance *self = calloc(1, sizeof *self);
+
+    if (!self) return NULL;
+    self->log = log;
+    self->log_to = log_to;
+    if (!read_contents(self, token, resources) || !open_contact(self, resources)) {
+        fmu_free(self);
+        return NULL;
+    }
+    set_to_start(self);
+    return self;
+}
+
+void fmu_free(fmu_instance *self) {
+    if (!self) return;
+    ehdrom_contact_free(self->contact);
+    ehdrom_model_close(self->model);
+    free(self);
+}
+
+// ---- variables
+
+static const fmu_variable *find(const fmu_instance *self, unsigned reference, fmu_type type) {
+    static const char *const types[] = {"real", "integer", "Boolean"};
+
+    if (reference < FMU_NUM_VARIABLES && self->contents.has[reference] &&
+        fmu_variables[reference].type == type)
+        return &fmu_variables[reference];
+    say(self, true, "value reference: found %u, expected one of a variable that is %s", reference,
+        types[type]);
+    return NULL;
+}
+
+static bool start(fmu_instance *self);
+
+bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *value) {
+    const fmu_variable *variable = find(self, reference, type);
+
+    if (!variable) return false;
+    if (variable->role == FMU_OUTPUT && self->now.mode == MODE_INITIALIZATION && !start(self))
+        return false;
+    *value = reference == FMU_TIME ? self->now.time : self->now.values[reference];
+    return true;
+}
+
+bool fmu_set(fmu_instance *self, unsigned reference, fmu_type type, double value) {
+    const fmu_variable *variable = find(self, reference, type);
+
+    if (!variable) return false;
+    if (!isfinite(value))
+        return fail(self, "%s: found %g, expected a finite number", variable->name, value);
+    const bool early = self->now.mode <= MODE_INITIALIZATION;
+    if (!(variable->role == FMU_PARAMETER && early) &&
+        !(variable->role == FMU_INPUT && (early || self->now.mode == MODE_STEP)))
+        return fail(self,
+                    "%s: found it set in %s mode, expected inputs, and parameters before the "
+                    "end of initialization",
+                    variable->name, mode_names[self->now.mode]);
+    self->now.values[reference] = value;
+    self->now.solved = false;
+    return true;
+}
+
+static void take_outputs(double values[FMU_NUM_VARIABLES], const ehdrom_result *result) {
+    for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
+        const fmu_variable *variable = &fmu_variables[i];
+        const char *member = (const char *)result + variable->offset;
+        if (variable->role != FMU_OUTPUT || variable->offset == 0) continue;
+        if (variable->type == FMU_REAL)
+            values[i] = *(const double *)(const void *)member;
+        else if (variable->type == FMU_INTEGER)
+            values[i] = (double)*(const size_t *)(const void *)member;
+        else
+            values[i] = *(const int *)(const void *)member;
+    }
+}
+
+// ---- the contact
+
+static conditions conditions_of(const double values[FMU_NUM_VARIABLES], bool approach_given) {
+    return (conditions){.given = values[approach_given ? FMU_APPROACH : FMU_LOAD],
+                        .speed = (values[FMU_SPEED_1] + values[FMU_SPEED_2]) / 2,
+                        .radius = values[FMU_RADIUS]};
+}
+
+/* `part` of the way. */
+static conditions between(const conditions *from, const conditions *to, double part) {
+    if (part == 1) return *to;
+    return (conditions){.given = from->given + (to->given - from->given) * part,
+                        .speed = from->speed + (to->speed - from->speed) * part,
+                        .radius = from->radius + (to->radius - from->radius) * part};
+}
+
+static ehdrom_conditions for_library(const fmu_instance *self, const conditions *at) {
+    ehdrom_conditions whole = EHDROM_CONDITIONS_INIT;
+
+    whole.given = EHDROM_SPEED | EHDROM_RADIUS |
+                  (self->contents.approach_given ? EHDROM_APPROACH : EHDROM_LOAD);
+    whole.load = whole.approach = at->given;
+    whole.speed = at->speed;
+    whole.radius = at->radius;
+    return whole;
+}
+
+/* The last step, or the start, once more with other inputs, from the same state. */
+static ehdrom_status repeat(fmu_instance *self, const conditions *at, ehdrom_result *result) {
+    const ehdrom_conditions whole = for_library(self, at);
+
+    return self->now.pending > 0 ? ehdrom_step(self->contact, &whole, self->now.pending, result)
+                                 : ehdrom_start(self->contact, &whole, result);
+}
+
+static bool took(const fmu_instance *self, ehdrom_status status) {
+    if (status == EHDROM_OK || status == EHDROM_UNTRUSTED) return true;
+    return fail(self, "%s", ehdrom_contact_error(self->contact));
+}
+
+/* The scene's settings with the parameters. */
+static bool take_parameters(fmu_instance *self) {
+    ehdrom_status status = EHDROM_OK;
+
+    for (size_t i = 0; i < FMU_NUM_VARIABLES && !status; i++) {
+        const fmu_variable *variable = &fmu_variables[i];
+        if (variable->role == FMU_PARAMETER && variable->key && self->contents.has[i])
+            status = ehdrom_contact_set_number(self->contact, variable->key, self->now.values[i]);
+    }
+    if (!status)
+        status = ehdrom_contact_set_accuracy(self->contact, self->now.values[FMU_ACCURACY]);
+    return took(self, status);
+}
+
+static void tell_trust(const fmu_instance *self, const ehdrom_result *result) {
+    if (!result->trusted && self->now.values[FMU_TRUSTED] != 0)
+        say(self, false, "from %g s on: %s", self->now.time, ehdrom_contact_error(self->contact));
+}
+
+/* The stationary contact of the inputs, unless it is known. */
+static bool start(fmu_instance *self) {
+    moment *now = &self->now;
+    ehdrom_result result = EHDROM_RESULT_INIT;
+
+    if (now->solved) return true;
+    now->pending = now->last = 0;
+    now->held = now->aimed = conditions_of(now->values, self->contents.approach_given);
+    if (!take_parameters(self) || !took(self, repeat(self, &now->aimed, &result))) return false;
+    now->values[FMU_TRUSTED] = 1;
+    tell_trust(self, &result);
+    take_outputs(now->values, &result);
+    now->solved = true;
+    return true;
+}
+
+// ---- modes
+
+bool fmu_setup(fmu_instance *self, double start_time, double stop, double tolerance) {
+    if (!in_mode(self, MODE_INSTANTIATED, "setup")) return false;
+    if (!isfinite(start_time) || !(stop >= start_time) || !(tolerance >= 0))
+        return fail(self,
+                    "setup: found start %g s, stop %g s, tolerance %g, expected a finite start, a "
+                    "later stop and a tolerance that is not negative",
+                    start_time, stop, tolerance);
+    self->now.time = start_time;
+    self->now.stop = stop;
+    if (tolerance > 0) self->now.values[FMU_STEP_ACCURACY] = tolerance;
+    return true;
+}
+
+bool fmu_enter_initialization(fmu_instance *self) {
+    if (!in_mode(self, MODE_INSTANTIATED, "initialization")) return false;
+    self->now.mode = MODE_INITIALIZATION;
+    return true;
+}
+
+bool fmu_exit_initialization(fmu_instance *self) {
+    if (!in_mode(self, MODE_INITIALIZATION, "end of initialization") || !start(self)) return false;
+    self->now.mode = MODE_STEP;
+    return true;
+}
+
+bool fmu_terminate(fmu_instance *self) {
+    if (!in_mode(self, MODE_STEP, "terminate")) return false;
+    self->now.mode = MODE_TERMINATED;
+    return true;
+}
+
+bool fmu_reset(fmu_instance *self) {
+    set_to_start(self);
+    return true;
+}
+
+// ---- steps
+
+/* The pending step is taken for good. */
+static bool accept(fmu_instance *self) {
+    moment *now = &self->now;
+
+    if (!(now->pending > 0)) return true;
+    if (ehdrom_accept(self->contact)) return fail(self, "%s", ehdrom_contact_error(self->contact));
+    now->last = now->pending;
+    now->held = now->aimed;
+    now->pending = 0;
+    return true;
+}
+
+// a step of one millionth of what was asked for that does not converge either tells that none will
+enum { MOST_HALVINGS = 20 };
+
+/* A communication step: parts of it that are powers of 1/2, so that their sum is exact. */
+typedef struct stretch {
+    double step;         // s
+    conditions from, to; // at its ends
+    double done, part;   // of it
+    size_t steps;
+} stretch;
+
+/* Whether a step of the part is too long for the last one. */
+static bool grows_too_much(const moment *now, const stretch *of) {
+    return now->last > 0 && of->part * of->step > 2 * now->last;
+}
+
+/* One internal step; where it fails the part is halved. */
+static bool go_on(fmu_instance *self, stretch *of, ehdrom_result *result) {
+    moment *now = &self->now;
+    const conditions at = between(&of->from, &of->to, of->done + of->part);
+    const ehdrom_conditions whole = for_library(self, &at);
+    const double accuracy = now->values[FMU_STEP_ACCURACY], length = of->step * of->part;
+    const ehdrom_status status = ehdrom_step(self->contact, &whole, length, result);
+    const bool fits = EHDROM_FAILED(status) || status == EHDROM_NOT_CONVERGED ||
+                      !(accuracy > 0 && result->local_error > accuracy);
+
+    if ((status == EHDROM_NOT_CONVERGED || !fits) && of->part > ldexp(1, -MOST_HALVINGS)) {
+        of->part /= 2;
+        return true;
+    }
+    if (!fits)
+        return fail(self, "step to %g s: found a local error of %g in steps of %g s, expected %g",
+                    now->time + of->step, result->local_error, length, accuracy);
+    if (!took(self, status)) return false;
+    now->pending = length;
+    now->aimed = at;
+    of->done += of->part;
+    of->steps++;
+    // the next one may be longer where what is left is a multiple of that
+    if (fmod(of->done, 2 * of->part) == 0) of->part *= 2;
+    return true;
+}
+
+static bool cross(fmu_instance *self, stretch *of, ehdrom_result *result) {
+    while (of->done < 1) {
+        if (!accept(self)) return false;
+        while (grows_too_much(&self->now, of))
+            of->part /= 2;
+        if (!go_on(self, of, result)) return false;
+    }
+    return true;
+}
+
+/* Times of an importer that adds up steps are not exact. */
+static bool check_times(const fmu_instance *self, double time, double step) {
+    const double slack = 1e-6 * step + 1e-12 * fabs(time);
+
+    if (self->now.lost)
+        return fail(self, "step: found one behind a step that failed, expected a saved state to be "
+                          "set, or a reset");
+    if (!(step > 0) || isinf(step))
+        return fail(self, "step: found %g s, expected a positive number", step);
+    if (!(fabs(time - self->now.time) <= slack))
+        return fail(self, "step: found %.17g s as its begin, expected %.17g s", time,
+                    self->now.time);
+    if (!(time + step <= self->now.stop + slack))
+        return fail(self, "step: found %.17g s as its end, expected at most the stop time %.17g s",
+                    time + step, self->now.stop);
+    return true;
+}
+
+bool fmu_step(fmu_instance *self, double time, double step) {
+    moment *now = &self->now;
+    ehdrom_result result = EHDROM_RESULT_INIT;
+
+    if (!in_mode(self, MODE_STEP, "step") || !check_times(self, time, step)) return false;
+    stretch of = {.step = step,
+                  .from = now->pending > 0 ? now->aimed : now->held,
+                  .to = conditions_of(now->values, self->contents.approach_given),
+                  .part = 1};
+    if (!cross(self, &of, &result)) {
+        now->lost = true;
+        return false;
+    }
+    now->time = time + step;
+    tell_trust(self, &result);
+    take_outputs(now->values, &result);
+    now->values[FMU_STEPS] = (double)of.steps;
+    return true;
+}
+
+double fmu_time(const fmu_instance *self) {
+    return self->now.time;
+}
+
+// ---- derivatives
+
+/* How far inputs are moved, relative: see README.md. */
+static const double relative_change = 1e-3;
+
+/* By how much a known may be moved. */
+static double scale_of(const fmu_instance *self, unsigned reference) {
+    const double *values = self->now.values;
+
+    if (reference == FMU_APPROACH) return values[FMU_CENTRAL_FILM];
+    if (reference == FMU_SPEED_1 || reference == FMU_SPEED_2)
+        return fabs(values[FMU_SPEED_1] + values[FMU_SPEED_2]);
+    return fabs(values[reference]);
+}
+
+/* The length of the direction that is gone each way; 0: it is none. -1: another variable. */
+static double reach(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
+                    const double direction[]) {
+    double most = 0;
+
+    for (size_t i = 0; i < num_knowns; i++) {
+        const fmu_variable *variable = find(self, knowns[i], FMU_REAL);
+        if (!variable) return -1;
+        if (variable->role != FMU_INPUT || !isfinite(direction[i])) {
+            say(self, true, "derivative: found by %s in direction %g, expected by an input",
+                variable->name, direction[i]);
+            return -1;
+        }
+        const double scale = scale_of(self, knowns[i]);
+        if (direction[i] == 0) continue;
+        if (!(scale > 0)) {
+            say(self, true, "derivative: found %s at rest, expected a value to change",
+                variable->name);
+            return -1;
+        }
+        most = fmax(most, fabs(direction[i]) / scale);
+    }
+    return most > 0 ? relative_change / most : 0;
+}
+
+/* Real outputs where the inputs are moved by `length` of the direction. */
+static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
+                       const unsigned knowns[], size_t num_knowns, const double direction[],
+                       double length) {
+    const bool by_approach = self->contents.approach_given;
+    double values[FMU_NUM_VARIABLES] = {0};
+    ehdrom_result result = EHDROM_RESULT_INIT;
+
+    for (size_t i = 0; i < num_knowns; i++)
+        values[knowns[i]] += direction[i] * length;
+    const conditions moved = conditions_of(values, by_approach);
+    conditions at = self->now.aimed;
+    at.given += moved.given;
+    at.speed += moved.speed;
+    at.radius += moved.radius;
+    if (!took(self, repeat(self, &at, &result))) return false;
+    take_outputs(outputs, &result);
+    return true;
+}
+
+bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
+                    const unsigned knowns[], size_t num_knowns, const double direction[],
+                    double derivative[]) {
+    double before[FMU_NUM_VARIABLES] = {0}, behind[FMU_NUM_VARIABLES] = {0};
+    ehdrom_result result = EHDROM_RESULT_INIT;
+
+    for (size_t k = 0; k < num_unknowns; k++) {
+        const fmu_variable *variable = find(self, unknowns[k], FMU_REAL);
+        if (!variable) return false;
+        if (variable->role != FMU_OUTPUT)
+            return fail(self, "derivative: found of %s, expected of an output", variable->name);
+    }
+    if (self->now.mode == MODE_INITIALIZATION ? !start(self)
+                                              : !in_mode(self, MODE_STEP, "derivative"))
+        return false;
+    if (self->now.lost)
+        return fail(self, "derivative: found a step that failed, expected one that did not");
+    const double length = reach(self, knowns, num_knowns, direction);
+    if (length < 0) return false;
+    if (length > 0) {
+        const bool found = outputs_at(self, behind, knowns, num_knowns, direction, length) &&
+                           outputs_at(self, before, knowns, num_knowns, direction, -length);
+        // and back, to the same bits
+        if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
+    }
+    for (size_t k = 0; k < num_unknowns; k++)
+        derivative[k] = length > 0 ? (behind[unknowns[k]] - before[unknowns[k]]) / (2 * length) : 0;
+    return true;
+}
+
+// ---- states
+
+static bool has_contact(const moment *of) {
+    return of->mode >= MODE_STEP;
+}
+
+static bool count_numbers(fmu_instance *self, size_t *count) {
+    *count = 0;
+    return took(self, ehdrom_state_size(self->contact, count));
+}
+
+/* Memory for so many bytes. */
+static bool make_state(fmu_instance *self, fmu_state **state, size_t size) {
+    if (*state && (*state)->size == size) return true;
+    fmu_state *made = realloc(*state, sizeof *made + size);
+    if (!made) return fail(self, "state: found no memory for %zu bytes", size);
+    made->size = size;
+    *state = made;
+    return true;
+}
+
+bool fmu_state_get(fmu_instance *self, fmu_state **state) {
+    const moment *now = &self->now;
+    size_t count = 0;
+
+    if (has_contact(now) && !count_numbers(self, &count)) return false;
+    if (!make_state(self, state, sizeof *now + count * sizeof(double))) return false;
+    memcpy((*state)->bytes, now, sizeof *now);
+    if (count == 0) return true;
+    double *numbers = malloc(count * sizeof *numbers);
+    if (!numbers) return fail(self, "state: found no memory for %zu numbers", count);
+    const bool saved = took(self, ehdrom_state_save(self->contact, numbers, count));
+    if (saved) memcpy((*state)->bytes + sizeof *now, numbers, count * sizeof *numbers);
+    free(numbers);
+    return saved;
+}
+
+/* Checks what a stranger may hand in: of this FMU, with as many numbers as its mode has. */
+static bool check_state(const fmu_instance *self, const void *bytes, size_t size) {
+    moment of;
+
+    if (bytes && size >= sizeof of) {
+        memcpy(&of, bytes, sizeof of);
+        if (memcmp(of.mark, state_mark, sizeof of.mark) == 0 &&
+            memcmp(of.token, self->contents.token, sizeof of.token) == 0 &&
+            of.mode <= MODE_TERMINATED && (size - sizeof of) % sizeof(double) == 0 &&
+            has_contact(&of) == (size > sizeof of))
+            return true;
+    }
+    return fail(self, "state: found another content, expected one that this FMU has saved");
+}
+
+static bool restore(fmu_instance *self, const fmu_state *state) {
+    const size_t count = (state->size - sizeof self->now) / sizeof(double);
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    double *numbers = malloc(count * sizeof *numbers);
+
+    if (!numbers) return fail(self, "state: found no memory for %zu numbers", count);
+    memcpy(numbers, state->bytes + sizeof self->now, count * sizeof *numbers);
+    const bool restored =
+        take_parameters(self) && took(self, ehdrom_state_restore(self->contact, numbers, count));
+    free(numbers);
+    if (!restored) return false;
+    // the step that was not accepted yet, to the same bits
+    return !(self->now.pending > 0) || took(self, repeat(self, &self->now.aimed, &result));
+}
+
+bool fmu_state_set(fmu_instance *self, const fmu_state *state) {
+    if (!state || !check_state(self, state->bytes, state->size)) return false;
+    memcpy(&self->now, state->bytes, sizeof self->now);
+    if (has_contact(&self->now)) return restore(self, state);
+    self->now.solved = false; // the contact itself may be at another time
+    return true;
+}
+
+bool fmu_state_write(fmu_instance *self, const fmu_state *state, void *bytes, size_t size) {
+    if (!state || size < state->size)
+        return fail(self, "state: found room for %zu bytes, expected %zu", size,
+                    state ? state->size : 0);
+    memcpy(bytes, state->bytes, state->size);
+    return true;
+}
+
+bool fmu_state_read(fmu_instance *self, fmu_state **state, const void *bytes, size_t size) {
+    if (!check_state(self, bytes, size) || !make_state(self, state, size)) return false;
+    memcpy((*state)->bytes, bytes, size);
+    return true;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The shared object of FMUs has the library twice: for any x86-64 and for x86-64-v3 (AVX2, FMA; since 2013). Which
+ * one is called is decided when it is loaded. Of nothing else than that shared object. */
+#include "romrun/library/ehdrom.h"
+
+#define CHOOSE(function)                                                                           \
+    extern __typeof__(function) function##_any, function##_v3;                                     \
+    static __typeof__(function) *resolve_##function(void) {                                        \
+        __builtin_cpu_init();                                                                      \
+        return __builtin_cpu_supports("x86-64-v3") ? function##_v3 : function##_any;               \
+    }                                                                                              \
+    __typeof__(function) function __attribute__((ifunc("resolve_" #function)));
+
+CHOOSE(ehdrom_model_open)
+CHOOSE(ehdrom_model_close)
+CHOOSE(ehdrom_model_error)
+CHOOSE(ehdrom_contact_create)
+CHOOSE(ehdrom_contact_free)
+CHOOSE(ehdrom_contact_error)
+CHOOSE(ehdrom_contact_read)
+CHOOSE(ehdrom_contact_set_number)
+CHOOSE(ehdrom_contact_set_accuracy)
+CHOOSE(ehdrom_start)
+CHOOSE(ehdrom_step)
+CHOOSE(ehdrom_accept)
+CHOOSE(ehdrom_state_size)
+CHOOSE(ehdrom_state_save)
+CHOOSE(ehdrom_state_restore)

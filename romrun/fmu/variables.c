@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/fmu/variables.h"
+
+#include "romrun/library/ehdrom.h"
+
+#include <locale.h>
+#include <string.h>
+
+#define OF(member) offsetof(ehdrom_result, member)
+
+// clang-format off
+// columns: name, role, type, unit, unit of a point contact, when, key, offset, help
+const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
+    [FMU_TIME] = {"time", FMU_INDEPENDENT, FMU_REAL, "s", "s", FMU_ALWAYS, NULL, 0, "Time"},
+    [FMU_LOAD] = {"load", FMU_INPUT, FMU_REAL, "N/m", "N", FMU_LOAD_GIVEN, "physical.load", 0,
+        "Load, of a line contact per length"},
+    [FMU_APPROACH] = {"approach", FMU_INPUT, FMU_REAL, "m", "m", FMU_APPROACH_GIVEN, NULL, 0,
+        "How far the bodies are from touching undeformed; negative where they overlap"},
+    [FMU_SPEED_1] = {"surface_speed_1", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", 0,
+        "Speed of the first surface relative to the contact; only the mean of both matters"},
+    [FMU_SPEED_2] = {"surface_speed_2", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", 0,
+        "Speed of the second surface relative to the contact; the mean must not be negative"},
+    [FMU_RADIUS] = {"radius", FMU_INPUT, FMU_REAL, "m", "m", FMU_ALWAYS, "physical.radius", 0,
+        "Reduced radius, 1/R = 1/R1 + 1/R2"},
+    [FMU_FORCE] = {"force", FMU_OUTPUT, FMU_REAL, "N/m", "N", FMU_ALWAYS, NULL, OF(load),
+        "Normal force between the bodies, of a line contact per length"},
+    [FMU_APPROACH_FOUND] = {"approach", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_LOAD_GIVEN, NULL, OF(approach),
+        "How far the bodies are from touching undeformed; negative where they overlap"},
+    [FMU_CENTRAL_FILM] = {"central_film_thickness", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL,
+        OF(central_film_thickness), "Film thickness at the centre"},
+    [FMU_MINIMUM_FILM] = {"minimum_film_thickness", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL,
+        OF(minimum_film_thickness), "Smallest film thickness"},
+    [FMU_CENTRAL_PRESSURE] = {"central_pressure", FMU_OUTPUT, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, NULL,
+        OF(central_pressure), "Pressure at the centre"},
+    [FMU_PEAK_PRESSURE] = {"peak_pressure", FMU_OUTPUT, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, NULL,
+        OF(peak_pressure), "Largest pressure, at the nodes that the reduced solution looks at"},
+    [FMU_EXIT] = {"exit_position", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL, OF(exit_position),
+        "How far behind the centre the pressure ends"},
+    [FMU_HALF_WIDTH] = {"half_width", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL, OF(half_width),
+        "Half width, or radius, of the dry contact"},
+    [FMU_DEVIATION] = {"indicated_deviation", FMU_OUTPUT, FMU_REAL, "1", "1", FMU_ALWAYS, NULL,
+        OF(indicated_deviation), "How far the central film is indicated to be from that of the full model, "
+        "relative; not a number if the model was not checked for that"},
+    [FMU_DEVIATION_MINIMUM] = {"indicated_deviation_minimum", FMU_OUTPUT, FMU_REAL, "1", "1", FMU_ALWAYS, NULL,
+        OF(indicated_deviation_minimum), "The same of the minimum film"},
+    [FMU_LOCAL_ERROR] = {"local_error", FMU_OUTPUT, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, OF(local_error),
+        "What the last internal step's length does to the central film, relative; 0 while not known"},
+    [FMU_TRUSTED] = {"trusted", FMU_OUTPUT, FMU_BOOLEAN, NULL, NULL, FMU_ALWAYS, NULL, OF(trusted),
+        "False: outside of the trained range, indicated to deviate by more than accuracy, or not checked"},
+    [FMU_ITERATIONS] = {"iterations", FMU_OUTPUT, FMU_INTEGER, NULL, NULL, FMU_ALWAYS, NULL, OF(iterations),
+        "Iterations of the last internal step"},
+    [FMU_STEPS] = {"internal_steps", FMU_OUTPUT, FMU_INTEGER, NULL, NULL, FMU_ALWAYS, NULL, 0,
+        "Internal steps of the last communication step: 1, unless that was too long"},
+    [FMU_MODULUS] = {"modulus", FMU_PARAMETER, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, "physical.modulus", 0,
+        "Reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2"},
+    [FMU_VISCOSITY] = {"viscosity", FMU_PARAMETER, FMU_REAL, "Pa.s", "Pa.s", FMU_ALWAYS, "physical.viscosity", 0,
+        "Viscosity at ambient pressure"},
+    [FMU_PRESSURE_VISCOSITY] = {"pressure_viscosity_coefficient", FMU_PARAMETER, FMU_REAL, "1/Pa", "1/Pa",
+        FMU_ALWAYS, "lubricant.viscosity.alpha", 0, "Pressure-viscosity coefficient"},
+    [FMU_ACCURACY] = {"accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, 0,
+        "An indicated deviation above it is not trusted"},
+    [FMU_STEP_ACCURACY] = {"step_accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, 0,
+        "A step with a larger local_error is halved; 0: as long as the importer wants it. FMI's tolerance sets it"},
+};
+// clang-format on
+
+bool fmu_variable_fits(const fmu_variable *variable, bool approach_given) {
+    return variable->when == FMU_ALWAYS || (variable->when == FMU_APPROACH_GIVEN) == approach_given;
+}
+
+// ---- resources/contact.txt: a line each, name and value
+
+static const char heading[] = "ehdrom-fmu 1";
+
+static bool has_start(const fmu_variable *variable) {
+    return variable->role == FMU_INPUT || variable->role == FMU_PARAMETER;
+}
+
+void fmu_contents_write(FILE *file, const fmu_contents *contents) {
+    fprintf(file, "%s\ntoken %s\ncontact %s\ngiven %s\n", heading, contents->token,
+            contents->point ? "point" : "line", contents->approach_given ? "approach" : "load");
+    for (size_t i = 0; i < FMU_NUM_VARIABLES; i++)
+        if (contents->has[i] && has_start(&fmu_variables[i]))
+            fprintf(file, "%s %.17g\n", fmu_variables[i].name, contents->start[i]);
+}
+
+static bool read_heading(fmu_contents *contents, FILE *file) {
+    char line[sizeof heading + 1], contact[8], given[16];
+
+    if (!fgets(line, sizeof line, file) || strncmp(line, heading, sizeof heading - 1) != 0)
+        return false;
+    if (fscanf(file, " token %39s contact %7s given %15s", contents->token, contact, given) != 3)
+        return false;
+    contents->point = strcmp(contact, "point") == 0;
+    contents->approach_given = strcmp(given, "approach") == 0;
+    return (contents->point || strcmp(contact, "line") == 0) &&
+           (contents->approach_given || strcmp(given, "load") == 0);
+}
+
+static bool take_start(fmu_contents *contents, const char *name, double value) {
+    for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
+        const fmu_variable *variable = &fmu_variables[i];
+        if (!has_start(variable) || !fmu_variable_fits(variable, contents->approach_given) ||
+            strcmp(variable->name, name) != 0)
+            continue;
+        contents->has[i] = true;
+        contents->start[i] = value;
+        return true;
+    }
+    return false;
+}
+
+static bool read_contents(fmu_contents *contents, FILE *file) {
+    char name[64];
+    double value = 0;
+    int found = 0;
+
+    if (!read_heading(contents, file)) return false;
+    for (size_t i = 0; i < FMU_NUM_VARIABLES; i++)
+        contents->has[i] = !has_start(&fmu_variables[i]) &&
+                           fmu_variable_fits(&fmu_variables[i], contents->approach_given);
+    while ((found = fscanf(file, " %63s %lf", name, &value)) == 2)
+        if (!take_start(contents, name, value)) return false;
+    return found == EOF && !ferror(file);
+}
+
+bool fmu_contents_read(fmu_contents *contents, FILE *file) {
+    // numbers have a point, whatever the importer's locale
+    const locale_t before = uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
+
+    *contents = (fmu_contents){0};
+    const bool read = read_contents(contents, file);
+    uselocale(before);
+    return read;
+}

@@ -1,0 +1,576 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* An importer of FMUs, of both versions of FMI, for fmu.bats:
+ *
+ *     use_fmu 2|3 FOLDER run STEPS [SAVED AT]   runs, prints all outputs behind each step; saves the state there
+ *     use_fmu 2|3 FOLDER restore STEPS SAVED AT the steps behind AT, from the saved state
+ *     use_fmu 2|3 FOLDER refine STEPS           as run, in as many steps for the same time; the last outputs alone
+ *     use_fmu 2|3 FOLDER calls NAME…            all calls that are offered, in and out of order; the others by name
+ *     use_fmu 2|3 FOLDER derivatives            against differences of its own
+ *     use_fmu 2|3 FOLDER far                    a step that cannot be done
+ *     use_fmu library FOLDER STEPS              run, by ehdrom.h
+ *
+ * FOLDER is an unpacked FMU. What is expected ends in exit code 0. */
+#include "romrun/fmu/fmi2.h"
+#include "romrun/fmu/fmi3.h"
+#include "romrun/library/ehdrom.h"
+
+#include <dlfcn.h>
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EXPECT(condition)                                                                          \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            fprintf(stderr, "%s:%d: found it not: %s\n", __FILE__, __LINE__, #condition);          \
+            exit(1);                                                                               \
+        }                                                                                          \
+    } while (0)
+
+enum { MAX_VARIABLES = 64 };
+
+/* One variable of modelDescription.xml. */
+typedef struct variable {
+    char name[64], causality[16], type[16];
+    unsigned reference;
+} variable;
+
+static int version;
+static void *object;
+static void *instance;
+static char folder[PATH_MAX], token[64];
+static variable variables[MAX_VARIABLES];
+static size_t num_variables;
+static int num_errors, num_notes;
+
+// ---- modelDescription.xml: this FMU's, line by line
+
+static void take_attribute(char *value, size_t size, const char *line, const char *name) {
+    char start[64];
+
+    snprintf(start, sizeof start, " %s=\"", name);
+    const char *found = strstr(line, start);
+    value[0] = '\0';
+    if (!found) return;
+    found += strlen(start);
+    snprintf(value, size, "%.*s", (int)strcspn(found, "\""), found);
+}
+
+static void read_description(void) {
+    char path[PATH_MAX + 64], line[1024], number[16];
+
+    snprintf(path, sizeof path, "%s/modelDescription.xml", folder);
+    FILE *file = fopen(path, "r");
+    EXPECT(file);
+    while (fgets(line, sizeof line, file)) {
+        variable *one = &variables[num_variables];
+        if (strstr(line, "<fmiModelDescription"))
+            take_attribute(token, sizeof token, line, version == 2 ? "guid" : "instantiationToken");
+        if (!strstr(line, " valueReference=") || !strstr(line, " causality=")) continue;
+        take_attribute(one->name, sizeof one->name, line, "name");
+        take_attribute(one->causality, sizeof one->causality, line, "causality");
+        take_attribute(number, sizeof number, line, "valueReference");
+        one->reference = (unsigned)atoi(number);
+        snprintf(one->type, sizeof one->type, "%s",
+                 strstr(line, "<Boolean")                             ? "Boolean"
+                 : strstr(line, "<Integer") || strstr(line, "<Int32") ? "Integer"
+                                                                      : "Real");
+        num_variables++;
+    }
+    fclose(file);
+}
+
+static const variable *find(const char *name, const char *causality) {
+    for (size_t i = 0; i < num_variables; i++)
+        if (strcmp(variables[i].name, name) == 0 &&
+            (!causality || strcmp(variables[i].causality, causality) == 0))
+            return &variables[i];
+    fprintf(stderr, "%s: found no such variable\n", name);
+    exit(1);
+}
+
+// ---- both versions alike
+
+static void *symbol(const char *name) {
+    char whole[64];
+
+    snprintf(whole, sizeof whole, "fmi%d%s", version, name);
+    void *found = dlsym(object, whole);
+    EXPECT(found);
+    return found;
+}
+#define CALL2(name, ...) (((__typeof__(fmi2##name) *)symbol(#name))(__VA_ARGS__))
+#define CALL3(name, ...) (((__typeof__(fmi3##name) *)symbol(#name))(__VA_ARGS__))
+/* A call that differs in nothing but its name's digit. */
+#define CALL(name, ...)                                                                            \
+    (version == 2 ? (int)CALL2(name, __VA_ARGS__) : (int)CALL3(name, __VA_ARGS__))
+
+static void show2(void *to, fmi2String name, fmi2Status status, fmi2String category,
+                  fmi2String message, ...) {
+    va_list arguments;
+
+    EXPECT(to == &num_errors && strcmp(name, "one") == 0);
+    status == fmi2Error ? num_errors++ : num_notes++;
+    fprintf(stderr, "%s: ", category);
+    va_start(arguments, message);
+    vfprintf(stderr, message, arguments);
+    va_end(arguments);
+    fputc('\n', stderr);
+}
+
+static void show3(void *to, fmi3Status status, fmi3String category, fmi3String message) {
+    EXPECT(to == &num_errors);
+    status == fmi3Error ? num_errors++ : num_notes++;
+    fprintf(stderr, "%s: %s\n", category, message);
+}
+
+static void *instantiate(const char *with_token) {
+    static const fmi2CallbackFunctions functions = {show2, NULL, NULL, NULL, &num_errors};
+    char place[PATH_MAX + 64];
+
+    if (version == 2) {
+        // of a URI with an escape: an s
+        snprintf(place, sizeof place, "file://%s/re%%73ources", folder);
+        return CALL2(Instantiate, "one", fmi2CoSimulation, with_token, place, &functions, 0, 1);
+    }
+    snprintf(place, sizeof place, "%s/resources/", folder);
+    return CALL3(InstantiateCoSimulation, "one", with_token, place, false, true, false, true, NULL,
+                 0, &num_errors, show3, NULL);
+}
+
+static void load(void) {
+    char path[PATH_MAX + 64];
+
+    read_description();
+    snprintf(path, sizeof path, "%s/binaries/%s/ehdrom_contact.so", folder,
+             version == 2 ? "linux64" : "x86_64-linux");
+    object = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!object) fprintf(stderr, "%s\n", dlerror());
+    EXPECT(object);
+    instance = instantiate(token);
+    EXPECT(instance);
+}
+
+static int enter(double tolerance, double stop) {
+    if (version == 3)
+        return CALL3(EnterInitializationMode, instance, tolerance > 0, tolerance, 0, stop > 0,
+                     stop);
+    const int status =
+        CALL2(SetupExperiment, instance, tolerance > 0, tolerance, 0, stop > 0, stop);
+    return status ? status : (int)CALL2(EnterInitializationMode, instance);
+}
+
+static void begin(double tolerance) {
+    EXPECT(enter(tolerance, 0) == 0);
+    EXPECT(CALL(ExitInitializationMode, instance) == 0);
+}
+
+static int set(const char *name, double value) {
+    const unsigned reference = find(name, NULL)->reference;
+
+    return version == 2 ? (int)CALL2(SetReal, instance, &reference, 1, &value)
+                        : (int)CALL3(SetFloat64, instance, &reference, 1, &value, 1);
+}
+
+static double get(const variable *of) {
+    const unsigned reference = of->reference;
+    double value = NAN;
+    int whole = 0;
+    bool is = false;
+    int status = 0;
+
+    if (strcmp(of->type, "Real") == 0)
+        status = version == 2 ? (int)CALL2(GetReal, instance, &reference, 1, &value)
+                              : (int)CALL3(GetFloat64, instance, &reference, 1, &value, 1);
+    else if (strcmp(of->type, "Integer") == 0)
+        status = version == 2 ? (int)CALL2(GetInteger, instance, &reference, 1, &whole)
+                              : (int)CALL3(GetInt32, instance, &reference, 1, &whole, 1);
+    else
+        status = version == 2 ? (int)CALL2(GetBoolean, instance, &reference, 1, &whole)
+                              : (int)CALL3(GetBoolean, instance, &reference, 1, &is, 1);
+    EXPECT(status == 0);
+    if (strcmp(of->type, "Real") == 0) return value;
+    return strcmp(of->type, "Boolean") == 0 && version == 3 ? is : whole;
+}
+
+static double output(const char *name) {
+    return get(find(name, "output"));
+}
+
+static int step(double time, double length) {
+    bool event = true, end = true, early = true;
+    double last = NAN;
+
+    if (version == 2) return CALL2(DoStep, instance, time, length, 1);
+    const int status = CALL3(DoStep, instance, time, length, true, &event, &end, &early, &last);
+    EXPECT(!event && !end && !early && (status || last == time + length));
+    return status;
+}
+
+// ---- a trajectory: load, or approach, and speed swing
+
+static const double duration = 250e-6; // s: of the scene about one of a/u
+
+static double swing(double part) {
+    return 1 + 0.1 * sin(2 * 3.14159265358979 * part);
+}
+
+static double given_start, speed_start;
+static const char *given_name;
+
+static void look_at_start(void) {
+    given_name = "load";
+    for (size_t i = 0; i < num_variables; i++)
+        if (strcmp(variables[i].name, "approach") == 0 &&
+            strcmp(variables[i].causality, "input") == 0)
+            given_name = "approach";
+    given_start = get(find(given_name, "input"));
+    speed_start = get(find("surface_speed_1", "input"));
+}
+
+static double given_at(double part) {
+    return strcmp(given_name, "load") == 0
+               ? given_start * swing(part)
+               : given_start + 0.1 * fabs(given_start) * (swing(part) - 1);
+}
+
+static void set_inputs(double part) {
+    EXPECT(set(given_name, given_at(part)) == 0);
+    EXPECT(set("surface_speed_1", speed_start * swing(2 * part) + 0.25) == 0);
+    EXPECT(set("surface_speed_2", speed_start * swing(2 * part) - 0.25) == 0);
+}
+
+static void print_outputs(size_t number) {
+    printf("%zu", number);
+    for (size_t i = 0; i < num_variables; i++)
+        if (strcmp(variables[i].causality, "output") == 0)
+            printf(" %s=%a", variables[i].name, get(&variables[i]));
+    printf("\n");
+}
+
+static void save(const char *path) {
+    size_t size = 0, size_again = 1;
+    void *state = NULL;
+
+    EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &state)
+                        : !CALL3(GetFMUState, instance, &state));
+    EXPECT(version == 2 ? !CALL2(SerializedFMUstateSize, instance, state, &size)
+                        : !CALL3(SerializedFMUStateSize, instance, state, &size));
+    char *bytes = malloc(size);
+    EXPECT(bytes);
+    EXPECT(version == 2 ? !CALL2(SerializeFMUstate, instance, state, bytes, size)
+                        : !CALL3(SerializeFMUState, instance, state, (uint8_t *)bytes, size));
+    EXPECT(version == 2 ? CALL2(SerializeFMUstate, instance, state, bytes, size - 1) == fmi2Error
+                        : CALL3(SerializeFMUState, instance, state, (uint8_t *)bytes, size - 1) ==
+                              fmi3Error);
+    // a second one into the same memory
+    EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &state)
+                        : !CALL3(GetFMUState, instance, &state));
+    EXPECT(version == 2 ? !CALL2(SerializedFMUstateSize, instance, state, &size_again)
+                        : !CALL3(SerializedFMUStateSize, instance, state, &size_again));
+    EXPECT(size == size_again);
+    FILE *file = fopen(path, "wb");
+    EXPECT(file && fwrite(bytes, 1, size, file) == size && fclose(file) == 0);
+    EXPECT(version == 2 ? !CALL2(FreeFMUstate, instance, &state)
+                        : !CALL3(FreeFMUState, instance, &state));
+    EXPECT(!state);
+    free(bytes);
+}
+
+static int put_back(const char *path, size_t cut) {
+    static char bytes[1 << 20];
+    void *state = NULL;
+    FILE *file = fopen(path, "rb");
+
+    EXPECT(file);
+    const size_t size = fread(bytes, 1, sizeof bytes, file) - cut;
+    fclose(file);
+    int status = version == 2
+                     ? (int)CALL2(DeSerializeFMUstate, instance, bytes, size, &state)
+                     : (int)CALL3(DeserializeFMUState, instance, (uint8_t *)bytes, size, &state);
+    if (!status)
+        status = version == 2 ? (int)CALL2(SetFMUstate, instance, state)
+                              : (int)CALL3(SetFMUState, instance, state);
+    if (state)
+        EXPECT(version == 2 ? !CALL2(FreeFMUstate, instance, &state)
+                            : !CALL3(FreeFMUState, instance, &state));
+    return status;
+}
+
+static void finish(void) {
+    EXPECT(CALL(Terminate, instance) == 0);
+    version == 2 ? CALL2(FreeInstance, instance) : CALL3(FreeInstance, instance);
+    EXPECT(dlclose(object) == 0);
+}
+
+static void march(size_t from, size_t steps, bool print, const char *saved, size_t at) {
+    const double length = duration / (double)steps;
+
+    for (size_t i = from; i < steps; i++) {
+        set_inputs((double)(i + 1) / (double)steps);
+        EXPECT(step((double)i * length, length) == 0);
+        if (print) print_outputs(i + 1);
+        if (saved && i + 1 == at) save(saved);
+    }
+}
+
+static void run(int argc, char **argv) {
+    const size_t steps = strtoul(argv[4], NULL, 10);
+
+    look_at_start();
+    begin(0);
+    print_outputs(0);
+    march(0, steps, true, argc > 6 ? argv[5] : NULL, argc > 6 ? strtoul(argv[6], NULL, 10) : 0);
+    finish();
+}
+
+static void restore(char **argv) {
+    look_at_start();
+    EXPECT(put_back(argv[5], 8) == 3 && put_back(argv[5], 3) == 3);
+    EXPECT(put_back(argv[5], 0) == 0);
+    march(strtoul(argv[6], NULL, 10), strtoul(argv[4], NULL, 10), true, NULL, 0);
+    finish();
+}
+
+static void refine(char **argv) {
+    look_at_start();
+    begin(0);
+    march(0, strtoul(argv[4], NULL, 10), false, NULL, 0);
+    printf("%.17g %.17g\n", output("central_film_thickness"), output("internal_steps"));
+    finish();
+}
+
+// ---- all calls
+
+static void try_others(char **names, int count) {
+    static double room[64];
+
+    // what a call that is refused looks at is its instance alone
+    for (int i = 0; i < count; i++) {
+        int (*call)(void *, void *, size_t, void *, void *, void *) =
+            (int (*)(void *, void *, size_t, void *, void *, void *))dlsym(object, names[i]);
+        if (!call) fprintf(stderr, "%s\n", names[i]);
+        EXPECT(call);
+        EXPECT(call(instance, room, 0, room, room, room) == 3);
+    }
+}
+
+static void calls_of_2(void) {
+    fmi2Status status = fmi2OK;
+    fmi2Real last = NAN;
+    fmi2Boolean ended = 1;
+
+    EXPECT(strcmp(CALL2(GetTypesPlatform), "default") == 0);
+    EXPECT(CALL2(GetRealStatus, instance, fmi2LastSuccessfulTime, &last) == fmi2OK && last == 0);
+    EXPECT(CALL2(GetRealStatus, instance, fmi2PendingStatus, &last) == fmi2Error);
+    EXPECT(CALL2(GetBooleanStatus, instance, fmi2Terminated, &ended) == fmi2OK && !ended);
+    EXPECT(CALL2(GetStatus, instance, fmi2DoStepStatus, &status) == fmi2Error);
+    EXPECT(CALL2(SetInteger, instance, NULL, 0, NULL) == fmi2OK);
+    EXPECT(CALL2(SetBoolean, instance, NULL, 0, NULL) == fmi2OK);
+    EXPECT(!CALL2(Instantiate, "one", fmi2ModelExchange, token, folder, NULL, 0, 0));
+}
+
+static void calls_of_3(void) {
+    EXPECT(!CALL3(InstantiateModelExchange, "one", token, folder, 0, 0, &num_errors, show3));
+    EXPECT(!CALL3(InstantiateScheduledExecution, "one", token, folder, 0, 0, &num_errors, show3,
+                  NULL, NULL, NULL));
+    EXPECT(!CALL3(InstantiateCoSimulation, "one", token, folder, 0, 0, true, false, NULL, 0,
+                  &num_errors, show3, NULL));
+    EXPECT(CALL3(SetInt32, instance, NULL, 0, NULL, 0) == fmi3OK);
+    EXPECT(CALL3(SetBoolean, instance, NULL, 0, NULL, 0) == fmi3OK);
+    const unsigned reference = 0;
+    double two[2] = {0};
+    EXPECT(CALL3(GetFloat64, instance, &reference, 1, two, 2) == fmi3Error);
+}
+
+static void calls(char **names, int count) {
+    char version_text[8];
+
+    snprintf(version_text, sizeof version_text, "%d.0", version);
+    EXPECT(strcmp(version == 2 ? CALL2(GetVersion) : CALL3(GetVersion), version_text) == 0);
+    EXPECT(!instantiate("{another}") && num_errors == 1);
+    version == 2 ? calls_of_2() : calls_of_3();
+    try_others(names, count);
+    EXPECT(CALL(SetDebugLogging, instance, 1, 0, NULL) == 0);
+    // out of order
+    EXPECT(step(0, 1e-6) == 3 && CALL(Terminate, instance) == 3);
+    EXPECT(CALL(ExitInitializationMode, instance) == 3);
+    EXPECT(enter(-0.0, -1) == 0); // none of both
+    EXPECT(enter(0, 0) == 3);
+    EXPECT(set("modulus", 200e9) == 0 && set("modulus", NAN) == 3 && set("force", 1) == 3);
+    const double soft = output("half_width");
+    EXPECT(set("modulus", 226e9) == 0);
+    const double hard = output("half_width");
+    EXPECT(soft > hard && hard > 0);
+    EXPECT(CALL(ExitInitializationMode, instance) == 0);
+    EXPECT(set("modulus", 200e9) == 3);
+    EXPECT(step(1, 1e-6) == 3 && step(0, -1e-6) == 3 && step(0, INFINITY) == 3);
+    EXPECT(step(0, 1e-6) == 0 && get(find("time", NULL)) == 1e-6);
+    EXPECT(output("internal_steps") == 1);
+    // a step a thousand times as long is made of several, each at most twice as long as the one before
+    EXPECT(step(1e-6, 1e-3) == 0 && output("internal_steps") > 9);
+    EXPECT(CALL(Terminate, instance) == 0 && step(1.001e-3, 1e-6) == 3);
+    EXPECT(CALL(Reset, instance) == 0);
+    EXPECT(get(find("time", NULL)) == 0);
+    EXPECT(enter(0, 1e-5) == 0 && CALL(ExitInitializationMode, instance) == 0);
+    EXPECT(output("half_width") == hard && step(0, 1e-4) == 3 && step(0, 1e-5) == 0);
+    // FMI's tolerance
+    EXPECT(CALL(Reset, instance) == 0);
+    EXPECT(enter(1e-6, 0) == 0 && CALL(ExitInitializationMode, instance) == 0);
+    EXPECT(get(find("step_accuracy", NULL)) == 1e-6);
+    EXPECT(num_notes > 0);
+    EXPECT(step(0, 2e-6) == 0);
+    finish();
+}
+
+// ---- derivatives
+
+static int directional(const variable *of, const variable *by, double *found) {
+    const double one = 1;
+
+    return version == 2 ? (int)CALL2(GetDirectionalDerivative, instance, &of->reference, 1,
+                                     &by->reference, 1, &one, found)
+                        : (int)CALL3(GetDirectionalDerivative, instance, &of->reference, 1,
+                                     &by->reference, 1, &one, 1, found, 1);
+}
+
+/* What a step to inputs that are a little different gives, from a state that is saved. */
+static double difference(void *before, const variable *of, const variable *by, double time,
+                         double length) {
+    const double value = get(by), small = 3e-4 * value;
+    double at[2];
+
+    for (int i = 0; i < 2; i++) {
+        EXPECT(version == 2 ? !CALL2(SetFMUstate, instance, before)
+                            : !CALL3(SetFMUState, instance, before));
+        EXPECT(set(by->name, value + (i ? small : -small)) == 0);
+        EXPECT(step(time, length) == 0);
+        at[i] = get(of);
+    }
+    return (at[1] - at[0]) / (2 * small);
+}
+
+static void derivatives(void) {
+    static const char *const outputs[] = {"force", "central_film_thickness", "peak_pressure",
+                                          "minimum_film_thickness"};
+    const char *inputs[] = {NULL, "surface_speed_1", "radius"};
+    const double length = duration / 100;
+    void *before = NULL, *behind = NULL;
+
+    look_at_start();
+    inputs[0] = given_name;
+    begin(0);
+    march(0, 100, false, NULL, 0);
+    EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &before)
+                        : !CALL3(GetFMUState, instance, &before));
+    set_inputs(1.01);
+    EXPECT(step(duration, length) == 0);
+    EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &behind)
+                        : !CALL3(GetFMUState, instance, &behind));
+    const double film = output("central_film_thickness");
+    for (size_t i = 0; i < 3; i++)
+        for (size_t k = 0; k < 4; k++) {
+            const variable *of = find(outputs[k], "output"), *by = find(inputs[i], "input");
+            double found = NAN, again = NAN;
+            EXPECT(version == 2 ? !CALL2(SetFMUstate, instance, behind)
+                                : !CALL3(SetFMUState, instance, behind));
+            EXPECT(directional(of, by, &found) == 0 && directional(of, by, &again) == 0);
+            EXPECT(found == again && output("central_film_thickness") == film);
+            const double expected = difference(before, of, by, duration, length);
+            printf("d %s / d %s = %.10g, differences %.10g\n", of->name, by->name, found, expected);
+            EXPECT(fabs(found - expected) <=
+                   2e-5 * fabs(expected) + 1e-5 * fabs(get(of) / get(by)));
+        }
+    double none = 0;
+    EXPECT(directional(find("force", NULL), find("accuracy", NULL), &none) == 3);
+    EXPECT(version == 2 ? !CALL2(FreeFMUstate, instance, &before)
+                        : !CALL3(FreeFMUState, instance, &before));
+    EXPECT(version == 2 ? !CALL2(FreeFMUstate, instance, &behind)
+                        : !CALL3(FreeFMUState, instance, &behind));
+    finish();
+}
+
+/* A load that no step leads to: told, and after a reset it goes on. */
+static void far(void) {
+    look_at_start();
+    begin(0);
+    EXPECT(step(0, 1e-6) == 0 && num_errors == 0);
+    EXPECT(set("surface_speed_1", -100) == 0);
+    EXPECT(step(1e-6, 1e-6) == 3 && num_errors == 1);
+    EXPECT(step(1e-6, 1e-6) == 3);
+    EXPECT(CALL(Reset, instance) == 0);
+    begin(0);
+    EXPECT(step(0, 1e-6) == 0);
+    finish();
+}
+
+// ---- by ehdrom.h
+
+static void by_library(char **argv) {
+    const size_t steps = strtoul(argv[3], NULL, 10);
+    const double length = duration / (double)steps;
+    char path[PATH_MAX + 64];
+    ehdrom_model *model = NULL;
+    ehdrom_contact *contact = NULL;
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    ehdrom_conditions at = EHDROM_CONDITIONS_INIT;
+
+    snprintf(path, sizeof path, "%s/resources/model.ehdrom", folder);
+    EXPECT(!ehdrom_model_open(&model, path, NULL) && !ehdrom_contact_create(&contact, model));
+    snprintf(path, sizeof path, "%s/resources/contact.yml", folder);
+    EXPECT(!ehdrom_contact_read(contact, path));
+    at.given = EHDROM_LOAD | EHDROM_SPEED | EHDROM_RADIUS;
+    at.load = given_start = 300e3;
+    at.speed = speed_start = 0.8;
+    at.radius = 0.0125;
+    given_name = "load";
+    EXPECT(!EHDROM_FAILED(ehdrom_start(contact, &at, &result)));
+    for (size_t i = 0; i <= steps; i++) {
+        const double part = (double)i / (double)steps, v = speed_start * swing(2 * part);
+        at.load = given_at(part);
+        at.speed = ((v + 0.25) + (v - 0.25)) / 2;
+        if (i > 0)
+            EXPECT(!EHDROM_FAILED(ehdrom_step(contact, &at, length, &result)) &&
+                   !ehdrom_accept(contact));
+        printf("%zu force=%a approach=%a central_film_thickness=%a minimum_film_thickness=%a "
+               "central_pressure=%a peak_pressure=%a exit_position=%a half_width=%a "
+               "indicated_deviation=%a indicated_deviation_minimum=%a local_error=%a trusted=%a "
+               "iterations=%a internal_steps=%a\n",
+               i, result.load, result.approach, result.central_film_thickness,
+               result.minimum_film_thickness, result.central_pressure, result.peak_pressure,
+               result.exit_position, result.half_width, result.indicated_deviation,
+               result.indicated_deviation_minimum, result.local_error, (double)result.trusted,
+               (double)result.iterations, i > 0 ? 1. : 0.);
+    }
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+}
+
+int main(int argc, char **argv) {
+    EXPECT(argc > 3 && realpath(argv[2], folder));
+    if (strcmp(argv[1], "library") == 0) {
+        by_library(argv);
+        return 0;
+    }
+    version = atoi(argv[1]);
+    load();
+    const char *what = argv[3];
+    if (strcmp(what, "run") == 0)
+        run(argc, argv);
+    else if (strcmp(what, "restore") == 0)
+        restore(argv);
+    else if (strcmp(what, "refine") == 0)
+        refine(argv);
+    else if (strcmp(what, "calls") == 0)
+        calls(argv + 4, argc - 4);
+    else if (strcmp(what, "derivatives") == 0)
+        derivatives();
+    else if (strcmp(what, "far") == 0)
+        far();
+    else
+        return 1;
+    return 0;
+}
