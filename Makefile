@@ -217,6 +217,12 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
+PYTHON_PACKAGE := $(BUILD)/python/ehdrom
+python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/release/python
+	@mkdir -p $(PYTHON_PACKAGE) && cp -L romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PYTHON_PACKAGE)
+	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
+	@echo 'PYTHONPATH=$(abspath $(BUILD)/python)'
+
 # Names below PREFIX; of the library a link to the version that there is, and one to link with.
 install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
@@ -277,14 +283,14 @@ print-%:
 	@echo '$* = $($*)'
 
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage fuzz bench costs figures examples trade man install uninstall format format-check lint clean help FORCE
+        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
-            python3-h5netcdf valgrind
+            python3-h5netcdf python3-cffi python3-scipy valgrind
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr
