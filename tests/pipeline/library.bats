@@ -162,6 +162,7 @@ lubricant:
   density: {law: dowson-higginson}
 YAML
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
+    romrun --export m.h5 -o m.ehdrom
     /usr/bin/python3 -B - <<'PYTHON'
 import math, threading, ehdrom, h5py, numpy
 model = ehdrom.Model("m.h5")
@@ -195,6 +196,14 @@ one = contact.step(0.01 * time, load=20.2e3)
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
+
+# a flat model: the same bits, fields too
+flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
+plain = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+assert flat.solve().minimum_film_thickness == plain.solve().minimum_film_thickness
+assert all((a == b).all() for a, b in zip(flat.fields(), plain.fields()))
+flat.restore(saved)
+assert flat.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
 
 # threads that solve at the same time
 found = [None] * 4
