@@ -48,7 +48,7 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 
 PROGRAM_FOLDERS := fullrun snapgen podbuild deimselect romrun
 MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
-FMU_ONLY        := romrun/fmu/processor.c
+FMU_ONLY        := romrun/fmu/processor.c romrun/fmu/no_hdf5.c
 LIB_SOURCES     := $(sort $(filter-out $(MAINS) $(FMU_ONLY),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
 UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
 BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
@@ -73,7 +73,10 @@ LIBRARY_LINKS   := $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so
 LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(STATIC_LIBRARY) $(PC_FILE)
 # What romrun puts into FMUs, of the same flags in all variants, where the standard's names for x86-64 apply.
 FMU         := build/fmu
-FMU_SOURCES := $(FMU_ONLY) romrun/fmu/fmi2.c romrun/fmu/fmi3.c romrun/fmu/instance.c romrun/fmu/variables.c
+FMU_SOURCES := romrun/fmu/processor.c romrun/fmu/fmi2.c romrun/fmu/fmi3.c romrun/fmu/instance.c romrun/fmu/variables.c
+# without HDF5, since the model in an FMU is a flat file
+FMU_LIBRARY := $(filter-out common/artefact/% common/output/% common/training/% romrun/model/model_read.c,$(LIBRARY_SOURCES)) \
+               common/output/grid_file.c romrun/fmu/no_hdf5.c
 FMU_CORES   := $(FMU)/any.o $(FMU)/v3.o
 FMU_FILES   := $(if $(filter x86_64,$(shell uname -m)),$(BUILD)/lib/ehdrom/fmu.so $(BUILD)/lib/ehdrom/licenses)
 
@@ -224,6 +227,12 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
+PYTHON_PACKAGE := $(BUILD)/python/ehdrom
+python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/release/python
+	@mkdir -p $(PYTHON_PACKAGE) && cp -L romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PYTHON_PACKAGE)
+	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
+	@echo 'PYTHONPATH=$(abspath $(BUILD)/python)'
+
 # Names below PREFIX; of the library a link to the version that there is, and one to link with.
 install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
@@ -288,14 +297,14 @@ print-%:
 	@echo '$* = $($*)'
 
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage fuzz bench costs figures examples trade man install uninstall format format-check lint clean help FORCE
+        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libminizip-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
-            python3-h5netcdf valgrind
+            python3-h5netcdf python3-cffi python3-scipy valgrind libxml2-utils qemu-user
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr
@@ -380,11 +389,11 @@ $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 # and all that it needs but libc and libm. FFTW, GSL: see romrun/fmu/README.md.
 FMU_CFLAGS = $(ALL_CPPFLAGS) -std=c17 -pthread $(WARNINGS) -O3 $(PIC_CFLAGS) -DEHD_VERSION='"$(VERSION)"' \
              -DEHD_REVISION='""' -DEHD_FLAGS='""'
-fmu_calls  = $(shell sed -n 's/^CHOOSE(\(.*\))/\1/p' $(FMU_ONLY))
+fmu_calls  = $(shell sed -n 's/^CHOOSE(\(.*\))/\1/p' romrun/fmu/processor.c)
 fmu_compile = $(call quiet,FMU ,$< $1)mkdir -p $(@D) && $(CC) $(FMU_CFLAGS) -march=$1 -MMD -MP -c -o $@ $<
 
 $(FMU)/flags: TEXT = $(CC) $(FMU_CFLAGS) $(FMU_LIBS)
-$(FMU)/objects: TEXT = $(LIBRARY_SOURCES) $(FMU_SOURCES)
+$(FMU)/objects: TEXT = $(FMU_LIBRARY) $(FMU_SOURCES)
 $(FMU)/flags $(FMU)/objects: FORCE | deps
 	@mkdir -p $(@D)
 	@echo '$(TEXT)' | cmp -s - $@ || echo '$(TEXT)' > $@
@@ -394,15 +403,15 @@ $(FMU)/any/%.o: %.c $(FMU)/flags
 $(FMU)/v3/%.o: %.c $(FMU)/flags
 	$(call fmu_compile,x86-64-v3)
 
-$(FMU)/any.o: $(LIBRARY_SOURCES:%.c=$(FMU)/any/%.o)
-$(FMU)/v3.o: $(LIBRARY_SOURCES:%.c=$(FMU)/v3/%.o)
-$(FMU_CORES): $(FMU_ONLY) $(FMU)/objects
+$(FMU)/any.o: $(FMU_LIBRARY:%.c=$(FMU)/any/%.o)
+$(FMU)/v3.o: $(FMU_LIBRARY:%.c=$(FMU)/v3/%.o)
+$(FMU_CORES): romrun/fmu/processor.c $(FMU)/objects
 	$(call quiet,LINK,$@)$(CC) -r -nostdlib -o $@ -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(fmu_calls)) \
 	    $(filter %.o,$^) -l:liblapacke.a && \
 	objcopy $(addprefix --keep-global-symbol=,$(fmu_calls)) $@ && \
 	objcopy $(foreach name,$(fmu_calls),--redefine-sym $(name)=$(name)_$(basename $(@F))) $@
 
-FMU_LIBS = $(SERIAL)/libopenblas.a -Wl,-Bstatic -lgsl -lfftw3 -lyaml -lnettle -lgfortran -lquadmath -Wl,-Bdynamic -lhdf5_serial -lm
+FMU_LIBS = $(SERIAL)/libopenblas.a -Wl,-Bstatic -lgsl -lfftw3 -lyaml -lnettle -lgfortran -lquadmath -Wl,-Bdynamic -lm
 $(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU_CORES) romrun/fmu/fmi.map
 	$(call quiet,LINK,$@)$(CC) -shared -static-libgcc -s -o $@ $(filter %.o,$^) $(FMU_LIBS) \
 	    -Wl,--version-script=romrun/fmu/fmi.map -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs,-z,relro,-z,noexecstack
@@ -450,6 +459,6 @@ $(REPLAY) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(L
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 -include $(LIBRARY_OBJECTS:%.o=%.d)
--include $(patsubst %.c,$(FMU)/any/%.d,$(LIBRARY_SOURCES) $(FMU_SOURCES)) $(LIBRARY_SOURCES:%.c=$(FMU)/v3/%.d)
+-include $(patsubst %.c,$(FMU)/any/%.d,$(FMU_LIBRARY) $(FMU_SOURCES)) $(FMU_LIBRARY:%.c=$(FMU)/v3/%.d)
 -include $(FUZZ_SHARED:%.o=%.d)
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

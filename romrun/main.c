@@ -39,9 +39,10 @@ typedef struct romrun_options {
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
     bool trade;
-    bool fmu;        // export it
-    size_t fmi;      // 2 or 3; 0: not given
-    size_t num_jobs; // 0: by itself
+    bool fmu;             // export it
+    size_t fmi;           // 2 or 3; 0: not given
+    const char *exported; // model to write as a flat file; NULL: none
+    size_t num_jobs;      // 0: by itself
 } romrun_options;
 
 // clang-format off
@@ -80,6 +81,8 @@ static const program_option own_options[] = {
      OPTION_FLAG(fmu)},
     {"fmi", 0, "N", "Version of the FMI standard with --fmu: 3, the default, or 2", OPTION_COUNT(fmi, 2, 3)},
     {"trade", 0, NULL, "Print the table of a calibrated model", OPTION_FLAG(trade)},
+    {"export", 0, "MODEL.h5", "Write a model, or the part of it that --pressure-modes and the like say, to -o as a flat "
+     "file, which --model and the library take too and read in milliseconds", OPTION_TEXT(exported)},
     {0}};
 // clang-format on
 
@@ -529,16 +532,24 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
 /* Refuses options that exclude each other. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
-    const bool solves = !options->calibrate && !options->trade;
-    const char *mode = options->calibrate ? "--calibrate" : "--trade";
+    const bool solves = !options->calibrate && !options->trade && !options->exported;
+    const char *mode = options->calibrate  ? "--calibrate"
+                       : options->exported ? "--export"
+                                           : "--trade";
     const model_sizes *sizes = &options->sizes;
     const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
 
     if (self->num_arguments != (solves ? 1 : 0))
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
                         self->num_arguments, self->num_arguments == 1 ? "" : "s",
-                        solves ? "SCENE.yml --model MODEL.h5" : "none with --calibrate or --trade");
-    if (!options->model)
+                        solves ? "SCENE.yml --model MODEL.h5"
+                               : "none with --calibrate, --trade or --export");
+    if (options->exported && (options->model || options->calibrate || options->trade))
+        return ehd_fail(error, EHD_USAGE,
+                        "--export: found with --model, --calibrate or --trade, expected alone");
+    if (options->exported && !self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    if (!options->model && !options->exported)
         return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
     if (options->calibrate && options->trade)
         return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
@@ -554,9 +565,9 @@ static ehd_status check_usage(const program *self, const romrun_options *options
                         "--fallback: found full with --allow-untrusted, expected one of them");
     if (options->num_jobs > 0 && !options->calibrate)
         return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
-    if (!solves &&
-        (sized || options->verify || options->accuracy > 0 || options->against ||
-         options->fall_back || options->allow_untrusted || options->resume || options->repeats > 1))
+    if (!solves && ((sized && !options->exported) || options->verify || options->accuracy > 0 ||
+                    options->against || options->fall_back || options->allow_untrusted ||
+                    options->resume || options->repeats > 1))
         return ehd_fail(error, EHD_USAGE,
                         "%s: found with an option for solving a scene, expected none", mode);
     if (!solves && accuracy_limits_any(&options->limits))
@@ -567,6 +578,14 @@ static ehd_status check_usage(const program *self, const romrun_options *options
             "--resume: found without --output, expected the one of the interrupted run");
     if (options->calibrate && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    if (options->fmu && !self->output)
+        return ehd_fail(error, EHD_USAGE, "--fmu: found no --output, expected -o CONTACT.fmu");
+    if (options->fmu && (options->verify || options->against || options->fall_back ||
+                         options->resume || options->repeats > 1 || options->allow_untrusted))
+        return ehd_fail(error, EHD_USAGE,
+                        "--fmu: found with an option for solving a scene, expected none");
+    if (options->fmi && !options->fmu)
+        return ehd_fail(error, EHD_USAGE, "--fmi: found without --fmu, expected with it");
     if (options->trade && self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found with --trade, expected without");
     return EHD_OK;
@@ -580,6 +599,16 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
     trade_print(&table, stdout);
     trade_free(&table);
     return EHD_OK;
+}
+
+static ehd_status export_model(const program *self, const romrun_options *options,
+                               ehd_error *error) {
+    online_model *model = NULL;
+    ehd_status status = online_open(&model, options->exported, &options->sizes, error);
+
+    if (!status) status = online_export(model, self->output, self->force, error);
+    online_close(model);
+    return status;
 }
 
 /* Refuses options that the scene's regime does not have. */
@@ -606,6 +635,7 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     char *scene_lines = NULL;
     ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
     const fmu_request request = {.model = options->model,
+                                 .sizes = &options->sizes,
                                  .given = &given,
                                  .accuracy =
                                      options->accuracy > 0 ? options->accuracy : online_accuracy,
@@ -616,11 +646,22 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
+/* The grid of a model of either format. */
+static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *error) {
+    const contact_kind *kind;
+    online_model *model = NULL;
+
+    if (!online_is_flat(path)) return grid_of_file(grid, &kind, path, error);
+    const ehd_status status = online_open(&model, path, NULL, error);
+    if (!status) *grid = *online_grid(model);
+    online_close(model);
+    return status;
+}
+
 /* One scene. */
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
     romrun_options options = *given_options;
-    const contact_kind *kind;
     ehd_grid of_model;
     ehd_contact contact;
     scene given;
@@ -629,7 +670,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
-    if (!status) status = grid_of_file(&of_model, &kind, options.model, error);
+    if (!status) status = grid_of_model(&of_model, options.model, error);
     if (!status) contact_take_grid(&contact, &of_model);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
     if (!status)
@@ -645,6 +686,7 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
 
     if (status) return status;
     if (options->trade) return print_trade(options, error);
+    if (options->exported) return export_model(self, options, error);
     if (options->calibrate)
         return calibrate(self, options->calibrate, options->model,
                          options->num_jobs ? options->num_jobs : pool_default_workers(), error);
@@ -660,7 +702,8 @@ int main(int argc, char **argv) {
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
                          "--fmu SCENE.yml --model MODEL.h5 -o CONTACT.fmu\n"
                          "--calibrate PLAN.yml --model MODEL.h5 -o NEW.h5\n"
-                         "--trade --model NEW.h5",
+                         "--trade --model NEW.h5\n"
+                         "--export MODEL.h5 -o MODEL.ehdrom",
         .doc = "Solves one scene with the reduced model, or measures what the model can do.",
         .help_tail = print_settings,
         .max_arguments = 1};

@@ -6,6 +6,7 @@
 #include "romrun/fmu/instance.h"
 #include "romrun/fmu/package.h"
 #include "romrun/library/ehdrom.h"
+#include "romrun/online/online.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -118,20 +119,16 @@ static ehd_status write_scene(const export_job *job, ehd_error *error) {
     return status;
 }
 
-static ehd_status copy_model(const export_job *job, ehd_error *error) {
-    char piece[1 << 16];
-    size_t count = 0;
-    FILE *to = NULL;
-    FILE *from = fopen(job->request->model, "rbe");
+/* The model as a flat file, which is read without HDF5. */
+static ehd_status write_model(const export_job *job, ehd_error *error) {
+    const fmu_request *request = job->request;
+    online_model *model = NULL;
+    char path[PATH_MAX];
+    ehd_status status = path_in(path, job->folder, "model.ehdrom", error);
 
-    if (!from)
-        return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a model", job->request->model,
-                        strerror(errno));
-    ehd_status status = open_to_write(&to, job, "model.ehdrom", error);
-    while (!status && (count = fread(piece, 1, sizeof piece, from)) > 0)
-        fwrite(piece, 1, count, to);
-    if (to) status = close_written(to, "model.ehdrom", error);
-    fclose(from);
+    if (!status) status = online_open(&model, request->model, request->sizes, error);
+    if (!status) status = online_export(model, path, false, error);
+    online_close(model);
     return status;
 }
 
@@ -400,7 +397,7 @@ ehd_status fmu_export(const program *caller, const fmu_request *request, ehd_err
     ehd_status status = find_installed(job, error);
     if (!status) status = make_folder(job, error);
     if (!status) status = write_scene(job, error);
-    if (!status) status = copy_model(job, error);
+    if (!status) status = write_model(job, error);
     if (!status) status = fill_contents(job, error);
     if (!status) status = make_token(job, error);
     if (!status) status = write_contents(job, error);

@@ -1,0 +1,166 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# romrun --fmu, with an importer of its own (use_fmu.c) for both versions of FMI.
+
+load common
+
+root=$BATS_TEST_DIRNAME/../..
+
+make_value() {
+    make -s -C "$root" DEPS=no VARIANT="$VARIANT" "print-$1" | sed 's/^[^=]*= //'
+}
+
+# use_fmu with the very library that is in FMUs, a model, and FMUs with the load and the approach given, unpacked.
+setup_file() {
+    [ "$(uname -m)" = x86_64 ] || skip "FMUs are made on x86-64"
+    cd "$BATS_FILE_TMPDIR" || return
+    local fmu=$root/build/fmu
+    # shellcheck disable=SC2046
+    gcc -std=c17 -D_GNU_SOURCE -Wall -Wextra -Werror -O1 -I"$root" "$BATS_TEST_DIRNAME/use_fmu.c" \
+        "$fmu/any/romrun/fmu/processor.o" "$fmu/any.o" "$fmu/v3.o" $(make_value FMU_LIBS) -o use_fmu
+    cat >scene.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 300e3, radius: 0.0125, speed: 0.8, modulus: 226e9, viscosity: 0.08}
+lubricant:
+  viscosity: {law: roelands, eta0: 0.08, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+YAML
+    cat >plan.yml <<'YAML'
+groups:
+  - scene: scene.yml
+    vary: {physical.load: [240e3, 300e3, 360e3], physical.speed: [0.5, 0.8, 1.1]}
+YAML
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 9
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect --no-check r.h5 --basis b.h5 -o m.h5
+    for fmi in 2 3; do
+        romrun --fmu scene.yml --model m.h5 --fmi $fmi -o $fmi.fmu --quiet
+        romrun --fmu scene.yml --model m.h5 --fmi $fmi -o approach$fmi.fmu --quiet \
+            --set regime=transient --set transient.end_time=1 --set closure=approach --set transport=upwind
+        mkdir $fmi approach$fmi
+        python3 -m zipfile -e $fmi.fmu $fmi
+        python3 -m zipfile -e approach$fmi.fmu approach$fmi
+    done
+}
+
+setup() {
+    [ "$(uname -m)" = x86_64 ] || skip "FMUs are made on x86-64"
+    cd "$BATS_FILE_TMPDIR" || return
+    all=$BATS_TEST_TMPDIR
+}
+
+object=binaries/x86_64-linux/ehdrom_contact.so
+
+@test "a trajectory has the bits of the library, with either version" {
+    for fmi in 2 3; do
+        ./use_fmu $fmi $fmi run 40 >"$all/$fmi"
+        ./use_fmu $fmi approach$fmi run 40 >"$all/approach$fmi"
+    done
+    ./use_fmu library 3 40 >"$all/library"
+    cmp "$all/library" "$all/2"
+    cmp "$all/library" "$all/3"
+    cmp "$all/approach2" "$all/approach3"
+    [ "$(wc -l <"$all/3")" -eq 41 ]
+    ! grep nan <(grep -o 'force=[^ ]*' "$all/approach3")
+}
+
+@test "a saved state goes on in another process with the same bits" {
+    for fmi in 2 3; do
+        ./use_fmu $fmi approach$fmi run 40 "$all/state" 25 >"$all/whole"
+        ./use_fmu $fmi approach$fmi restore 40 "$all/state" 25 >"$all/rest"
+        cmp <(tail -15 "$all/whole") "$all/rest"
+    done
+}
+
+@test "all calls of both versions, in and out of order; what is not offered is refused and told" {
+    local offered='Instantiate|FreeInstance|FreeFMU|Get(TypesPlatform|Version|RealStatus|BooleanStatus|Real|Float64|Integer|Int32|Boolean|FMU.tate|DirectionalDerivative)$|Set(DebugLogging|Real|Float64|Integer|Int32|Boolean|FMU.tate)$|SetupExperiment|E(nter|xit)Initialization|Terminate|Reset|Serialize|De.erialize|DoStep'
+    for fmi in 2 3; do
+        names=$(grep -oE "fmi$fmi[A-Z][A-Za-z0-9]*\(" "$root/romrun/fmu/fmi$fmi.h" | tr -d '(' | sort)
+        # the standard's functions are all there, and nothing else
+        [ "$(nm -D --defined-only 3/$object | awk '{ print $3 }' | grep "fmi$fmi" | sort)" = "$names" ]
+        mapfile -t refused < <(grep -vE "^fmi$fmi($offered)" <<<"$names")
+        [ "${#refused[@]}" -gt 15 ]
+        ./use_fmu $fmi $fmi calls "${refused[@]}"
+    done
+    [ -z "$(nm -D --defined-only 3/$object | awk '{ print $3 }' | grep -vE '^fmi[23][A-Z]')" ]
+}
+
+@test "a step that cannot be done is an error with a text, and a reset helps" {
+    for fmi in 2 3; do
+        run -0 ./use_fmu $fmi $fmi far
+        [[ $output == *"speed: found -"* ]]
+    done
+}
+
+@test "directional derivatives are those of differences" {
+    ./use_fmu 2 2 derivatives
+    ./use_fmu 3 approach3 derivatives
+}
+
+@test "steps are of second order" {
+    for steps in 20 40 80 1280; do ./use_fmu 3 3 refine $steps; done >"$all/films"
+    awk '{ film[NR] = $1 } END {
+        for (i = 1; i <= 3; i++) error[i] = film[i] > film[4] ? film[i] - film[4] : film[4] - film[i]
+        print error[1] / error[2], error[2] / error[3]; exit !(error[2] / error[3] > 3 && error[2] / error[3] < 6) }' "$all/films"
+}
+
+@test "needs libc and libm alone, of glibc 2.35, and no processor newer than x86-64 with SSE3" {
+    readelf -d 3/$object >"$all/dynamic"
+    [ "$(grep -o 'NEEDED.*' "$all/dynamic" | grep -vcE '\[lib[cm]\.so\.6\]|\[ld-linux-x86-64\.so\.2\]')" -eq 0 ]
+    ! grep -E 'RPATH|RUNPATH' "$all/dynamic"
+    [ "$(objdump -T 3/$object | grep -oE 'GLIBC_2\.[0-9]+' | sort -Vu | tail -1)" = GLIBC_2.35 ]
+    # SSE3 is what OpenBLAS needs
+    qemu-x86_64 -cpu qemu64 ./use_fmu 3 3 run 4 >"$all/old"
+    ./use_fmu 3 3 run 4 >"$all/new"
+    paste "$all/old" "$all/new" | awk '{
+        split($4, old, "="); split($(4 + NF / 2), new, "=")
+        if (old[2] == "" || substr(old[2], 1, 12) != substr(new[2], 1, 12)) { print; exit 1 } }'
+}
+
+@test "the same inputs give the same bytes, without paths, names or history" {
+    cp m.h5 "$all/other.h5"
+    (cd "$all" && romrun --fmu "$BATS_FILE_TMPDIR/scene.yml" --model other.h5 -o 3.fmu --quiet)
+    cmp 3.fmu "$all/3.fmu"
+    SOURCE_DATE_EPOCH=1700000000 TZ=Asia/Tokyo romrun --fmu scene.yml --model m.h5 -o "$all/a.fmu" --quiet
+    SOURCE_DATE_EPOCH=1700000000 romrun --fmu scene.yml --model m.h5 -o "$all/b.fmu" --quiet
+    python3 -m zipfile -l "$all/b.fmu" | grep -c '2023-11-14 22:13:20'
+    cmp <(python3 -m zipfile -l "$all/a.fmu") <(python3 -m zipfile -l "$all/b.fmu")
+    ! grep -rlaE "$PWD|$root|/home/|/root/|podbuild s.h5" 3
+    for licence in ehdrom libopenblas0-serial libgsl27 libyaml-0-2 GPL-3; do
+        [ -s "3/documentation/licenses/$licence.txt" ]
+    done
+}
+
+@test "modelDescription.xml has the standard's form" {
+    for fmi in 2 3; do
+        for kind in $fmi approach$fmi; do # one at a time: its keys are of all files otherwise
+            xmllint --noout --schema "$BATS_TEST_DIRNAME/fmi$fmi.xsd" $kind/modelDescription.xml
+        done
+    done
+    SOURCE_DATE_EPOCH=1700000000 romrun --fmu scene.yml --model m.h5 -o "$all/a&<b>.fmu" --quiet
+    python3 -m zipfile -e "$all/a&<b>.fmu" "$all/dated"
+    xmllint --noout --schema "$BATS_TEST_DIRNAME/fmi3.xsd" "$all/dated/modelDescription.xml"
+    grep -q 'generationDateAndTime="2023-11-14T22:13:20Z"' "$all/dated/modelDescription.xml"
+}
+
+@test "what makes no FMU is told, and nothing is left" {
+    run -64 romrun --fmu scene.yml --model m.h5
+    run -64 romrun scene.yml --model m.h5 --fmi 2
+    run -73 romrun --fmu scene.yml --model m.h5 -o 3.fmu
+    run -65 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu" --set physical.load= --set physical.radius= \
+        --set physical.speed= --set physical.modulus= --set physical.viscosity= --set moes.M=10 --set moes.L=4
+    run -66 romrun --fmu scene.yml --model none.h5 -o "$all/x.fmu"
+    SOURCE_DATE_EPOCH=now run -64 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu"
+    [ ! -e "$all/x.fmu" ] && [ ! -e "$all/x.fmu.partial" ]
+    [ -z "$(find /tmp -maxdepth 1 -name 'ehdrom-fmu-*' -newer "$all")" ]
+    # of another FMU, and of a model that is not flat
+    cp -r 3 "$all/mixed" && cp approach3/modelDescription.xml "$all/mixed"
+    run ! ./use_fmu 3 "$all/mixed" run 1
+    [[ $output == *"token: found {"* ]]
+    cp m.h5 "$all/mixed/resources/model.ehdrom" && cp 3/modelDescription.xml "$all/mixed"
+    run ! ./use_fmu 3 "$all/mixed" run 1
+    [[ $output == *"found no flat model"* ]]
+}
