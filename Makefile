@@ -164,7 +164,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(LIBRARY) $(FMU_FILES) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
@@ -442,6 +442,11 @@ $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
                              $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
+
+# The program of library.bats on the objects of this variant, with its sanitizers and counts.
+USE_LIBRARY = $(BUILD)/unit/use_library
+$(USE_LIBRARY): tests/pipeline/use_library.c romrun/library/ehdrom.h $(LIB)
+	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -Iromrun/library -D_GNU_SOURCE $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $< $(LIB) $(ALL_LIBS)
 
 # Loaded into programs of any variant, and never changed by its flags.
 FAULT_CFLAGS = $(ALL_CPPFLAGS) -std=c17 $(WARNINGS) -O2

@@ -646,6 +646,15 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
+/* --check of a flat model; of all others output_check does it. */
+static ehd_status check_flat(const char *path, ehd_error *error) {
+    online_model *model = NULL;
+    const ehd_status status = online_open(&model, path, NULL, error);
+
+    online_close(model);
+    return status;
+}
+
 /* The grid of a model of either format. */
 static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *error) {
     const contact_kind *kind;
@@ -711,6 +720,8 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
+    if (self.check && online_is_flat(self.check))
+        return program_finish(&self, check_flat(self.check, &error), &error);
     if (self.check) return output_check(&self, model_readers);
     if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);

@@ -243,6 +243,12 @@ EHDROM_API ehdrom_status ehdrom_start(ehdrom_contact *contact, const ehdrom_cond
 /* The state `step` seconds after the last accepted one. EHDROM_NOT_CONVERGED: try a shorter one. */
 EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_conditions *conditions,
                                      double step, ehdrom_result *result);
+/* The same of `count` contacts, of any models, one after the other in this thread; conditions NULL: those
+ * of the settings. Returns the largest status; each result has its own, each contact its error. Without
+ * effect on the others is one that fails. */
+EHDROM_API ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts,
+                                          const ehdrom_conditions *conditions, double step,
+                                          ehdrom_result *results, size_t count);
 /* Accepts the last step. EHDROM_INTERNAL: there is none, or it did not converge. */
 EHDROM_API ehdrom_status ehdrom_accept(ehdrom_contact *contact);
 /* After a jump of the conditions: the next step is first order, from the last state alone. */

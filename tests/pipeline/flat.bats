@@ -90,6 +90,8 @@ PYTHON
 @test "damage is found, and a stranger's numbers lead nowhere" {
     head -c 100000 c.ehdrom >cut.ehdrom
     refused 65 "cut.ehdrom: found" romrun line.yml --model cut.ehdrom
+    refused 65 "cut.ehdrom: found" romrun --check cut.ehdrom
+    romrun --check c.ehdrom
     (cat c.ehdrom && head -c 64 /dev/zero) >longer.ehdrom
     refused 65 "longer.ehdrom: found" romrun line.yml --model longer.ehdrom
     /usr/bin/python3 - <<'PYTHON'
