@@ -470,9 +470,8 @@ static double difference(void *before, const variable *of, const variable *by, d
 }
 
 static void derivatives(void) {
-    static const char *const outputs[] = {"force", "central_film_thickness", "peak_pressure",
-                                          "minimum_film_thickness"};
-    const char *inputs[] = {NULL, "surface_speed_1", "radius"};
+    static const char *const outputs[] = {"force", "central_film_thickness", "peak_pressure"};
+    const char *inputs[] = {NULL, "surface_speed_1"};
     const double length = duration / 100;
     void *before = NULL, *behind = NULL;
 
@@ -487,8 +486,8 @@ static void derivatives(void) {
     EXPECT(version == 2 ? !CALL2(GetFMUstate, instance, &behind)
                         : !CALL3(GetFMUState, instance, &behind));
     const double film = output("central_film_thickness");
-    for (size_t i = 0; i < 3; i++)
-        for (size_t k = 0; k < 4; k++) {
+    for (size_t i = 0; i < 2; i++)
+        for (size_t k = 0; k < 3; k++) {
             const variable *of = find(outputs[k], "output"), *by = find(inputs[i], "input");
             double found = NAN, again = NAN;
             EXPECT(version == 2 ? !CALL2(SetFMUstate, instance, behind)
@@ -498,7 +497,7 @@ static void derivatives(void) {
             const double expected = difference(before, of, by, duration, length);
             printf("d %s / d %s = %.10g, differences %.10g\n", of->name, by->name, found, expected);
             EXPECT(fabs(found - expected) <=
-                   5e-3 * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
+                   1e-4 * fabs(expected) + 1e-4 * fabs(get(of) / get(by)));
         }
     double none = 0;
     EXPECT(directional(find("force", NULL), find("accuracy", NULL), &none) == 3);
