@@ -3,11 +3,18 @@
  * one is called is decided when it is loaded. Of nothing else than that shared object. */
 #include "romrun/library/ehdrom.h"
 
+// clang, which reads this to look for faults, does not know the name of the whole
+#ifdef __clang__
+#define HAS_V3 (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+#else
+#define HAS_V3 __builtin_cpu_supports("x86-64-v3")
+#endif
+
 #define CHOOSE(function)                                                                           \
     extern __typeof__(function) function##_any, function##_v3;                                     \
     static __typeof__(function) *resolve_##function(void) {                                        \
         __builtin_cpu_init();                                                                      \
-        return __builtin_cpu_supports("x86-64-v3") ? function##_v3 : function##_any;               \
+        return HAS_V3 ? function##_v3 : function##_any;                                            \
     }                                                                                              \
     __typeof__(function) function __attribute__((ifunc("resolve_" #function)));
 
