@@ -865,8 +865,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
             const bool indicates = !isnan(self->of_films.central);
             if (indicates || (is_along_path(self) && self->formula.error > 0)) {
                 previous_film_prepare(next, self->model, self->splines, &self->reference);
-                reduced_find_dip(&outcome->scalars, self->solver, &next->state, film_of_attempt,
-                                 self);
+                reduced_find_dip(&outcome->scalars, self->solver, film_of_attempt, self);
             }
             if (self->formula.error > 0)
                 outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);

@@ -597,7 +597,7 @@ static contact_scalars scalars_of(reduced_solver *self, const reduced_state *sta
     const double approach = state->coordinates[model->num_unknowns - 1];
     node_state *nodes = &self->nodes;
     size_t lowest;
-    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates, NULL, NULL);
+    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates);
 
     return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
@@ -631,13 +631,12 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     return status;
 }
 
-void reduced_find_dip(contact_scalars *scalars, reduced_solver *self, const reduced_state *state,
-                      film_function *film, const void *context) {
+void reduced_find_dip(contact_scalars *scalars, const reduced_solver *self, film_function *film,
+                      const void *context) {
     size_t lowest;
 
     if (!nodes_have_dip(&self->nodes)) return;
-    scalars->minimum_film_thickness =
-        nodes_minimum_film(&lowest, &self->nodes, state->coordinates, film, context);
+    scalars->minimum_film_thickness = nodes_minimum_between(&lowest, &self->nodes, film, context);
     scalars->minimum_position = grid_x(&self->model->grid, lowest);
 }
 

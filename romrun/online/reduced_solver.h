@@ -139,9 +139,9 @@ typedef double film_function(const void *context, size_t node);
  * with the films of the nodes between those needed, which `film` tells. */
 void reduced_find_dip(
     // in and out:
-    contact_scalars *scalars, reduced_solver *solver,
+    contact_scalars *scalars,
     // input:
-    const reduced_state *state, film_function *film, const void *context);
+    const reduced_solver *solver, film_function *film, const void *context);
 
 /* Least and largest P of the last solution before its exit, at the needed nodes and in the band.
  * */
