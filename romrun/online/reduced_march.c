@@ -92,7 +92,6 @@ reduced_march *reduced_march_free(reduced_march *self) {
         previous_film_free(&self->states[i]);
     previous_film_free(&self->base);
     path_films_free(&self->path);
-    film_errors_free(&self->taken_up);
     time_indicator_free(&self->indicator);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
@@ -188,7 +187,6 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
                         reference->lubricant.density != NULL, error);
 
     if (!status) status = previous_film_init(&self->base, self->model, self->splines, error);
-    if (!status) status = film_errors_init(&self->taken_up, error);
     return status || find_way(self) ? status
                                     : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
 }
@@ -449,7 +447,7 @@ static void indicate_start(march_step *outcome, reduced_march *self, const ehd_c
     previous_film_prepare(first, self->model, self->splines, &self->reference);
     time_indicator_clear(&self->indicator);
     time_indicator_place(&self->indicator, NULL);
-    time_indicator_evaluate(&self->indicator, first, contact, 0, self->splines);
+    time_indicator_evaluate(&self->indicator, first, self->solver, contact, 0, self->splines);
     time_indicator_start(&self->indicator, contact->entrainment);
     if (contact->entrainment > 0) add_local(self, &outcome->scalars, NULL, &first->frame);
     set_indicated(outcome, self, contact);
@@ -773,10 +771,13 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
     time_indicator_place(indicator, &next->state);
     for (size_t i = 0; i < indicator->num_nodes; i++)
         indicator->previous[i] =
-            sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
+            indicator->row[i] != NO_NODE
+                ? self->previous.sum[indicator->row[i]]
+                : sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
     for (size_t i = indicator->num_nodes; i < indicator->num_nodes + indicator->num_at_exit; i++)
         indicator->previous[i] = previous_at(self, indicator->node[i]);
-    time_indicator_evaluate(indicator, next, contact, self->formula.rate, self->splines);
+    time_indicator_evaluate(indicator, next, self->solver, contact, self->formula.rate,
+                            self->splines);
     time_indicator_carry(indicator, then, &next->frame, self->entrainment, step);
     add_local(self, &outcome->scalars, then, &next->frame);
     set_indicated(outcome, self, contact);

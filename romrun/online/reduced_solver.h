@@ -187,6 +187,12 @@ void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
 
+/* P, zero behind the exit, and H of the last solution at the needed nodes, [num_needed]. */
+typedef struct reduced_needed {
+    const double *pressure, *film;
+} reduced_needed;
+reduced_needed reduced_needed_fields(const reduced_solver *solver);
+
 /* P and rho H of the last solution at the rows' nodes, [num_rows]; `mass` may be NULL. */
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *solver,
                         const ehd_contact *contact);

@@ -22,9 +22,12 @@ typedef struct time_indicator {
     // on the central line, those of the inlet first, ascending; behind them those around the exit
     size_t num_inlet, num_nodes, num_at_exit;
     size_t *node;               // [num_nodes + num_at_exit]
+    size_t *row;                // [num_nodes + num_at_exit] the model's row there, or NO_NODE
     double *x;                  // [num_nodes]
     reynolds_stencil *stencils; // [num_nodes + num_at_exit] of indices in needed_node
     size_t num_fixed, num_needed, *needed_node; // the fixed ones are of the num_nodes
+    size_t *among;                              // [num_needed] index among the model's, or NO_NODE
+    size_t placed;                              // exit that the others are around; 0: none
     double *pressure, *film;                    // [num_needed] of the attempt
     double *fluid_memory;                       // [NUM_FLUID_ARRAYS, num_needed]
     double *previous;   // [num_nodes + num_at_exit] the caller's sums of previous rho H
@@ -50,14 +53,14 @@ void time_indicator_free(time_indicator *self);
 /* Puts control nodes around the exit of a state; NULL: none, as at the stationary start. */
 void time_indicator_place(time_indicator *self, const reduced_state *state);
 
-/* Evaluates the residuals of a state that has been prepared (previous_film_prepare), for `contact`
- * with the entrainment of its rows; with self->previous where rate > 0. */
+/* Evaluates the residuals of a state that has been prepared (previous_film_prepare), the last solution
+ * of a solver, for `contact` with the entrainment of its rows; with self->previous where rate > 0. */
 void time_indicator_evaluate(
     // in and out:
     time_indicator *self,
     // input:
-    const previous_film *state, const ehd_contact *contact, double rate,
-    const film_splines *splines);
+    const previous_film *state, const reduced_solver *solver, const ehd_contact *contact,
+    double rate, const film_splines *splines);
 
 /* Carries the errors to the frame of the state just evaluated, lets those of the inlet enter at a
  * dimensionless entrainment, and adds what the step leaves out of the films inside. */
