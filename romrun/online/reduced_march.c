@@ -425,12 +425,12 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     const double density =
         lubricant_density(&contact->lubricant, scalars->central_pressure * contact->hertz_pressure);
 
-    self->bounds =
-        (film_bounds){.central = (time_indicator_central(indicator) / density +
-                                  indicator->local[REDUCED_CENTRAL_FILM]) /
-                                 central,
-                      .arriving = time_indicator_arriving(indicator, at) / density / minimum,
-                      .arising = indicator->local[REDUCED_MINIMUM_FILM] / minimum};
+    self->bounds = (film_bounds){
+        .central = (time_indicator_central(indicator) / density +
+                    time_indicator_local(indicator, REDUCED_CENTRAL_FILM, central)) /
+                   central,
+        .arriving = time_indicator_arriving(indicator, at) / density / minimum,
+        .arising = time_indicator_local(indicator, REDUCED_MINIMUM_FILM, minimum) / minimum};
     outcome->indicated = factors->central * self->bounds.central;
     outcome->indicated_minimum = factors->central * self->bounds.arriving +
                                  factors->minimum * self->bounds.arising + factors->floor;
@@ -1152,7 +1152,7 @@ typedef struct saved_rest {
     double doubtful;
     double valid, rate;
     contact_frame frame;
-    double local[NUM_REDUCED_FILMS];
+    local_errors local;
 } saved_rest;
 
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
@@ -1191,7 +1191,7 @@ static void save(double *saved, const void *solver) {
         rest.frame = self->factors.frame;
         save_state(behind + NUM_REST, &self->factors.state, self->model);
     }
-    memcpy(rest.local, self->indicator.kept_local, sizeof rest.local);
+    rest.local = self->indicator.kept_local;
     memcpy(behind, &rest, sizeof rest);
     memcpy(behind + NUM_REST + saved_state_size(self->model), self->indicator.errors.kept,
            sizeof self->indicator.errors.kept);
@@ -1217,7 +1217,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     if (status) return status;
     memcpy(&rest, behind, sizeof rest);
     film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
-    memcpy(self->indicator.kept_local, rest.local, sizeof rest.local);
+    self->indicator.kept_local = rest.local;
     self->last_load_frame = rest.load_frame;
     self->last_doubtful = rest.doubtful;
     drop_factors(self);

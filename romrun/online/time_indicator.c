@@ -307,6 +307,15 @@ double time_indicator_at_exit(const time_indicator *self, const double *influenc
     return sqrt(sum);
 }
 
+/* The octave of a distance: the last ends at two half widths. */
+static size_t octave(double length) {
+    int exponent;
+
+    frexp(length, &exponent); // length < 2^exponent
+    const int index = exponent + NUM_LENGTHS - 2;
+    return index < 0 ? 0 : index < NUM_LENGTHS ? (size_t)index : NUM_LENGTHS - 1;
+}
+
 void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDUCED_FILMS],
                               const contact_scalars *scalars, const contact_frame *then,
                               const contact_frame *now) {
@@ -315,28 +324,41 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
         [REDUCED_MINIMUM_FILM] = scalars->minimum_film_thickness};
     const double length = fmax(scalars->exit_position - scalars->minimum_position,
                                self->model->grid.step); // half widths
-    double left = 0;
+    const double path = then ? (now->path - then->path) / now->half_width : 0;
+    const size_t here = octave(length);
+    local_errors *local = &self->local;
 
-    if (then)
-        left = frame_film_ratio(now, then) *
-               exp(-(now->path - then->path) / (now->half_width * length));
+    *local = then ? self->kept_local : (local_errors){0};
+    local->length[here] = length;
+    for (size_t l = 0; l < NUM_LENGTHS; l++) {
+        if (!(local->length[l] > 0)) continue; // none yet
+        const double left = then ? frame_film_ratio(now, then) * exp(-path / local->length[l]) : 0;
+        for (int q = 0; q < NUM_REDUCED_FILMS; q++)
+            local->of_film[q][l] *= left;
+    }
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
-        const double error = left * self->kept_local[q] + errors[q];
-        self->local[q] =
+        const double error = local->of_film[q][here] + errors[q];
+        local->of_film[q][here] =
             error < films[q] ? error : films[q]; // at most all, also where not a number
     }
 }
 
+double time_indicator_local(const time_indicator *self, reduced_film film, double thickness) {
+    double sum = 0;
+
+    for (size_t l = 0; l < NUM_LENGTHS; l++)
+        sum += self->local.of_film[film][l];
+    return fmin(sum, thickness);
+}
+
 void time_indicator_keep(time_indicator *self) {
     film_errors_keep(&self->errors);
-    for (int q = 0; q < NUM_REDUCED_FILMS; q++)
-        self->kept_local[q] = self->local[q];
+    self->kept_local = self->local;
 }
 
 void time_indicator_clear(time_indicator *self) {
     film_errors_set(&self->errors, NULL);
-    for (int q = 0; q < NUM_REDUCED_FILMS; q++)
-        self->local[q] = self->kept_local[q] = 0;
+    self->local = self->kept_local = (local_errors){0};
 }
 
 // ---- of the attempt
