@@ -17,6 +17,7 @@ load sweeps
 @test "a disk that is full, or fails, is said in one line" {
     sweep fullrun write fail -e 9
     sweep snapgen write last -e 29
+    sweep adaptive write last -e 45 # without a word of HDF5
     sweep snapgen read fail -e 29
     sweep moving write short -e 97
     sweep deimselect read fail -e 29
