@@ -239,6 +239,11 @@ const char *artefact_path(const artefact *file);
 /* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
 
+/* What is known of the content of a file: "digest checked", "digest not checked" where that is switched
+ * off, or content_without_digest; NULL when it is none of ours. */
+const char *artefact_content(const char *path);
+extern const char *const content_without_digest;
+
 bool artefact_has(const artefact *file, const char *field_or_attribute);
 /* Length of an axis; 0 when the file does not have it. */
 size_t artefact_length(const artefact *file, const char *axis);
