@@ -199,9 +199,11 @@ ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
                             .done = done,
                             .num_workers = num_workers,
                             .shared = self,
+                            .worker_bytes = full_solver_bytes(&self->set->grid),
                             .begin = begin_worker,
                             .end = end_worker,
                             .start = show_point,
+                            .repeatable = true,
                             .solve = solve_point,
                             .finish = finish_point};
     progress_start(&self->progress, self->program, num_left);

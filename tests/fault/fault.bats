@@ -44,6 +44,14 @@ load sweeps
     done
 }
 
+@test "under a limit of memory there are as many threads as have enough" {
+    snapgen -q -j1 fine.yml -o whole.h5
+    for megabytes in 300 400 600 1000; do
+        (ulimit -v $((1000 * megabytes)) && snapgen -q -j8 fine.yml -o x.h5 --force)
+        same_data whole.h5 x.h5
+    done
+}
+
 @test "a pipe in the place of a file is refused" {
     mkfifo pipe
     ln -s pipe link.h5
