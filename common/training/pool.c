@@ -169,7 +169,7 @@ static void run_threads(pool *self) {
     size_t started = start_threads(threads, threads ? num_workers : 0, self);
 
     if (started == 0) run_worker(self);
-    for (size_t i = 0; i < started; i++)
+    for (size_t i = 0; threads && i < started; i++)
         pthread_join(threads[i], NULL);
     free(threads);
 }
