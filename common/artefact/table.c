@@ -107,6 +107,7 @@ ehd_status artefact_read_table(const char *path, table_column *columns, size_t n
                               find_name(file, columns[0].names));
         if (c == 0) *count = found;
     }
+    status = hdf5_blame(status, path, error);
     for (size_t c = 0; c < num_columns && status; c++) {
         free(columns[c].values);
         columns[c].values = NULL;
