@@ -303,7 +303,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     self->result.indicated = done->others.deviation;
     accuracy_judge(&self->result, self->options->accuracy);
     const online_properties model = online_describe(done->model);
-    const char *unchecked = accuracy_unchecked(&model, false);
+    const char *unchecked = online_unchecked(&model, false);
     if (unchecked && !self->result.status) {
         self->result.status = EHD_UNTRUSTED;
         snprintf(self->result.reason, sizeof self->result.reason, "%s", unchecked);
@@ -451,7 +451,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         const online_properties properties = online_describe(model);
         if (isnan(given->transient.fixed_step))
             online_transient_set_tolerance(in_time, given->transient.tolerance);
-        unchecked = accuracy_unchecked(&properties, true);
+        unchecked = online_unchecked(&properties, true);
         status = create_fallback(&mixed, self, options, contact, in_time, given,
                                  options->distrust ? options->distrust : unchecked, error);
     }

@@ -158,6 +158,14 @@ size_t dataset_length(hid_t dataset) {
     return (size_t)dims[0];
 }
 
+bool is_extendible(hid_t dataset) {
+    hsize_t max_dims[H5S_MAX_RANK] = {0};
+    hid_t space = H5Dget_space(dataset);
+    H5Sget_simple_extent_dims(space, NULL, max_dims);
+    hdf5_release(space);
+    return max_dims[0] == H5S_UNLIMITED;
+}
+
 bool set_dataset_length(hid_t dataset, size_t length) {
     hsize_t dims[H5S_MAX_RANK] = {0};
     hid_t space = H5Dget_space(dataset);

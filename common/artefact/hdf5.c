@@ -10,16 +10,39 @@
  */
 enum { PIECE_BYTES = 60000 };
 
+static _Thread_local bool started = false;
+
+static void be_quiet(void) {
+    // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    H5PLset_loading_state(0); // code that a file asks for is not loaded
+}
+
 void hdf5_start(void) {
-    static _Thread_local bool started = false;
     errno = 0;
     if (started) return;
     started = true;
     H5dont_atexit(); // must come first
     H5open();
-    // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    H5PLset_loading_state(0); // code that a file asks for is not loaded
+    be_quiet();
+}
+
+artefact_guest artefact_visit(void) {
+    artefact_guest host = {0};
+    H5E_auto2_t print = NULL;
+
+    H5open();
+    H5Eget_auto2(H5E_DEFAULT, &print, &host.data);
+    H5PLget_loading_state(&host.plugins);
+    host.print = (void (*)(void))print;
+    started = true; // all of it, in this thread
+    be_quiet();
+    return host;
+}
+
+void artefact_leave(const artefact_guest *host) {
+    H5Eset_auto2(H5E_DEFAULT, (H5E_auto2_t)host->print, host->data);
+    H5PLset_loading_state(host->plugins);
 }
 
 // ---- errors

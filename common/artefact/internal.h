@@ -140,6 +140,8 @@ ehd_status check_axis_length(const artefact *file, const char *object, const cha
                              size_t length, ehd_error *error);
 /* EHD_DATA where all numbers that a reader may take are more than a file of this size can hold. */
 ehd_status check_unpacking(const artefact *file, ehd_error *error);
+/* The same of that many numbers; EHD_IO where the file does not open. */
+ehd_status check_stored(const char *path, double numbers, ehd_error *error);
 /* EHD_MEMORY where so many entries of a field take more than is free. */
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
                         ehd_error *error);
@@ -243,6 +245,8 @@ hid_t open_dataset(artefact *file, const char *name);
 
 /* Length of a dataset along its first axis. */
 size_t dataset_length(hid_t dataset);
+/* Whether a dataset can grow along its first axis. */
+bool is_extendible(hid_t dataset);
 /* Makes a dataset on the growing axis longer or shorter. */
 bool set_dataset_length(hid_t dataset, size_t length);
 /* Makes it longer where it is too short. */

@@ -153,7 +153,10 @@ static ehd_status cut_dataset(artefact *file, const char *name, size_t length, e
 
     ehd_status status = EHD_OK;
     size_t found = dataset_length(dataset);
-    if (found < length) {
+    if (!is_extendible(dataset)) {
+        status = ehd_fail(error, EHD_DATA, "%s: %s: found a fixed length, expected one that grows",
+                          file->partial, name);
+    } else if (found < length) {
         status = ehd_fail(error, EHD_DATA, "%s: %s: found %zu entries, expected at least %zu",
                           file->partial, name, found, length);
     } else if (found > length && !set_dataset_length(dataset, length)) {

@@ -184,9 +184,18 @@ void fftw_assertion_failed(const char *text, int line, const char *file) {
     _exit(EHD_MEMORY);
 }
 
+// a sanitizer has its own signal handlers
+#if defined(__SANITIZE_ADDRESS__)
+#define HAS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HAS_SANITIZER
+#endif
+#endif
+
 static void set_last_resort(void) {
     on_exit(on_foreign_exit, NULL);
-#ifndef __SANITIZE_ADDRESS__ // which has its own
+#ifndef HAS_SANITIZER
     struct sigaction crash = {.sa_handler = on_crash, .sa_flags = (int)SA_RESETHAND};
     sigemptyset(&crash.sa_mask);
     sigaction(SIGABRT, &crash, NULL);
@@ -528,10 +537,16 @@ void program_start(program *self, int argc, char **argv, const program_options *
     openblas_set_num_threads(1); // more only slow down small matrices
 
     ehd_status status = parse_arguments(self, options, &done, &error);
-    if (!status && !done && program_take_buffers(1) < 1)
+    const bool no_buffer = !status && !done && program_take_buffers(1) < 1;
+    if (no_buffer)
         status = ehd_fail(&error, EHD_MEMORY, "OpenBLAS: found too little memory, expected %zu MB",
                           BLAS_BUFFER >> 20);
-    if (status || done) exit(program_finish(self, status, &error));
+    if (status || done) {
+        const int code = program_finish(self, status, &error);
+        // at exit OpenBLAS waits for its threads, which wait for memory as long as there is none
+        if (no_buffer) _exit(code);
+        exit(code);
+    }
 }
 
 int program_finish(program *self, ehd_status status, const ehd_error *error) {

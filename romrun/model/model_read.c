@@ -353,6 +353,20 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
+/* Tables of an exit are made by going along the band to it. */
+static ehd_status check_states_exits(const reduced_model *model, const reduced_states *states,
+                                     const artefact *file, ehd_error *error) {
+    for (size_t i = 0; i < states->num_states * states->num_lines; i++) {
+        const band_line *line = &model->band.lines[i % states->num_lines];
+        if (states->exit[i] < line->begin || states->exit[i] > line->end)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: state_exit_node: found an exit at column %zu, expected %zu to "
+                            "%zu, inside the band",
+                            artefact_path(file), states->exit[i], line->begin, line->end);
+    }
+    return EHD_OK;
+}
+
 /* The states' coordinates in the chosen modes. */
 static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
@@ -361,6 +375,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
     ehd_status status =
         states_read(&whole, file, stored->pressure, stored->deformation, &model->grid, error);
 
+    if (!status) status = check_states_exits(model, &whole, file, error);
     if (!status)
         status = reduced_states_init(kept, whole.num_states, whole.num_lines, model->num_unknowns,
                                      error);

@@ -119,6 +119,7 @@ online_properties online_describe(const online_model *self) {
                                         discretization_name(model->grid.discretization),
                                     .boundary = boundary_name(model->grid.boundary),
                                     .deformation = deformation_names[model->deformation],
+                                    .transport = transport_name(model->carriage.transport),
                                     .pressure_modes = model->num_pressure,
                                     .deformation_modes = model->num_deformation,
                                     .unknowns = model->num_unknowns,
@@ -128,6 +129,24 @@ online_properties online_describe(const online_model *self) {
                                     .checked = self->indicator_factor > 0,
                                     .checked_in_time = self->checked_in_time};
     return properties;
+}
+
+const char *online_unchecked(const online_properties *model, bool in_time) {
+#define WHO_CHECKS                                                                                 \
+    " at these sizes, which romrun --calibrate does, and deimselect without --no-check"
+    if (in_time) return model->checked_in_time ? NULL : "a model never checked in time" WHO_CHECKS;
+    return model->checked ? NULL : "a model never checked" WHO_CHECKS;
+#undef WHO_CHECKS
+}
+
+const double online_accuracy = 0.01;
+
+const contact_kind *online_kind(const online_model *model) {
+    return model->reduced.kind;
+}
+
+const ehd_grid *online_grid(const online_model *model) {
+    return &model->reduced.grid;
 }
 
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
@@ -288,6 +307,7 @@ ehd_status online_solve(online_result *result, online_solver *solver, const ehd_
                               .seconds_exit = info.seconds_exit};
     if (info.status != EHD_NOT_CONVERGED) {
         const reduced_pressures range = reduced_pressure_range(solver->reduced, &solver->state);
+        result->peak_pressure = range.largest;
         judge_pressure(result, contact, &range);
     }
     indicate(result, solver, contact, &info);
@@ -610,4 +630,18 @@ ehd_status online_transient_fields(double *pressure, double *film, online_transi
     march_solver solver = reduced_march_solver(self->march);
 
     return solver.fields(pressure, film, solver.self, error);
+}
+
+double online_transient_peak(const online_transient *self) {
+    const reduced_state state = reduced_march_state_before(self->march, self->solved ? 0 : 1, NULL);
+
+    return reduced_pressure_range(reduced_march_inner(self->march), &state).largest *
+           self->last.frame.hertz_pressure;
+}
+
+contact_frame online_transient_frame(const online_transient *self) {
+    contact_frame frame;
+
+    reduced_march_state(self->march, &frame);
+    return frame;
 }

@@ -48,6 +48,7 @@ typedef struct online_properties {
     const char *discretization;               // "accurate" or "published"
     const char *boundary;                     // "open" or, of a line contact too, "zero"
     const char *deformation;                  // "independent" or "coupled"
+    const char *transport;                    // "path" or "upwind": of films in time
     size_t pressure_modes, deformation_modes; // in use
     size_t unknowns;                          // of the reduced system
     size_t rows;                              // selected Reynolds rows in use
@@ -65,6 +66,7 @@ typedef struct online_result {
                              // solution by its residual or iterations
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
+    double peak_pressure;    // the largest at the nodes that the solution looks at
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // of the relative deviation of the central film, up to a factor
@@ -82,6 +84,17 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 online_properties online_describe(const online_model *model);
+
+/* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
+ * NULL: it was. */
+const char *online_unchecked(const online_properties *model, bool in_time);
+
+/* What films may be indicated to be off where nobody says how much, of a result to be trusted. */
+extern const double online_accuracy;
+
+/* Kind of contact and grid of the model. */
+const contact_kind *online_kind(const online_model *model);
+const ehd_grid *online_grid(const online_model *model);
 
 /* Memory of one solver; the model must outlive it. */
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
@@ -220,6 +233,13 @@ ehd_status online_restore(online_transient *transient, const double *saved, ehd_
  * call here whose cost grows with the grid. */
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *transient,
                                    ehd_error *error);
+
+/* The largest pressure of the last attempt, or of the start, at the nodes that it looks at, in Hertz
+ * pressures of the reference. */
+double online_transient_peak(const online_transient *transient);
+
+/* The frame of the accepted state. */
+contact_frame online_transient_frame(const online_transient *transient);
 
 /* A solver for march_run, which chooses the steps itself, and its effort so far in seconds. Use
  * either that or the calls above, not both in turn. */

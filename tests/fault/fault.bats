@@ -36,11 +36,15 @@ load sweeps
 
 @test "a limit of memory is said before OpenBLAS waits for ever" {
     local code
-    for megabytes in 100 200; do
-        code=0
-        (ulimit -v $((1000 * megabytes)) && timeout -s KILL 60 fullrun scene.yml) 2>log >/dev/null || code=$?
-        [ $code = 71 ]
-        grep -qx "fullrun: OpenBLAS: found too little memory, expected .* MB" log
+    # with one thread of OpenBLAS and with those that it starts unless told not to
+    for threads in 1 8; do
+        for megabytes in 100 200; do
+            code=0
+            (ulimit -v $((1000 * megabytes)) && OPENBLAS_NUM_THREADS=$threads timeout -s KILL 60 fullrun scene.yml) \
+                2>log >/dev/null || code=$?
+            [ $code = 71 ]
+            grep -qx "fullrun: OpenBLAS: found too little memory, expected .* MB" log
+        done
     done
 }
 
