@@ -593,6 +593,13 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     return EHD_OK;
 }
 
+/* Said with a result: a foreign writer may leave the digest out, and so does a program of before. */
+static void note_content(const program *self, const char *model) {
+    if (artefact_content(model) != content_without_digest) return;
+    program_note(self, "%s: found %s of its content, so that a change of it would not be noticed",
+                 model, content_without_digest);
+}
+
 /* One scene. */
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
@@ -612,6 +619,8 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     if (!status)
         status = transient ? run_transient(self, &options, &contact, &given, scene_lines, error)
                            : run_stationary(self, &options, &contact, &given, scene_lines, error);
+    if (!status || status == EHD_NOT_CONVERGED || status == EHD_UNTRUSTED)
+        note_content(self, options.model);
     free(scene_lines);
     return status;
 }

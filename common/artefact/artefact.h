@@ -176,8 +176,9 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* After artefact_resume of a training: whether the arrays of one of its states are whole; else EHD_DATA.
- * Of those that a killed run had not finished they need not be, and artefact_resume does not look. */
+/* After artefact_resume of a training: whether one of its states is whole and its numbers are what they
+ * may be; else EHD_DATA. Of those that a killed run had not finished they need not be, and artefact_resume
+ * does not look. */
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* After artefact_resume: whether a file that the run reads beside its settings is what it was when
@@ -247,6 +248,11 @@ const artefact_schema *artefact_kind(const artefact *file);
 const char *artefact_path(const artefact *file);
 /* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
+
+/* What is known of the content of a file: "digest checked", "digest not checked" where that is switched
+ * off, or content_without_digest; NULL when it is none of ours. */
+const char *artefact_content(const char *path);
+extern const char *const content_without_digest;
 
 bool artefact_has(const artefact *file, const char *field_or_attribute);
 /* Length of an axis; 0 when the file does not have it. */
