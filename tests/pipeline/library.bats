@@ -196,6 +196,15 @@ for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("phys
     else:
         raise AssertionError("nothing raised")
 
+# a number replaced after a solution counts as one set before the first
+contact["physical.load"] = 20.5e3
+fresh = ehdrom.Contact(model, "si.yml", accuracy=math.inf, dimensionless=True)
+fresh["physical.load"] = "20.5e3"
+assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thickness != result.minimum_film_thickness
+contact["lubricant.viscosity.alpha"] = 1.9e-8
+fresh["lubricant.viscosity.alpha"] = "1.9e-8"
+assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thickness
+
 # steps, saved and restored
 contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 time = contact.scales()["time"]
