@@ -65,7 +65,11 @@ LIBRARY_EXPORTS := romrun/library/ehdrom.map
 SONAME          := libehdrom.so.0
 SHARED_LIBRARY  := $(BUILD)/lib/libehdrom.so.$(VERSION)
 STATIC_LIBRARY  := $(BUILD)/lib/libehdrom.a
-LIBRARY         := $(SHARED_LIBRARY) $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so $(STATIC_LIBRARY)
+HEADER          := $(BUILD)/include/ehdrom.h
+PC_FILE         := $(BUILD)/lib/pkgconfig/ehdrom.pc
+LIBRARY_LINKS   := $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so
+# where they will be installed below PREFIX, so that scenes find them in either place
+LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(STATIC_LIBRARY) $(PC_FILE)
 # A program with sanitizers or counts would have to bring them along.
 ifeq ($(filter release debug,$(VARIANT)),)
   LIBRARY :=
@@ -114,8 +118,9 @@ SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
 
 # Of LAPACKE the library takes the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
 LIBRARY_MODULES := $(filter-out lapacke,$(MODULES))
-LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
-LIBRARY_RPATH    = $(SERIAL:%=-Wl,-rpath,%)
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) \
+                   -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
+LIBRARY_RPATH    = $(SERIAL:%=-Wl$(,)-rpath$(,)%)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
@@ -149,7 +154,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(LIBRARY) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
@@ -212,27 +217,30 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
-PC_FILE := $(BUILD)/lib/ehdrom.pc
+PYTHON_PACKAGE := $(BUILD)/python/ehdrom
+python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/release/python
+	@mkdir -p $(PYTHON_PACKAGE) && cp -L romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PYTHON_PACKAGE)
+	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
+	@echo 'PYTHONPATH=$(abspath $(BUILD)/python)'
 
 # Names below PREFIX; of the library a link to the version that there is, and one to link with.
-install: all man $(PC_FILE) ## into DESTDIR, PREFIX: programs, man pages, library, examples
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/lib/pkgconfig
+install: all man ## into DESTDIR, PREFIX: programs, man pages, library, examples
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
 	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
 	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
-	install -D -m 644 romrun/library/ehdrom.h $(DESTDIR)$(PREFIX)/include/ehdrom.h
-	install -m 644 $(SHARED_LIBRARY) $(STATIC_LIBRARY) $(DESTDIR)$(PREFIX)/lib
-	cp -P $(filter-out $(SHARED_LIBRARY) $(STATIC_LIBRARY),$(LIBRARY)) $(DESTDIR)$(PREFIX)/lib
-	install -m 644 $(PC_FILE) $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	@for file in $(filter-out $(LIBRARY_LINKS),$(LIBRARY:$(BUILD)/%=%)); do \
+	    install -D -m 644 $(BUILD)/$$file $(DESTDIR)$(PREFIX)/$$file || exit; \
+	done
+	cp -P $(LIBRARY_LINKS) $(DESTDIR)$(PREFIX)/lib
 	@cd scenes && $(list_scenes) | while read -r file; do \
 	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
-list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycache__ -o -name oscillator -type f \) -prune -o -type f -print
+list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycache__ \) -prune -o -type f -print
 
 # Only what install writes, and folders of its own that are then empty.
 uninstall: ## remove what install has written there
 	rm -f $(PROGRAMS:$(BIN)/%=$(DESTDIR)$(PREFIX)/bin/%) $(MAN_PAGES:$(BUILD)/man/%=$(DESTDIR)$(PREFIX)/share/man/man1/%) \
-	    $(DESTDIR)$(PREFIX)/include/ehdrom.h $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%) \
-	    $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
+	    $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%)
 	@cd scenes && $(list_scenes) | while read -r file; do rm -f $(DESTDIR)$(PREFIX)/share/ehdrom/$$file; done
 	@[ ! -d $(DESTDIR)$(PREFIX)/share/ehdrom ] || find $(DESTDIR)$(PREFIX)/share/ehdrom -depth -type d -empty -delete
 
@@ -244,7 +252,7 @@ $(PC_FILE): $(BUILD)/flags FORCE
 
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
-FORMATTED := $(ALL_C) $(HEADERS) $(wildcard tests/pipeline/*.c)
+FORMATTED := $(ALL_C) $(HEADERS) $(wildcard tests/pipeline/*.c scenes/examples/*/*.h)
 
 format: | lint-deps ## clang-format all sources in place
 	clang-format -i $(FORMATTED)
@@ -259,7 +267,7 @@ lint: format-check | deps lint-deps ## formatting, cppcheck and clang-tidy on al
 	@$(call tidy,$(filter-out tests/unit/%,$(ALL_C)))
 	@$(call tidy,$(UNIT_SOURCES),-include tests/lint.h)
 tidy = printf '%s\n' $1 | xargs -P $(JOBS) -n 3 sh -c 'clang-tidy --quiet "$$@" -- -std=c17 \
-    $2 $(ALL_CPPFLAGS) 2>&1 | \
+    $2 $(ALL_CPPFLAGS) -Iromrun/library 2>&1 | \
     { ! grep -vE "^[0-9]+ warnings? (generated|treated)|^Suppressed|^$$"; }' sh
 
 clean: ## remove build/
@@ -275,14 +283,14 @@ print-%:
 	@echo '$* = $($*)'
 
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage fuzz bench costs figures examples trade man install uninstall format format-check lint clean help FORCE
+        run-slurm-tests coverage fuzz bench costs figures examples trade man python install uninstall format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
 PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
-            python3-h5netcdf valgrind
+            python3-h5netcdf python3-cffi python3-scipy valgrind
 
 LINT_PACKAGES     := cppcheck clang-tidy clang-format
 COVERAGE_PACKAGES := gcovr
@@ -352,7 +360,10 @@ $(SHARED_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	    -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) -Wl,--gc-sections -Wl,-z,defs,-z,relro \
 	    $(LIBRARY_RPATH) -l:liblapacke.a $(LIBRARY_LIBS)
 
-$(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so: $(SHARED_LIBRARY)
+$(HEADER): romrun/library/ehdrom.h
+	@mkdir -p $(@D) && cp $< $@
+
+$(LIBRARY_LINKS): $(SHARED_LIBRARY)
 	@ln -sf $(<F) $@
 
 $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
@@ -360,7 +371,6 @@ $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
 	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
-
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 $(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)
@@ -375,6 +385,11 @@ $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) 
 $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
                              $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
+
+# The program of library.bats on the objects of this variant, with its sanitizers and counts.
+USE_LIBRARY = $(BUILD)/unit/use_library
+$(USE_LIBRARY): tests/pipeline/use_library.c romrun/library/ehdrom.h $(LIB)
+	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -Iromrun/library -D_GNU_SOURCE $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $< $(LIB) $(ALL_LIBS)
 
 # Loaded into programs of any variant, and never changed by its flags.
 FAULT_CFLAGS = $(ALL_CPPFLAGS) -std=c17 $(WARNINGS) -O2

@@ -38,7 +38,8 @@ typedef struct romrun_options {
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
     bool trade;
-    size_t num_jobs; // 0: by itself
+    const char *exported; // model to write as a flat file; NULL: none
+    size_t num_jobs;      // 0: by itself
 } romrun_options;
 
 // clang-format off
@@ -74,6 +75,8 @@ static const program_option own_options[] = {
     {"jobs", 'j', "N", "Full solutions at a time with --calibrate; as many as there are processors by default",
      OPTION_COUNT(num_jobs, 1, 4096)},
     {"trade", 0, NULL, "Print the table of a calibrated model", OPTION_FLAG(trade)},
+    {"export", 0, "MODEL.h5", "Write a model, or the part of it that --pressure-modes and the like say, to -o as a flat "
+     "file, which --model and the library take too and read in milliseconds", OPTION_TEXT(exported)},
     {0}};
 // clang-format on
 
@@ -523,16 +526,24 @@ static ehd_status choose_sizes(romrun_options *options, const program *self, boo
 /* Refuses options that exclude each other. */
 static ehd_status check_usage(const program *self, const romrun_options *options,
                               ehd_error *error) {
-    const bool solves = !options->calibrate && !options->trade;
-    const char *mode = options->calibrate ? "--calibrate" : "--trade";
+    const bool solves = !options->calibrate && !options->trade && !options->exported;
+    const char *mode = options->calibrate  ? "--calibrate"
+                       : options->exported ? "--export"
+                                           : "--trade";
     const model_sizes *sizes = &options->sizes;
     const bool sized = sizes->pressure_modes || sizes->deformation_modes || sizes->rows;
 
     if (self->num_arguments != (solves ? 1 : 0))
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
                         self->num_arguments, self->num_arguments == 1 ? "" : "s",
-                        solves ? "SCENE.yml --model MODEL.h5" : "none with --calibrate or --trade");
-    if (!options->model)
+                        solves ? "SCENE.yml --model MODEL.h5"
+                               : "none with --calibrate, --trade or --export");
+    if (options->exported && (options->model || options->calibrate || options->trade))
+        return ehd_fail(error, EHD_USAGE,
+                        "--export: found with --model, --calibrate or --trade, expected alone");
+    if (options->exported && !self->output)
+        return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
+    if (!options->model && !options->exported)
         return ehd_fail(error, EHD_USAGE, "--model: found none, expected a model.h5");
     if (options->calibrate && options->trade)
         return ehd_fail(error, EHD_USAGE, "--trade: found with --calibrate, expected one of them");
@@ -548,9 +559,9 @@ static ehd_status check_usage(const program *self, const romrun_options *options
                         "--fallback: found full with --allow-untrusted, expected one of them");
     if (options->num_jobs > 0 && !options->calibrate)
         return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
-    if (!solves &&
-        (sized || options->verify || options->accuracy > 0 || options->against ||
-         options->fall_back || options->allow_untrusted || options->resume || options->repeats > 1))
+    if (!solves && ((sized && !options->exported) || options->verify || options->accuracy > 0 ||
+                    options->against || options->fall_back || options->allow_untrusted ||
+                    options->resume || options->repeats > 1))
         return ehd_fail(error, EHD_USAGE,
                         "%s: found with an option for solving a scene, expected none", mode);
     if (!solves && accuracy_limits_any(&options->limits))
@@ -576,6 +587,16 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
     return EHD_OK;
 }
 
+static ehd_status export_model(const program *self, const romrun_options *options,
+                               ehd_error *error) {
+    online_model *model = NULL;
+    ehd_status status = online_open(&model, options->exported, &options->sizes, error);
+
+    if (!status) status = online_export(model, self->output, self->force, error);
+    online_close(model);
+    return status;
+}
+
 /* Refuses options that the scene's regime does not have. */
 static ehd_status check_regime(const romrun_options *options, bool transient, ehd_error *error) {
     if (options->resume && !transient)
@@ -595,16 +616,36 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
 
 /* Said with a result: a foreign writer may leave the digest out, and so does a program of before. */
 static void note_content(const program *self, const char *model) {
-    if (artefact_content(model) != content_without_digest) return;
+    if (online_is_flat(model) || artefact_content(model) != content_without_digest) return;
     program_note(self, "%s: found %s of its content, so that a change of it would not be noticed",
                  model, content_without_digest);
+}
+
+/* --check of a flat model; of all others output_check does it. */
+static ehd_status check_flat(const char *path, ehd_error *error) {
+    online_model *model = NULL;
+    const ehd_status status = online_open(&model, path, NULL, error);
+
+    online_close(model);
+    return status;
+}
+
+/* The grid of a model of either format. */
+static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *error) {
+    const contact_kind *kind;
+    online_model *model = NULL;
+
+    if (!online_is_flat(path)) return grid_of_file(grid, &kind, path, error);
+    const ehd_status status = online_open(&model, path, NULL, error);
+    if (!status) *grid = *online_grid(model);
+    online_close(model);
+    return status;
 }
 
 /* One scene. */
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
     romrun_options options = *given_options;
-    const contact_kind *kind;
     ehd_grid of_model;
     ehd_contact contact;
     scene given;
@@ -613,7 +654,7 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
-    if (!status) status = grid_of_file(&of_model, &kind, options.model, error);
+    if (!status) status = grid_of_model(&of_model, options.model, error);
     if (!status) contact_take_grid(&contact, &of_model);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
     if (!status)
@@ -631,6 +672,7 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
 
     if (status) return status;
     if (options->trade) return print_trade(options, error);
+    if (options->exported) return export_model(self, options, error);
     if (options->calibrate)
         return calibrate(self, options->calibrate, options->model,
                          options->num_jobs ? options->num_jobs : pool_default_workers(), error);
@@ -645,7 +687,8 @@ int main(int argc, char **argv) {
         // as many lines as help2man takes: argp breaks those of more than 79 columns
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
                          "--calibrate PLAN.yml --model MODEL.h5 -o NEW.h5\n"
-                         "--trade --model NEW.h5",
+                         "--trade --model NEW.h5\n"
+                         "--export MODEL.h5 -o MODEL.ehdrom",
         .doc = "Solves one scene with the reduced model, or measures what the model can do.",
         .help_tail = print_settings,
         .max_arguments = 1};
@@ -653,6 +696,8 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
+    if (self.check && online_is_flat(self.check))
+        return program_finish(&self, check_flat(self.check, &error), &error);
     if (self.check) return output_check(&self, model_readers);
     if (self.print) return output_print(&self);
     ehd_status status = run(&self, &own, &error);

@@ -154,12 +154,16 @@ ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, 
     if (!status && num_lines > 1) status = grid_read_boundary(&like.boundary, file, error);
     if (status) return status;
     *grid = grid_like(&like, grid->x_min, grid->step, artefact_length(file, "x"), num_lines);
+    return grid_check_extent(grid, artefact_path(file), error);
+}
+
+ehd_status grid_check_extent(const ehd_grid *grid, const char *path, ehd_error *error) {
     double x_max = grid->x_min + ((double)grid->inner_x - 1) * grid->step;
     if (!(grid->step > 0 && grid->step <= COARSEST_STEP && grid->x_min < -1 && x_max > 1))
         return ehd_fail(error, EHD_DATA,
                         "%s: x: found %g to %g in steps of %g, expected the dry contact inside and "
                         "steps of at most %g",
-                        artefact_path(file), grid->x_min, x_max, grid->step, COARSEST_STEP);
+                        path, grid->x_min, x_max, grid->step, COARSEST_STEP);
     return EHD_OK;
 }
 

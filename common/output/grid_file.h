@@ -50,6 +50,9 @@ ehd_status grid_read_boundary(ehd_boundary *boundary, artefact *file, ehd_error 
  * the kind is not known. */
 ehd_status grid_read(ehd_grid *grid, const contact_kind **kind, artefact *file, ehd_error *error);
 
+/* EHD_DATA, naming `path`: the dry contact does not lie inside of the grid, or its step is too large. */
+ehd_status grid_check_extent(const ehd_grid *grid, const char *path, ehd_error *error);
+
 /* Attributes transport and, where it is known, smoothing of a training with trajectories. */
 ehd_status carriage_write(artefact *file, const ehd_carriage *carriage, ehd_error *error);
 

@@ -21,8 +21,8 @@
  * point contact, m, s, m/s, Pa, Pa s.
  *
  * A model does not change once it is open; any number of contacts in any number of threads may use
- * it. A contact is used by one thread at a time. Models of HDF5 files may be opened in several threads
- * too, but not while the program itself is in HDF5 or in FFTW's planner. Nothing here prints, ends
+ * it. A contact is used by one thread at a time. Models may be opened in several threads too, of HDF5 files
+ * not while the program itself is in HDF5 or in FFTW's planner. Nothing here prints, ends
  * the process, or changes its locale, its signals or its threads.
  *
  * Functions return EHDROM_OK, or an outcome, or an error; ehdrom_model_error and
@@ -84,7 +84,8 @@ typedef struct ehdrom_model_options {
 #define EHDROM_MODEL_OPTIONS_INIT                                                                  \
     { sizeof(ehdrom_model_options), 0, 0, 0, 0 }
 
-/* Opens a model file; `options` NULL: all of it. *model is to be closed in any case, and tells the
+/* Opens a model of HDF5, or a flat one (romrun --export), which is there in milliseconds, has the sizes
+ * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be closed in any case, and tells the
  * error; it is NULL where there was no memory even for that. */
 EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                            const ehdrom_model_options *options);
@@ -242,6 +243,12 @@ EHDROM_API ehdrom_status ehdrom_start(ehdrom_contact *contact, const ehdrom_cond
 /* The state `step` seconds after the last accepted one. EHDROM_NOT_CONVERGED: try a shorter one. */
 EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_conditions *conditions,
                                      double step, ehdrom_result *result);
+/* The same of `count` contacts, of any models, one after the other in this thread; conditions NULL: those
+ * of the settings. Returns the largest status; each result has its own, each contact its error. Without
+ * effect on the others is one that fails. */
+EHDROM_API ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts,
+                                          const ehdrom_conditions *conditions, double step,
+                                          ehdrom_result *results, size_t count);
 /* Accepts the last step. EHDROM_INTERNAL: there is none, or it did not converge. */
 EHDROM_API ehdrom_status ehdrom_accept(ehdrom_contact *contact);
 /* After a jump of the conditions: the next step is first order, from the last state alone. */

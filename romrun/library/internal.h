@@ -25,6 +25,9 @@ typedef enum last_call { LAST_NONE, LAST_SOLVED, LAST_IN_TIME } last_call;
 struct ehdrom_contact {
     const ehdrom_model *model;
     scene settings;
+    // what they come to in each regime, [stationary, in time], valid until another setting changes
+    scene complete[2];
+    bool is_complete[2];
     bool dimensionless;
     double accuracy, tolerance, step_tolerance; // NaN: not set
     last_call last;
@@ -57,7 +60,7 @@ ehd_status library_give(void *target, const void *source, size_t size, const cha
                         ehd_error *error);
 
 /* The contact of the settings, with its units: stationary, or the reference in time. EHD_DATA. */
-ehd_status library_contact(ehd_contact *contact, unit_factors *units, const ehdrom_contact *self,
+ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_contact *self,
                            bool in_time, ehd_error *error);
 
 /* Where one thread at a time has to be: in HDF5, whose ways of the process are the

@@ -82,13 +82,16 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
         status = ehd_fail(error, EHD_NOINPUT, "path: found NULL, expected a file");
     if (status) return status;
     const model_sizes sizes = {options.pressure_modes, options.deformation_modes, options.rows};
-    library_lock();
+    const bool flat = online_is_flat(path); // of which neither HDF5 nor FFTW is asked
+    if (!flat) library_lock();
     status = online_open(&self->online, path, &sizes, error);
-    if (!status && !options.stationary) {
+    if (!status && options.stationary) {
+        status = online_prepare_fields(self->online, error);
+    } else if (!status) {
         status = online_prepare_transient(self->online, error);
         self->in_time = !status;
     }
-    library_unlock();
+    if (!flat) library_unlock();
     if (status) self->online = online_close(self->online);
     return status;
 }

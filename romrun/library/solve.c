@@ -228,6 +228,23 @@ ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditi
     return (ehdrom_status)status;
 }
 
+/* Arrays of the caller's structs, which may be smaller or larger than those of this library. */
+ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_conditions *conditions,
+                               double step, ehdrom_result *results, size_t count) {
+    const char *given = (const char *)conditions;
+    char *result = (char *)results;
+    ehdrom_status most = EHDROM_OK;
+
+    for (size_t i = 0; i < count; i++) {
+        const ehdrom_status status = ehdrom_step(contacts[i], (const ehdrom_conditions *)given,
+                                                 step, (ehdrom_result *)result);
+        if (status > most) most = status;
+        if (given) given += conditions->size;
+        if (result) result += results->size;
+    }
+    return most;
+}
+
 ehdrom_status ehdrom_accept(ehdrom_contact *self) {
     ehd_status status = begin_in_time(self, "accept");
 
@@ -364,11 +381,9 @@ static ehd_status find_fields(ehdrom_contact *self) {
     if (!self->film) self->film = calloc(num_nodes, sizeof(double));
     if (!self->pressure || !self->film)
         return ehd_fail(&self->error, EHD_MEMORY, "fields: found no memory");
-    library_lock();
     status = self->last == LAST_SOLVED
                  ? online_fields(self->pressure, self->film, self->solver, &self->error)
                  : online_transient_fields(self->pressure, self->film, self->in_time, &self->error);
-    library_unlock();
     return status;
 }
 

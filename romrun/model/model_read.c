@@ -142,36 +142,6 @@ static ehd_status read_line(size_t *value, artefact *file, const char *name,
     return status;
 }
 
-/* Whether the exits of a line lie inside of its band, with room for a row's stencil. */
-static bool exits_fit(const band_line *line, const ehd_grid *grid) {
-    const size_t width = grid_width(grid);
-    const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);
-
-    return line->begin >= 1 && line->begin + reynolds_reach_back(grid) <= line->min_exit &&
-           line->min_exit <= line->max_exit && line->max_exit <= width - 2 &&
-           (end < width ? end : width) <= line->end && line->end <= width;
-}
-
-/* Exits have to lie inside of their line's band, and the lines have to make up all band nodes. */
-static ehd_status check_lines(const reduced_model *model, const artefact *file, ehd_error *error) {
-    size_t count = 0;
-
-    for (size_t l = 0; l < model->band.num_lines; l++) {
-        const band_line *line = &model->band.lines[l];
-        if (!grid_is_inner_line(&model->grid, l)) continue;
-        count += line->end - line->begin;
-        if (!exits_fit(line, &model->grid))
-            return ehd_fail(error, EHD_DATA,
-                            "%s: band_line_begin: found columns %zu to %zu with exits from %zu to "
-                            "%zu, expected these inside",
-                            artefact_path(file), line->begin, line->end, line->min_exit,
-                            line->max_exit);
-    }
-    if (count == model->band.num_nodes) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: band_node: found %zu, expected %zu, as many as the lines",
-                    artefact_path(file), model->band.num_nodes, count);
-}
-
 static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *error) {
     size_t num_inner = model->grid.inner_lines, first = grid_first_line(&model->grid);
     int64_t *values = array_new(num_inner, 1, sizeof *values);
@@ -192,7 +162,7 @@ static ehd_status read_lines(reduced_model *model, artefact *file, ehd_error *er
     for (size_t l = 1; l < model->band.num_lines && !status; l++)
         model->band.lines[l].offset = model->band.lines[l - 1].offset +
                                       model->band.lines[l - 1].end - model->band.lines[l - 1].begin;
-    if (!status) status = check_lines(model, file, error);
+    if (!status) status = reduced_check_band(model, artefact_path(file), error);
     if (!status)
         status = read_line(&model->band.first_minimum, file, "first_minimum_line", model, error);
     return status ? status
@@ -220,10 +190,7 @@ static ehd_status read_band_line(reduced_model *model, artefact *file, ehd_error
         *columns[i].value = (size_t)value;
     }
     line->end = line->begin + model->band.num_nodes;
-    if (exits_fit(line, &model->grid)) return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "%s: found exits from %zu to %zu, expected them inside the band",
-                    artefact_path(file), line->min_exit, line->max_exit);
+    return reduced_check_band(model, artefact_path(file), error);
 }
 
 static ehd_status read_band(reduced_model *model, artefact *file, ehd_error *error) {
@@ -353,20 +320,6 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
-/* Tables of an exit are made by going along the band to it. */
-static ehd_status check_states_exits(const reduced_model *model, const reduced_states *states,
-                                     const artefact *file, ehd_error *error) {
-    for (size_t i = 0; i < states->num_states * states->num_lines; i++) {
-        const band_line *line = &model->band.lines[i % states->num_lines];
-        if (states->exit[i] < line->begin || states->exit[i] > line->end)
-            return ehd_fail(error, EHD_DATA,
-                            "%s: state_exit_node: found an exit at column %zu, expected %zu to "
-                            "%zu, inside the band",
-                            artefact_path(file), states->exit[i], line->begin, line->end);
-    }
-    return EHD_OK;
-}
-
 /* The states' coordinates in the chosen modes. */
 static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
@@ -375,7 +328,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
     ehd_status status =
         states_read(&whole, file, stored->pressure, stored->deformation, &model->grid, error);
 
-    if (!status) status = check_states_exits(model, &whole, file, error);
+    if (!status) status = reduced_check_exits(model, &whole, artefact_path(file), error);
     if (!status)
         status = reduced_states_init(kept, whole.num_states, whole.num_lines, model->num_unknowns,
                                      error);

@@ -143,3 +143,46 @@ ehd_status reduced_model_find_band(reduced_model *model, const reduced_basis *ba
     free(work);
     return EHD_OK;
 }
+
+// ---- of a file
+
+/* Whether the exits of a line lie inside of its band, with room for a row's stencil. */
+static bool exits_fit(const band_line *line, const ehd_grid *grid) {
+    const size_t width = grid_width(grid);
+    const size_t end = line->max_exit + 1 + reynolds_reach_ahead(grid);
+
+    return line->begin >= 1 && line->begin + reynolds_reach_back(grid) <= line->min_exit &&
+           line->min_exit <= line->max_exit && line->max_exit <= width - 2 &&
+           (end < width ? end : width) <= line->end && line->end <= width;
+}
+
+ehd_status reduced_check_band(const reduced_model *model, const char *path, ehd_error *error) {
+    size_t count = 0;
+
+    for (size_t l = 0; l < model->band.num_lines; l++) {
+        const band_line *line = &model->band.lines[l];
+        if (!grid_is_inner_line(&model->grid, l)) continue;
+        count += line->end - line->begin;
+        if (!exits_fit(line, &model->grid))
+            return ehd_fail(error, EHD_DATA,
+                            "%s: found exits from %zu to %zu, expected them inside the band of "
+                            "columns %zu to %zu",
+                            path, line->min_exit, line->max_exit, line->begin, line->end);
+    }
+    if (count == model->band.num_nodes) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: band_node: found %zu, expected %zu, as many as the lines",
+                    path, model->band.num_nodes, count);
+}
+
+ehd_status reduced_check_exits(const reduced_model *model, const reduced_states *states,
+                               const char *path, ehd_error *error) {
+    for (size_t i = 0; i < states->num_states * states->num_lines; i++) {
+        const band_line *line = &model->band.lines[i % states->num_lines];
+        if (states->exit[i] < line->begin || states->exit[i] > line->end)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: state_exit_node: found an exit at column %zu, expected %zu to "
+                            "%zu, inside the band",
+                            path, states->exit[i], line->begin, line->end);
+    }
+    return EHD_OK;
+}

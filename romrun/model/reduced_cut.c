@@ -221,11 +221,15 @@ static ehd_status fill_checkpoints(const kept_table *tables, size_t num_tables,
                   : ehd_fail(error, EHD_MEMORY, "reduced model: found no memory for its tables");
 }
 
+ehd_status reduced_model_place_checkpoints(reduced_model *model, ehd_error *error) {
+    return model->band.num_lines > 1 ? spread_checkpoints(model, error)
+                                     : space_checkpoints(model, error);
+}
+
 ehd_status reduced_model_make_checkpoints(reduced_model *model, ehd_error *error) {
     size_t num_pressure = model->num_pressure;
     bool coupled = model->deformation == DEFORMATION_COUPLED;
-    ehd_status status = model->band.num_lines > 1 ? spread_checkpoints(model, error)
-                                                  : space_checkpoints(model, error);
+    ehd_status status = reduced_model_place_checkpoints(model, error);
 
     if (status) return status;
     model->checkpoints.cut =

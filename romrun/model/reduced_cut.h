@@ -33,6 +33,7 @@ void reduced_model_change_cut(
 size_t reduced_model_checkpoint(const reduced_model *model, const size_t *exit);
 
 /* Chooses the checkpoints of an otherwise complete model and fills their tables. EHD_MEMORY. */
+ehd_status reduced_model_place_checkpoints(reduced_model *model, ehd_error *error);
 ehd_status reduced_model_make_checkpoints(reduced_model *model, ehd_error *error);
 
 /* The control rows' table for the same checkpoints. EHD_MEMORY. */

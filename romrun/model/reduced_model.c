@@ -141,8 +141,9 @@ static size_t index_in(const size_t *nodes, size_t count, size_t node) {
     return low;
 }
 
-/* What follows from the list of rows and the nodes they need. */
-static ehd_status complete_rows(reduced_model *model, row_set *set, ehd_error *error) {
+ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_error *error) {
+    size_t centre[4];
+
     set->stencils = arena_array(&model->memory, set->num_rows, sizeof *set->stencils);
     set->gap = arena_array(&model->memory, set->num_needed, sizeof *set->gap);
     if (!set->stencils || !set->gap) return no_memory(error);
@@ -154,6 +155,10 @@ static ehd_status complete_rows(reduced_model *model, row_set *set, ehd_error *e
     }
     for (size_t q = 0; q < set->num_needed; q++)
         set->gap[q] = grid_gap(&model->grid, set->needed_node[q]);
+    if (set != &model->rows) return EHD_OK;
+    find_centre(centre, model->centre.weight, &model->grid);
+    for (size_t i = 0; i < 4; i++)
+        model->centre.index[i] = index_in(set->needed_node, set->num_needed, centre[i]);
     return EHD_OK;
 }
 
@@ -201,15 +206,10 @@ static ehd_status fill_kernel(reduced_model *model, ehd_error *error) {
 }
 
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
-    size_t centre[4];
-    ehd_status status = complete_rows(model, &model->rows, error);
+    ehd_status status = reduced_model_place_rows(model, &model->rows, error);
 
     if (!status) status = fill_kernel(model, error);
     if (status) return status;
-    find_centre(centre, model->centre.weight, &model->grid);
-    for (size_t i = 0; i < 4; i++)
-        model->centre.index[i] =
-            index_in(model->rows.needed_node, model->rows.num_needed, centre[i]);
     if (model->deformation == DEFORMATION_COUPLED) fill_left_coupled(model);
     fill_left_load(model);
     status = start_shift_build(model, error);
@@ -217,7 +217,7 @@ ehd_status reduced_model_complete(reduced_model *model, ehd_error *error) {
 }
 
 ehd_status reduced_model_complete_control(reduced_model *model, ehd_error *error) {
-    ehd_status status = complete_rows(model, &model->control, error);
+    ehd_status status = reduced_model_place_rows(model, &model->control, error);
 
     return status ? status : reduced_model_make_control_checkpoints(model, error);
 }

@@ -191,6 +191,17 @@ ehd_status reduced_model_add_control(
  * those around the centre too. EHD_MEMORY. */
 ehd_status reduced_model_list_needed(reduced_model *model, row_set *set, ehd_error *error);
 
+/* Of what is read from `path`: the exits of each line lie inside of its band, with room for a row's
+ * stencil, and the lines have as many nodes as the band; and the states' exits lie in it, since tables
+ * of an exit are made by going along the band to it. EHD_DATA. */
+ehd_status reduced_check_band(const reduced_model *model, const char *path, ehd_error *error);
+ehd_status reduced_check_exits(const reduced_model *model, const reduced_states *states,
+                               const char *path, ehd_error *error);
+
+/* Of the next step what is about places: needed nodes of the rows, which are listed, among each other,
+ * and the centre among them. EHD_MEMORY. */
+ehd_status reduced_model_place_rows(reduced_model *model, row_set *set, ehd_error *error);
+
 /* Last step of building and of reading a model: tables that follow from the others (stencils,
  * kernel, left sides, checkpoints); control rows, which may be added later, on their own. */
 ehd_status reduced_model_complete(reduced_model *model, ehd_error *error);

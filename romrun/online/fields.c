@@ -87,6 +87,21 @@ ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, eh
     return field_modes_fill(self->own, self->column, grid, 0, 0, self, model, error);
 }
 
+void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
+                      const double *pressure_basis, bool own) {
+    const ehd_grid *grid = &model->grid;
+
+    if (!flat_good(file)) return;
+    const ehd_status status =
+        file->reading ? field_modes_init(self, model, pressure_basis, file->error) : EHD_OK;
+    flat_fail(file, status);
+    if (status || !own) return;
+    self->deflection =
+        flat_table(file, "field_deflection", self->own, grid->num_nodes, model->num_pressure);
+    self->column = model->num_pressure;
+    self->line = grid_width(grid) * self->column;
+}
+
 // ---- fields
 
 /* Sums of modes at the nodes of all lines. */

@@ -5,6 +5,7 @@
 #ifndef EHD_FIELDS_H
 #define EHD_FIELDS_H
 
+#include "romrun/model/flat.h"
 #include "romrun/online/reduced_solver.h"
 
 /* Read-only once made; several threads may use one. */
@@ -29,6 +30,11 @@ void field_modes_free(field_modes *self);
 
 /* Makes deflections of its own. EHD_MEMORY. */
 ehd_status field_modes_deflect(field_modes *self, const reduced_model *model, ehd_error *error);
+
+/* In a flat file (romrun/model/flat.h), instead of both: deflections of its own are the file's when read.
+ * `own`: whether there are. Freed by field_modes_free all the same. */
+void field_modes_flat(flat *file, field_modes *self, const reduced_model *model,
+                      const double *pressure_basis, bool own);
 
 /* Deflections of the modes cut at cut_exits. EHD_MEMORY. */
 ehd_status field_modes_fill(

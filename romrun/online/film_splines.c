@@ -75,10 +75,9 @@ static spline_layout layout_of_kernel(const ehd_grid *grid) {
 static ehd_status make_kernel_table(film_splines *self, const contact_kind *kind,
                                     ehd_error *error) {
     const double step = self->grid.step;
-    const spline_layout layout = layout_of_kernel(&self->grid);
+    const spline_layout layout = self->kernel_layout;
     ehd_status status = make_table(&self->kernel, &layout, error);
 
-    self->kernel_layout = layout;
     if (status) return status;
     for (size_t l = 0; l < layout.num_lines; l++)
         for (size_t c = 0; c < layout.num_columns; c++)
@@ -144,8 +143,6 @@ static size_t film_offset(const reduced_model *model) {
 
 static ehd_status make_film_table(film_splines *self, const reduced_model *model,
                                   const double *deformation_basis, ehd_error *error) {
-    self->layout = layout_of_modes(&self->grid, is_coupled(model) ? model->num_pressure
-                                                                  : model->num_deformation);
     ehd_status status = make_table(&self->film, &self->layout, error);
     if (!status && is_coupled(model))
         status = field_modes_fill(self->film, self->layout.column, &self->grid, self->margin,
@@ -158,27 +155,32 @@ static ehd_status make_film_table(film_splines *self, const reduced_model *model
 static ehd_status make_pressure_table(film_splines *self, const reduced_model *model,
                                       ehd_error *error) {
     size_t width = model->num_pressure;
-    const spline_layout layout = layout_of_modes(&model->grid, width);
+    const spline_layout layout = self->pressure_layout;
     ehd_status status = make_table(&self->pressure, &layout, error);
 
-    self->pressure_layout = layout;
     for (size_t k = 0; k < model->grid.num_nodes && !status; k++)
         memcpy(self->pressure + k * layout.column, self->fields.pressure + k * width,
                width * sizeof(double));
     return status ? status : fill_curvatures(self->pressure, &layout, error);
 }
 
+/* Grid and layouts, which follow from the model. */
+static void lay_out(film_splines *self, const reduced_model *model) {
+    widen_grid(self, model);
+    self->layout = layout_of_modes(&self->grid, is_coupled(model) ? model->num_pressure
+                                                                  : model->num_deformation);
+    self->pressure_layout = layout_of_modes(&model->grid, model->num_pressure);
+    self->kernel_layout = layout_of_kernel(&self->grid);
+}
+
 /* Of the coupled basis the film's table holds the deflections that fields need. */
-static ehd_status deflect_field_modes(film_splines *self, const reduced_model *model,
-                                      ehd_error *error) {
+static void share_deflections(film_splines *self) {
     const spline_layout *layout = &self->layout;
     field_modes *fields = &self->fields;
 
-    if (!is_coupled(model)) return field_modes_deflect(fields, model, error);
     fields->deflection = self->film + self->side * layout->line + self->margin * layout->column;
     fields->column = layout->column;
     fields->line = layout->line;
-    return EHD_OK;
 }
 
 ehd_status film_splines_build(film_splines *self, const reduced_model *model,
@@ -187,9 +189,12 @@ ehd_status film_splines_build(film_splines *self, const reduced_model *model,
     memset(self, 0, sizeof *self);
     ehd_status status = field_modes_init(&self->fields, model, pressure_basis, error);
     if (status) return status;
-    widen_grid(self, model);
+    lay_out(self, model);
     status = make_film_table(self, model, deformation_basis, error);
-    if (!status) status = deflect_field_modes(self, model, error);
+    if (!status && is_coupled(model))
+        share_deflections(self);
+    else if (!status)
+        status = field_modes_deflect(&self->fields, model, error);
     if (!status) status = make_pressure_table(self, model, error);
     if (!status) status = make_kernel_table(self, model->kind, error);
     if (status) film_splines_free(self);
@@ -200,6 +205,31 @@ void film_splines_free(film_splines *self) {
     free(self->film);
     free(self->pressure);
     free(self->kernel);
+    field_modes_free(&self->fields);
+    memset(self, 0, sizeof *self);
+}
+
+// ---- in a flat file
+
+static void walk_table(flat *file, const char *name, double **table, const spline_layout *layout) {
+    *table = flat_table(file, name, *table, layout->num_lines, layout->line);
+}
+
+void film_splines_flat(flat *file, film_splines *self, const reduced_model *model,
+                       const double *pressure_basis) {
+    if (!flat_good(file)) return;
+    if (file->reading) {
+        *self = (film_splines){0};
+        lay_out(self, model);
+    }
+    walk_table(file, "spline_film", &self->film, &self->layout);
+    walk_table(file, "spline_pressure", &self->pressure, &self->pressure_layout);
+    walk_table(file, "spline_kernel", &self->kernel, &self->kernel_layout);
+    field_modes_flat(file, &self->fields, model, pressure_basis, !is_coupled(model));
+    if (file->reading && flat_good(file) && is_coupled(model)) share_deflections(self);
+}
+
+void film_splines_flat_free(film_splines *self) {
     field_modes_free(&self->fields);
     memset(self, 0, sizeof *self);
 }

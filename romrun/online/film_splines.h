@@ -52,6 +52,11 @@ ehd_status film_splines_build(
     ehd_error *error);
 void film_splines_free(film_splines *splines);
 
+/* The same in a flat file, to which the tables belong when read: film_splines_flat_free. */
+void film_splines_flat(flat *file, film_splines *splines, const reduced_model *model,
+                       const double *pressure_basis);
+void film_splines_flat_free(film_splines *splines);
+
 struct previous_film;
 
 /* What carrying films along the path of the fluid needs besides (common/time/README.md). The base is

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/online.h"
 
+#include "romrun/model/flat_model.h"
 #include "romrun/model/model_file.h"
 #include "romrun/model/trade_file.h"
 #include "romrun/online/fields.h"
@@ -31,6 +32,7 @@ struct online_model {
     bool transient;
     film_splines splines;
     double *deformation_basis;
+    flat file; // that holds the tables of a model that was read from one
 };
 
 struct online_solver {
@@ -71,6 +73,86 @@ static ehd_status read_factors(online_model *self, const char *path, ehd_error *
     return EHD_OK;
 }
 
+// ---- flat files
+
+/* What a calibration found. */
+static void walk_factors(flat *file, online_model *self) {
+    self->indicator_factor = flat_real(file, "factor", self->indicator_factor);
+    self->indicator_factor_minimum =
+        flat_real(file, "factor_minimum", self->indicator_factor_minimum);
+    self->largest_residual = flat_real(file, "largest_residual", self->largest_residual);
+    self->most_iterations = flat_real(file, "most_iterations", self->most_iterations);
+    self->checked_in_time = flat_whole(file, "checked_in_time", self->checked_in_time, 0, 1) != 0;
+    self->in_time.central = flat_real(file, "factor_in_time", self->in_time.central);
+    self->in_time.minimum = flat_real(file, "factor_in_time_minimum", self->in_time.minimum);
+    self->in_time.floor = flat_real(file, "floor_in_time_minimum", self->in_time.floor);
+    const double *others =
+        flat_array(file, "other_factors", self->other_factor, NUM_INDICATED, sizeof *others);
+    const indicator_shape *shapes =
+        flat_array(file, "shapes", self->shape, NUM_BOUNDED, sizeof *shapes);
+    if (!flat_good(file) || !file->reading) return;
+    memcpy(self->other_factor, others, sizeof self->other_factor);
+    memcpy(self->shape, shapes, sizeof self->shape);
+}
+
+static void walk(flat *file, online_model *self) {
+    const reduced_model *model = &self->reduced;
+
+    flat_model(file, &self->reduced);
+    walk_factors(file, self);
+    self->transient = flat_whole(file, "in_time", self->transient, 0, 1) != 0;
+    if (!flat_good(file)) return;
+    self->pressure_basis = flat_table(file, "pressure_basis", self->pressure_basis,
+                                      model->grid.num_nodes, model->num_pressure);
+    if (self->transient)
+        film_splines_flat(file, &self->splines, model, self->pressure_basis);
+    else
+        field_modes_flat(file, &self->own_fields, model, self->pressure_basis, true);
+    self->fields = self->transient ? &self->splines.fields : &self->own_fields;
+    if (flat_good(file) && file->reading && file->at != file->size)
+        flat_refuse(file, "found %zu bytes behind the model, expected none", file->size - file->at);
+}
+
+static bool same_size(size_t wanted, size_t own) {
+    return wanted == 0 || wanted == own;
+}
+
+static ehd_status open_flat(online_model *self, const model_sizes *sizes, ehd_error *error) {
+    const reduced_model *model = &self->reduced;
+
+    if (!flat_read(&self->file, self->path, error)) walk(&self->file, self);
+    if (flat_good(&self->file) && sizes &&
+        !(same_size(sizes->pressure_modes, model->num_pressure) &&
+          same_size(sizes->deformation_modes, model->num_deformation) &&
+          same_size(sizes->rows, model->rows.num_rows)))
+        flat_refuse(&self->file,
+                    "found a flat model of %zu pressure modes, %zu deformation modes and %zu rows, "
+                    "expected no others to be asked for",
+                    model->num_pressure, model->num_deformation, model->rows.num_rows);
+    return self->file.status;
+}
+
+ehd_status online_export(online_model *self, const char *path, bool force, ehd_error *error) {
+    flat file;
+    ehd_status status = EHD_OK;
+
+    // without the deformation's modes there are no steps in time
+    if (!self->transient && online_prepare_transient(self, NULL))
+        status = online_prepare_fields(self, error);
+    if (status) return status;
+    flat_begin(&file, path, error);
+    walk(&file, self);
+    status = flat_write(&file, force);
+    flat_free(&file);
+    return status;
+}
+
+bool online_is_flat(const char *path) {
+    return flat_is(path);
+}
+
+// ---- models
+
 ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
                        ehd_error *error) {
     online_model *self = calloc(1, sizeof *self);
@@ -81,8 +163,13 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
         free(self);
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
-    ehd_status status = model_read(&self->reduced, path, sizes, error);
-    if (!status) status = read_factors(self, path, error);
+    ehd_status status = EHD_OK;
+    if (flat_is(path)) {
+        status = open_flat(self, sizes, error);
+    } else {
+        status = model_read(&self->reduced, path, sizes, error);
+        if (!status) status = read_factors(self, path, error);
+    }
     if (!status) {
         self->range = trained_range_create(&self->reduced);
         if (!self->range) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
@@ -95,16 +182,21 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
 }
 
 online_model *online_close(online_model *self) {
-    if (self) {
+    if (!self) return NULL;
+    if (self->file.reading) {
+        flat_model_free(&self->reduced);
+        film_splines_flat_free(&self->splines);
+        flat_free(&self->file);
+    } else {
         reduced_model_free(&self->reduced);
-        trained_range_free(self->range);
         film_splines_free(&self->splines);
-        field_modes_free(&self->own_fields);
         free(self->pressure_basis);
         free(self->deformation_basis);
-        free(self->path);
-        free(self);
     }
+    trained_range_free(self->range);
+    field_modes_free(&self->own_fields);
+    free(self->path);
+    free(self);
     return NULL;
 }
 
@@ -405,6 +497,10 @@ struct online_transient {
 
 ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
     if (self->transient) return EHD_OK;
+    if (self->file.reading)
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found a flat model without what steps in time need, expected it",
+                        self->path);
     ehd_status status = read_bases(self, true, error);
     if (!status)
         status = film_splines_build(&self->splines, &self->reduced, self->pressure_basis,

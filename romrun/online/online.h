@@ -79,7 +79,8 @@ typedef struct online_result {
     double seconds_exit;      // exit boundary and its updates
 } online_result;
 
-/* Loads a model. `sizes` NULL: all of it. Errors: EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
+/* Loads a model, of HDF5 or flat. `sizes` NULL: all of it; a flat one has no others than its own. Errors:
+ * EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
 ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
@@ -88,6 +89,13 @@ online_properties online_describe(const online_model *model);
 /* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
  * NULL: it was. */
 const char *online_unchecked(const online_properties *model, bool in_time);
+
+/* Whether a file begins as a flat model does. */
+bool online_is_flat(const char *path);
+
+/* Prepares a model for all that it can do and writes it as a flat file, whose results have the same bits.
+ * EHD_CANTCREATE: there is such a file, without `force`; EHD_DATA, EHD_IO, EHD_MEMORY. */
+ehd_status online_export(online_model *model, const char *path, bool force, ehd_error *error);
 
 /* What films may be indicated to be off where nobody says how much, of a result to be trusted. */
 extern const double online_accuracy;

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# C programs of a scene's own, on the library: NAME.c becomes $(OUT)/NAME. Included behind common.mk.
+# C programs of a scene's own, on the sources: NAME.c becomes $(OUT)/NAME. Included behind common.mk; a program needs
+# nothing of this on the installed library (library.mk).
 
 # The library that was built with the programs, and the compiler and flags that it was built with.
 ROOT    := $(abspath $(BIN)/../../..)

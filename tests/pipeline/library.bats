@@ -6,10 +6,11 @@ load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-# installed/ by make install, two programs on it (C11 shared, C++17 static), and models of 121 nodes.
-setup_file() {
-    [[ $VARIANT == release || $VARIANT == debug ]] || skip "the library is not built with sanitizers"
-    cd "$BATS_FILE_TMPDIR" || return
+is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
+outside() { is_installed || skip "the library is not built with sanitizers"; }
+
+# installed/ by make install, and two programs on it (C11 shared, C++17 static).
+install_all() {
     make -C "$root" -s install VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/installed" PREFIX=/usr >install.log 2>&1 ||
         { cat install.log >&2; return 1; }
     export PKG_CONFIG_PATH=$PWD/installed/usr/lib/pkgconfig
@@ -22,6 +23,13 @@ setup_file() {
     g++ -std=c++17 $strict -x c++ use_library.c -x none -o use_static -Linstalled/usr/lib -l:libehdrom.a \
         -Wl,--as-needed $(pkg-config --define-prefix --static --cflags --libs ehdrom)
     ! ldd use_static | grep ehdrom
+}
+
+# Models of 121 nodes, and the programs; use_inside is on the objects of this variant.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    ! is_installed || install_all
+    [ ! -e "$BIN/../unit/use_library" ] || cp "$BIN/../unit/use_library" use_inside
     common_setup_small
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5 --pressure-modes 9
@@ -30,8 +38,8 @@ setup_file() {
 }
 
 setup() {
-    [[ $VARIANT == release || $VARIANT == debug ]] || skip "the library is not built with sanitizers"
     cd "$BATS_TEST_TMPDIR" || return
+    kinds=$(cd "$BATS_FILE_TMPDIR" && ls use_* | sed -n 's/^use_\([a-z]*\)$/\1/p')
     cp "$BATS_FILE_TMPDIR"/{m.h5,scene.yml,base.yml} .
     prefix=$BATS_FILE_TMPDIR/installed/usr
 }
@@ -47,6 +55,7 @@ value() {
 }
 
 @test "names: all begin with ehdrom_, and the header has those of the version script" {
+    outside
     local names
     names=$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub("@.*", "", $3); print $3 }' | sort)
     [ "$(grep -c '^ehdrom_' <<<"$names")" -eq "$(wc -l <<<"$names")" ]
@@ -64,7 +73,7 @@ value() {
 
 @test "a stationary solution is romrun's, to the last bit" {
     romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
-    for kind in shared static; do
+    for kind in $kinds; do
         run --separate-stderr use_library $kind solve m.h5 scene.yml
         echo "$stderr"
         [ "$status" -eq 0 ] && [ -z "$stderr" ]
@@ -83,17 +92,19 @@ assert 0.99 * largest < peak <= largest, (peak, largest)
 PYTHON
     done
     romrun scene.yml --model m.h5 --allow-untrusted -o other.h5 --quiet --set moes.M=13.5
-    run use_library shared solve m.h5 scene.yml moes.M 13.5
+    run use_library "${kinds##*$'\n'}" solve m.h5 scene.yml moes.M 13.5
     close_to "$(value central_film_thickness)" "$(number other.h5 central_film_thickness)" 1e-15
 }
 
 @test "SI and dimensionless, whatever the locale" {
     local name=C
-    if localedef -i de_DE -f UTF-8 "$PWD/de_DE.UTF-8" 2>/dev/null || [ -d de_DE.UTF-8 ]; then
+    # with LOCPATH glibc leaks, which sanitizers tell
+    ! is_installed || localedef -i de_DE -f UTF-8 "$PWD/de_DE.UTF-8" 2>/dev/null || true
+    if [ -d de_DE.UTF-8 ]; then
         export LOCPATH=$PWD
         name=de_DE.UTF-8
     fi
-    run --separate-stderr use_library shared set m.h5 $name
+    run --separate-stderr use_library "${kinds##*$'\n'}" set m.h5 $name
     echo "$stderr"
     [ "$status" -eq 0 ]
     output=${output//,/.}
@@ -116,7 +127,7 @@ transport: upwind
 moes: {M: 12, L: 4}
 transient: {load: {law: sine, amplitude: 0.1, period: 1}, fixed_step: 0.01, end_time: 0.2}
 YAML
-    for kind in shared static; do
+    for kind in $kinds; do
         run --separate-stderr use_library $kind march m.h5 moving.yml 0.01 20
         echo "$stderr"
         [ "$status" -eq 0 ]
@@ -130,7 +141,7 @@ YAML
 }
 
 @test "what is wrong is said in the handle" {
-    run --separate-stderr use_library shared wrong m.h5 scene.yml
+    run --separate-stderr use_library "${kinds##*$'\n'}" wrong m.h5 scene.yml
     echo "$output$stderr"
     [ "$status" -eq 0 ] && [ -z "$stderr" ]
     [[ ${lines[0]} == "missing.h5: "* ]]
@@ -142,14 +153,97 @@ YAML
 }
 
 @test "threads share a model; none is begun, no signal is caught" {
-    for kind in shared static; do
+    for kind in $kinds; do
         run --separate-stderr use_library $kind threads m.h5 scene.yml
         echo "$stderr"
         [ "$status" -eq 0 ]
     done
 }
 
+@test "from Python: the same numbers, arrays, errors, and a mass by scipy" {
+    outside
+    # as one would install it, but for pip
+    make -C "$root" -s python VARIANT="$VARIANT" DEPS=no
+    export PYTHONPATH=$root/build/$VARIANT/python
+    cat >si.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+    romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
+    romrun --export m.h5 -o m.ehdrom
+    /usr/bin/python3 -B - <<'PYTHON'
+import math, threading, ehdrom, h5py, numpy
+model = ehdrom.Model("m.h5")
+contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf, dimensionless=True)
+result = contact.solve().check()
+x, y, pressure, film = contact.fields()
+with h5py.File("r.h5") as file:
+    for name in ("central_film_thickness", "minimum_film_thickness", "central_pressure"):
+        assert getattr(result, name) == file[name][0], name
+    assert (pressure[0] == file["pressure"][0]).all()
+    assert numpy.allclose(film[0], file["film_thickness"][0], rtol=0, atol=1e-12)
+    assert numpy.allclose(x, file["x"][...], rtol=0, atol=1e-12) and y.shape == (1,)
+assert not ehdrom.Contact(model, "si.yml").solve().trusted
+for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("physical.lod", 1), lambda: contact.step(1)):
+    try:
+        wrong()
+    except ehdrom.Error as error:
+        assert "expected" in str(error) or "none.h5" in str(error), error
+    else:
+        raise AssertionError("nothing raised")
+
+# a number replaced after a solution counts as one set before the first
+contact["physical.load"] = 20.5e3
+fresh = ehdrom.Contact(model, "si.yml", accuracy=math.inf, dimensionless=True)
+fresh["physical.load"] = "20.5e3"
+assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thickness != result.minimum_film_thickness
+contact["lubricant.viscosity.alpha"] = 1.9e-8
+fresh["lubricant.viscosity.alpha"] = "1.9e-8"
+assert contact.solve().minimum_film_thickness == fresh.solve().minimum_film_thickness
+
+# steps, saved and restored
+contact = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+time = contact.scales()["time"]
+first = contact.start()
+assert abs(first.load / 20e3 - 1) < 1e-6
+contact.step(0.01 * time, load=20.1e3)
+contact.accept()
+saved = contact.save()
+one = contact.step(0.01 * time, load=20.2e3)
+other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+other.restore(saved)
+assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
+
+# a flat model: the same bits, fields too
+flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
+plain = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+assert flat.solve().minimum_film_thickness == plain.solve().minimum_film_thickness
+assert all((a == b).all() for a, b in zip(flat.fields(), plain.fields()))
+flat.restore(saved)
+assert flat.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
+
+# threads that solve at the same time
+found = [None] * 4
+def solve(i):
+    found[i] = ehdrom.Contact(model, "si.yml", accuracy=math.inf).solve().minimum_film_thickness
+threads = [threading.Thread(target=solve, args=(i,)) for i in range(4)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+assert len(set(found)) == 1 and found[0] > 0
+PYTHON
+    /usr/bin/python3 -B "$root/romrun/python/examples/sweep.py" m.h5 si.yml 0.03 0.045 sweep.png
+    [ "$(head -c 4 sweep.png | tail -c 3)" = PNG ]
+    # a mass swings about where the load is 2 % higher
+    /usr/bin/python3 -B "$root/romrun/python/examples/mass.py" m.h5 si.yml 2400 0.005 >mass.csv
+    awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv
+}
+
 @test "make uninstall leaves nothing" {
+    outside
     cp -a "$prefix/.." copy
     touch copy/usr/bin/other
     make -C "$root" -s uninstall VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/copy" PREFIX=/usr

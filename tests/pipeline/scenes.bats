@@ -269,6 +269,7 @@ small_oscillator() {
 @test "the oscillator: the library as a force element agrees with the full model" {
     small_oscillator
     run_make figures
+    echo "$output"
     [ "$status" -eq 0 ]
     [[ $output == *"reduced model: 1200 steps"*"full model: 1200 steps"* ]]
     [[ $output =~ "force "([0-9.e-]+)" % of its mean, approach "([0-9.e-]+)" % of its swing, central film "([0-9.e-]+)" %" ]]
@@ -282,6 +283,12 @@ small_oscillator() {
     grep -q '</svg>' out/oscillator.svg
     run_make -n figures
     [[ $status == 0 && ! $output =~ bin/$programs && ! $output =~ out/oscillator\ scene ]]
+
+    # as another program's folder would have it
+    PKG_CONFIG_PATH=$BIN/../lib/pkgconfig PKG_CONFIG='pkg-config --define-prefix' cmake -S . -B cmake >/dev/null
+    cmake --build cmake >/dev/null
+    LD_LIBRARY_PATH=$BIN/../lib cmake/oscillator scene.yml out/model.h5 again.csv
+    cmp again.csv out/reduced.csv
 
     # its own command line
     PATH=$PWD/out:$PATH

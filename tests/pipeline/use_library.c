@@ -198,6 +198,15 @@ static void march(char **argv) {
     CHECK(!ehdrom_accept(other));
     double first_x;
     const double most = largest(contact, model, &first_x);
+    // both at once
+    ehdrom_contact *const both[2] = {contact, other};
+    const ehdrom_conditions same[2] = {conditions, conditions};
+    ehdrom_result results[2] = {result, result};
+    CHECK(!EHDROM_FAILED(ehdrom_step_many(both, same, step, results, 2)));
+    CHECK(results[0].time > result.time && results[0].time == results[1].time);
+    CHECK(results[0].minimum_film_thickness == results[1].minimum_film_thickness);
+    results[1].size = 0;
+    CHECK(ehdrom_step_many(both, NULL, step, results, 2) == EHDROM_DATA);
     CHECK(most == largest(other, model, &first_x));
     show_result(&result);
     show("largest", most);

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mass on a contact, by scipy's integrator: mass.py MODEL SCENE.yml MASS END (kg or kg/m, s)
+
+The mass rests on the contact; from t = 0 on 2 % more weigh on it. The integrator tries what it likes: all trials start
+from the last accepted state of the contact, which goes along when scipy has taken a step."""
+import sys
+
+import ehdrom
+from scipy.integrate import RK23
+
+model, scene = sys.argv[1:3]
+mass, end = map(float, sys.argv[3:])
+contact = ehdrom.Contact(ehdrom.Model(model), scene, accuracy=float("inf"))
+contact["closure"] = "approach"
+now = contact.start()
+weight, accepted = now.load, 0.0
+
+
+def motion(time, state):
+    position, velocity = state
+    step = time - accepted
+    force = contact.step(step, approach=position).load if step > 0 else now.load
+    return velocity, (force - 1.02 * weight) / mass
+
+
+scales = contact.scales()
+small = 1e-5 * scales["film"]  # m, of the position; the film is about a tenth of the scale
+solver = RK23(motion, 0, [now.approach, 0], end, rtol=1e-4, atol=[small, small / scales["time"]],
+              first_step=scales["time"] / 1000, max_step=scales["time"] / 20)
+while solver.status == "running":
+    solver.step()
+    now = contact.step(solver.t - accepted, approach=solver.y[0])
+    contact.accept()
+    accepted = solver.t
+    print(f"{solver.t:.9g},{now.approach:.9g},{now.load:.9g},{now.central_film_thickness:.9g}")

@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A mass on a contact, shaken near its resonance: the integrator of somebody else, who asks a contact
+ * for its force. It says where the mass is (the approach H0 of the contact) and solves each of its own
+ * steps by trials, all of which the contact takes from its last accepted state. */
+#ifndef SHAKEN_MASS_H
+#define SHAKEN_MASS_H
+
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* Everything is dimensionless: time T = u t / a, position H0 = h R / a^2 (upwards), force w /
+ * w_ref. A mass of m kg per metre then counts as m u^2 / (R w_ref): 0.0138 stands for 24 kg/m with
+ * the numbers of scene.yml, a roller of steel of 31 mm radius. Seen from approach_length, the
+ * contact gives way by 1.49 a unit of force, so the mass on it would swing with a period of 2 pi
+ * sqrt(0.0138 * 1.49) = 0.90. */
+static const double MASS = 0.0138;
+
+/* Shaken by 0.8 % at a period near its own, the force swings by 7.5 % and beats: inside of the 12 %
+ * and of the periods of 1/2 to 2 that were trained. */
+static const double EXCITATION = 0.008;
+static const double EXCITATION_PERIOD = 1;
+
+/* A hundred a period. */
+static const double STEP = 0.01;
+enum { NUM_STEPS = 1200 };
+
+/* Of a position; the film is about 1e-2. */
+static const double TOLERANCE = 1e-8;
+enum { MAX_TRIALS = 20 };
+
+// ---- what goes wrong
+
+/* An exit code, 0: nothing, and a line. */
+typedef struct failure {
+    int code;
+    char text[1200];
+} failure;
+
+enum { NOT_CONVERGED = 3, UNTRUSTED = 4, USAGE = 64, CANNOT_CREATE = 73, IO_FAILED = 74 };
+
+__attribute__((format(printf, 3, 4))) static int fail(failure *self, int code, const char *format,
+                                                      ...) {
+    va_list arguments;
+
+    va_start(arguments, format);
+    vsnprintf(self->text, sizeof self->text, format, arguments);
+    va_end(arguments);
+    return self->code = code;
+}
+
+// ---- the contact
+
+typedef struct reply {
+    bool converged, trusted;
+    char reason[200]; // why it is not both, or ""
+    double approach, force, film;
+} reply;
+
+/* What the integrator needs of a contact. All return 0 or fail(). */
+typedef struct force_element {
+    void *self;
+    /* The stationary state under the reference load. */
+    int (*start)(reply *now, void *self, failure *error);
+    /* The state a step after the last accepted one, with the mass at `approach`. */
+    int (*step)(reply *now, void *self, double approach, double step, failure *error);
+    void (*accept)(void *self);
+} force_element;
+
+// ---- the oscillator
+
+/* mass x'' = force(x) - 1 - excitation */
+typedef struct oscillator {
+    double time, position, velocity, acceleration;
+} oscillator;
+
+static double acceleration(double force, double time) {
+    return (force - 1 - EXCITATION * sin(2 * PI * time / EXCITATION_PERIOD)) / MASS;
+}
+
+/* One step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (x''_0 + x''_1): secants for the
+ * position whose force leads there. */
+static int oscillator_advance(oscillator *self, reply *now, size_t *num_trials,
+                              const force_element *contact, failure *error) {
+    double time = self->time + STEP, position, defect = 0, slope = 1;
+    double drift = self->position + STEP * self->velocity;
+
+    position = drift + STEP * STEP / 2 * self->acceleration;
+    for (size_t trial = 0; trial < MAX_TRIALS; trial++) {
+        int status = contact->step(now, contact->self, position, STEP, error);
+        if (status) return status;
+        if (!now->converged) break;
+        double last_defect = defect, after = acceleration(now->force, time);
+        double correction = defect / slope;
+        (*num_trials)++;
+        defect = position - drift - STEP * STEP / 4 * (self->acceleration + after);
+        if (fabs(defect) < TOLERANCE) {
+            contact->accept(contact->self);
+            self->velocity += STEP / 2 * (self->acceleration + after);
+            *self = (oscillator){time, position, self->velocity, after};
+            return 0;
+        }
+        if (trial > 0) slope = (last_defect - defect) / correction;
+        position -= defect / slope;
+    }
+    return fail(error, NOT_CONVERGED, "T = %.6g: found no equilibrium (%s), expected one", time,
+                now->reason[0] ? now->reason : "too many trials");
+}
+
+// ---- a run
+
+static double seconds(void) {
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+typedef struct trace {
+    double time[NUM_STEPS + 1];
+    reply states[NUM_STEPS + 1];
+    size_t num_trials;
+    double seconds;
+} trace;
+
+static int run(trace *self, const force_element *contact, failure *error) {
+    oscillator body = {0};
+    double started = seconds();
+    int status = contact->start(&self->states[0], contact->self, error);
+
+    self->num_trials = 0;
+    self->time[0] = 0;
+    if (!status && !self->states[0].converged)
+        status = fail(error, NOT_CONVERGED, "start: found no stationary state (%s)",
+                      self->states[0].reason);
+    body.position = self->states[0].approach;
+    for (size_t i = 1; i <= NUM_STEPS && !status; i++) {
+        status = oscillator_advance(&body, &self->states[i], &self->num_trials, contact, error);
+        self->time[i] = body.time;
+    }
+    self->seconds = seconds() - started;
+    return status;
+}
+
+static int write_trace(const trace *self, const char *path, failure *error) {
+    FILE *file = fopen(path, "w");
+
+    if (!file) return fail(error, CANNOT_CREATE, "%s: %s", path, strerror(errno));
+    fputs("time,approach,force,central_film_thickness\n", file);
+    for (size_t i = 0; i <= NUM_STEPS; i++)
+        fprintf(file, "%.10g,%.10g,%.10g,%.10g\n", self->time[i], self->states[i].approach,
+                self->states[i].force, self->states[i].film);
+    bool failed = ferror(file);
+    if (fclose(file) || failed) return fail(error, IO_FAILED, "%s: %s", path, strerror(errno));
+    return 0;
+}
+
+static void print_run(const char *name, const trace *self) {
+    double least = INFINITY, most = -INFINITY;
+
+    for (size_t i = 0; i <= NUM_STEPS; i++) {
+        least = fmin(least, self->states[i].force);
+        most = fmax(most, self->states[i].force);
+    }
+    printf("%s model: %d steps, %zu trials, %.2f s, %.2f ms a trial; force from %.4f to %.4f\n",
+           name, NUM_STEPS, self->num_trials, self->seconds,
+           1000 * self->seconds / (double)self->num_trials, least, most);
+}
+
+#endif

@@ -1,0 +1,133 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Flat models: the same bits as the HDF5 files that they are made of, and refused where they are damaged.
+
+load common
+
+# Models of a line, coupled (m.h5) and independent (i.h5), of a point contact (p.h5), and each as NAME.ehdrom.
+setup_file() {
+    cd "$BATS_FILE_TMPDIR" || return
+    small_model
+    podbuild s.h5 -o bi.h5 --deformation independent --pressure-modes 8 --deformation-modes 7
+    snapgen train.yml --basis bi.h5 -o ri.h5 --quiet
+    deimselect --no-check ri.h5 --basis bi.h5 -o i.h5 --rows 25
+    mv scene.yml line.yml
+    point_scene 13 -2.5
+    mv scene.yml point.yml
+    cat >points.yml <<'YAML'
+groups:
+  - scene: point.yml
+    vary: {moes.M: [11, 15], moes.L: [4, 6]}
+YAML
+    snapgen points.yml -o sp.h5 --quiet
+    podbuild sp.h5 -o bp.h5
+    snapgen points.yml --basis bp.h5 -o rp.h5 --quiet
+    deimselect --no-check rp.h5 --basis bp.h5 -o p.h5 --rows 60 --method sopt
+    for model in c i p; do romrun --export $model.h5 -o $model.ehdrom; done
+}
+
+setup() {
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/{c,i,p}.* "$BATS_FILE_TMPDIR"/{line,point}.yml .
+}
+
+# in_time SCENE: moving.yml, some steps of the scene under a load that swings.
+in_time() {
+    sed 's/stationary/transient/' "$1" >moving.yml
+    cat >>moving.yml <<'YAML'
+transport: upwind
+transient: {load: {law: sine, amplitude: 0.05, period: 1}, fixed_step: 0.02, end_time: 0.2}
+YAML
+}
+
+@test "a scene has the same bits by either file, stationary and in time, with what is indicated" {
+    for model in c:line i:line p:point; do
+        scene=${model#*:}.yml model=${model%:*}
+        for kind in h5 ehdrom; do
+            romrun $scene --model $model.$kind --allow-untrusted -o $kind.out --quiet --force >$kind.txt
+        done
+        same_data h5.out ehdrom.out
+        diff <(grep -v '^solution' h5.txt) <(grep -v '^solution' ehdrom.txt)
+        in_time $scene
+        for kind in h5 ehdrom; do
+            romrun moving.yml --model $model.$kind --allow-untrusted -o $kind.out --quiet --force
+        done
+        same_data h5.out ehdrom.out
+    done
+    # the calibration came along: this one needs no --allow-untrusted
+    romrun line.yml --model c.ehdrom --quiet >indicated.txt
+    grep -q 'indicated' indicated.txt
+}
+
+@test "fields are those of the same tables, and a part is exported as a part" {
+    romrun line.yml --model c.h5 --pressure-modes 9 --rows 20 --allow-untrusted -o h5.out --quiet --set output.fields=true
+    romrun --export c.h5 --pressure-modes 9 --rows 20 -o part.ehdrom
+    romrun line.yml --model part.ehdrom --allow-untrusted -o flat.out --quiet --set output.fields=true
+    [ "$(stat -c %s part.ehdrom)" -lt "$(stat -c %s c.ehdrom)" ]
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("h5.out") as one, h5py.File("flat.out") as other:
+    assert one["central_film_thickness"][0] == other["central_film_thickness"][0]
+    for name in "pressure", "film_thickness":
+        assert numpy.allclose(one[name][...], other[name][...], rtol=0, atol=1e-13), name
+PYTHON
+    refused 65 "part.ehdrom: found a flat model of 9 pressure modes" romrun line.yml --model part.ehdrom --pressure-modes 8
+    # the same bytes each time
+    romrun --export c.h5 -o again.ehdrom
+    cmp again.ehdrom c.ehdrom
+}
+
+@test "the command line, and files that are there" {
+    refused 73 "c.ehdrom: found an existing file" romrun --export c.h5 -o c.ehdrom
+    romrun --export c.h5 -o c.ehdrom --force
+    refused 64 "expected -o FILE" romrun --export c.h5
+    refused 64 "expected alone" romrun --export c.h5 --model c.h5 -o x.ehdrom
+    refused 66 "none.h5" romrun --export none.h5 -o x.ehdrom
+    refused 73 "no/x.ehdrom.partial" romrun --export c.h5 -o no/x.ehdrom
+    [ ! -e x.ehdrom ] && [ ! -e x.ehdrom.partial ]
+}
+
+@test "damage is found, and a stranger's numbers lead nowhere" {
+    head -c 100000 c.ehdrom >cut.ehdrom
+    refused 65 "cut.ehdrom: found" romrun line.yml --model cut.ehdrom
+    refused 65 "cut.ehdrom: found" romrun --check cut.ehdrom
+    romrun --check c.ehdrom
+    (cat c.ehdrom && head -c 64 /dev/zero) >longer.ehdrom
+    refused 65 "longer.ehdrom: found" romrun line.yml --model longer.ehdrom
+    /usr/bin/python3 - <<'PYTHON'
+data = bytearray(open("c.ehdrom", "rb").read())
+data[len(data) // 2] ^= 1
+open("bit.ehdrom", "wb").write(data)
+PYTHON
+    refused 65 "bit.ehdrom: found another checksum" romrun line.yml --model bit.ehdrom
+    # without the checksum: each number that places something, replaced by others
+    export EHDROM_DIGEST=no
+    /usr/bin/python3 - <<'PYTHON'
+import random, struct, subprocess
+random.seed(1)
+wild = [0, 1, 2, 7, 1 << 31, 1 << 62, (1 << 64) - 1] + [struct.unpack("<Q", struct.pack("<d", x))[0]
+        for x in (float("nan"), float("inf"), -1.0, 1e300, 1e-300)]
+count = refused = 0
+for model, scene in ("c", "line.yml"), ("p", "point.yml"):
+    data = open(model + ".ehdrom", "rb").read()
+    blocks, at = [], 64
+    while at < len(data):
+        number, size = struct.unpack_from("<QQ", data, at + 48)
+        blocks.append((data[at:at + 48].rstrip(b"\0").decode(), at, number, size))
+        at += 64 + (number * size + 63) // 64 * 64
+    for name, at, number, size in blocks:
+        # all of what is one number and of headers, some of arrays
+        places = [at + 48, at + 56] + [at + 64 + 8 * i for i in
+                  ([0] if number == 1 else sorted(random.sample(range(number * size // 8), min(2, number * size // 8))))]
+        for place in places:
+            changed = bytearray(data)
+            struct.pack_into("<Q", changed, place, random.choice(wild))
+            open("wild.ehdrom", "wb").write(changed)
+            done = subprocess.run(["romrun", scene, "--model", "wild.ehdrom", "--quiet"], capture_output=True, timeout=60)
+            count += 1
+            refused += done.returncode == 65
+            assert done.returncode in (0, 3, 4, 65, 71), (model, name, place - at, done)
+print(count, refused)
+assert count > 200 and refused > count / 2
+PYTHON
+}
