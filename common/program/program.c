@@ -254,7 +254,7 @@ void program_warn(const program *self, const char *format, ...) {
 
 // ---- the command line
 
-enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT };
+enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT, KEY_SI };
 
 static const struct argp_option common_options[] = {
     {.doc = "Common to all programs:", .group = 10},
@@ -278,6 +278,12 @@ static const struct argp_option common_options[] = {
             "along several axes are led by the axes that are not named, and an empty line follows "
             "when the axis before the last goes on (two for the one before that), as splot and "
             "index of gnuplot expect. FILE may be a NAME.partial",
+     .group = 10},
+    {.name = "si",
+     .key = KEY_SI,
+     .doc =
+         "With --print of a result in SI units: lengths, films, pressures, loads and times, with "
+         "the unit behind each name",
      .group = 10},
     {.name = "quiet", .key = 'q', .doc = "No progress and no notes", .group = 10},
     {.name = "verbose", .key = 'v', .doc = "Also details", .group = 10},
@@ -402,6 +408,9 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         return set_file(&self->check, "--check", argument, state);
     case KEY_PRINT:
         return set_file(&self->print, "--print", argument, state);
+    case KEY_SI:
+        self->si = true;
+        return 0;
     case 'o':
         return set_file(&self->output, "--output", argument, state);
     case 'f':
@@ -454,6 +463,8 @@ static ehd_status check_arguments(const program *self, const program_options *op
     if (self->check && self->print)
         return ehd_fail(error, EHD_USAGE, "--print: found --check too, expected one of them");
     if (self->print) return EHD_OK;
+    if (self->si)
+        return ehd_fail(error, EHD_USAGE, "--si: found without --print, expected with it");
     const bool enough = self->check || self->num_arguments >= options->min_arguments;
     if (!enough || self->num_arguments > options->max_arguments)
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",

@@ -43,8 +43,8 @@ enum { MAX_OPTIONS = 24 };
 #define OPTION_REAL(member, min, max)  AS_REAL, offsetof(OWN_OPTIONS, member), min, max, NULL
 #define OPTION_READ(member, function)  AS_READ, offsetof(OWN_OPTIONS, member), 0, 0, function
 
-/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o
- * FILE. */
+/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE
+ * --si -o FILE. */
 typedef struct program {
     const char *name; // "fullrun"
     int argc;         // as main received them, for the history line
@@ -55,6 +55,7 @@ typedef struct program {
     const char *output;     // -o, --output; NULL when not given
     const char *check;      // --check FILE; NULL when not given
     const char *print;      // --print FILE, the arguments are names in it; NULL when not given
+    bool si;                // in SI units, with --print
     const char **overrides; // --set key=value, in order; [num_overrides]
     size_t num_overrides;
     const char **arguments; // positional; [num_arguments]
