@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/print.h"
 
+#include "common/output/si_units.h"
 #include "common/program/arena.h"
 
 #include <inttypes.h>
@@ -19,10 +20,7 @@ typedef struct column {
     double *reals;     // of a slice of the entries of a field, or of the whole axis
     int64_t *integers; // the same of a field of integers
     char *text;        // of an attribute
-    // in SI units
-    const char *units; // NULL or "1": none
-    double factor;
-    double *frame;     // [length of the axis below] another factor; NULL: none
+    si_units si;       // without units: dimensionless
     size_t frame_axis; // its place among those of the entries
 } column;
 
@@ -119,7 +117,7 @@ static void compare_name(const char *name, void *data) {
 static ehd_status find_column(column *found, artefact *file, const char *name, ehd_error *error) {
     name_search attribute = {.name = name};
 
-    *found = (column){.name = name, .field = find_field(file, name), .factor = 1};
+    *found = (column){.name = name, .field = find_field(file, name), .si = {.factor = 1}};
     if (found->field) {
         found->rank = artefact_axes(found->axes, file, found->field);
         return EHD_OK;
@@ -193,48 +191,12 @@ static size_t add_leading_axes(column *columns, size_t num_columns, const entrie
         if (named) continue;
         memmove(&columns[num_leading + 1], &columns[num_leading], num_columns * sizeof *columns);
         columns[num_leading++] =
-            (column){.name = all->axes[k], .axes = {all->axes[k]}, .rank = 1, .factor = 1};
+            (column){.name = all->axes[k], .axes = {all->axes[k]}, .rank = 1, .si = {.factor = 1}};
     }
     return num_columns + num_leading;
 }
 
 // ---- SI units
-
-static const artefact_attribute *find_attribute_row(const artefact *file, const char *name) {
-    const artefact_attribute *known = artefact_kind(file)->attributes;
-
-    while (known->name && strcmp(known->name, name) != 0)
-        known++;
-    return known->name ? known : NULL;
-}
-
-/* What the row of a name says: its units, and the scale to SI ones. */
-static const artefact_scale *look_up(const char **units, const artefact *file, const char *name) {
-    const artefact_field *field = find_field(file, name);
-    const artefact_axis *axis = field ? NULL : find_axis(file, name);
-    const artefact_attribute *attribute = field || axis ? NULL : find_attribute_row(file, name);
-
-    *units = field ? field->units : axis ? axis->units : attribute ? attribute->units : "";
-    return field ? field->scale : axis ? axis->scale : attribute ? attribute->scale : NULL;
-}
-
-bool print_has_units(const artefact_schema *kind) {
-    bool any = false;
-
-    for (const artefact_field *field = kind->fields; field->name; field++)
-        any = any || field->scale;
-    return any;
-}
-
-static ehd_status check_units(const artefact *file, ehd_error *error) {
-    const artefact_schema *kind = artefact_kind(file);
-
-    if (print_has_units(kind)) return EHD_OK;
-    return ehd_fail(error, EHD_DATA,
-                    "%s: found %s with --si, expected a kind of file that has SI "
-                    "units, such as %s",
-                    artefact_path(file), kind->name, schema_result.name);
-}
 
 static ehd_status no_memory(const artefact *file, ehd_error *error) {
     return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
@@ -242,25 +204,17 @@ static ehd_status no_memory(const artefact *file, ehd_error *error) {
 }
 
 /* A frame is along an axis of the entries, or has one entry. */
-static ehd_status read_frame(column *one, artefact *file, const char *name, const entries *all,
+static ehd_status find_frame(column *one, const artefact *file, const entries *all,
                              ehd_error *error) {
-    const artefact_field *field = find_field(file, name);
+    const char *axis = one->si.frame_axis;
 
-    if (!field)
-        return ehd_fail(
-            error, EHD_DATA,
-            "%s: %s: found no %s, expected it for SI units, as in results of this version",
-            artefact_path(file), one->name, name);
-    const size_t length = artefact_length(file, field->axes[0]);
-    one->frame_axis = axis_place(all->axes, all->rank, field->axes[0]);
-    if (one->frame_axis == all->rank && length != 1)
-        return ehd_fail(error, EHD_DATA,
-                        "%s: %s: found a unit that varies with %s, expected a dataset along %s "
-                        "beside it",
-                        artefact_path(file), one->name, field->axes[0], field->axes[0]);
-    one->frame = array_new(length, 1, sizeof *one->frame);
-    if (!one->frame) return no_memory(file, error);
-    return artefact_get_part(file, name, 0, length, one->frame, error);
+    if (!one->si.frame) return EHD_OK;
+    one->frame_axis = axis_place(all->axes, all->rank, axis);
+    if (one->frame_axis < all->rank || one->si.num_frames == 1) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: %s: found a unit that varies with %s, expected a dataset along %s beside "
+                    "it",
+                    artefact_path(file), one->name, axis, axis);
 }
 
 static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) {
@@ -269,7 +223,7 @@ static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) 
     ehd_status status = artefact_get_real(file, one->name, &value, error);
     if (status) return status;
 
-    number_show(shown, value * one->factor);
+    number_show(shown, value * one->si.factor);
     free(one->text);
     one->text = strdup(shown);
     return one->text ? EHD_OK : no_memory(file, error);
@@ -278,15 +232,13 @@ static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) 
 /* Scale and units of each column. */
 static ehd_status find_units(column *columns, size_t num_columns, artefact *file,
                              const entries *all, ehd_error *error) {
-    ehd_status status = check_units(file, error);
+    ehd_status status = si_units_check(file, error);
 
     for (size_t i = 0; i < num_columns && !status; i++) {
         column *one = &columns[i];
-        const artefact_scale *scale = look_up(&one->units, file, one->name);
-        if (!scale) continue;
-        status = artefact_get_scale(&one->factor, &one->units, file, scale, error);
-        if (!status && scale->frame) status = read_frame(one, file, scale->frame, all, error);
-        if (!status && one->text) status = show_attribute(one, file, error);
+        status = si_units_read(&one->si, file, one->name, true, error);
+        if (!status) status = find_frame(one, file, all, error);
+        if (!status && one->text && one->si.factor != 1) status = show_attribute(one, file, error);
     }
     return status;
 }
@@ -355,11 +307,10 @@ static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK],
         fputc('\n', stream);
 }
 
-/* What the frame of an entry adds to the scale. */
-static double frame_at(const column *one, const entries *all,
-                       const size_t index[ARTEFACT_MAX_RANK]) {
-    if (!one->frame) return 1;
-    return one->frame[one->frame_axis < all->rank ? index[one->frame_axis] : 0];
+/* What makes SI units of an entry. */
+static double factor_at(const column *one, const entries *all,
+                        const size_t index[ARTEFACT_MAX_RANK]) {
+    return si_units_at(&one->si, one->frame_axis < all->rank ? index[one->frame_axis] : 0);
 }
 
 /* `place` of a field's entry in its slice, `index` along the axes. */
@@ -371,7 +322,7 @@ static void print_value(const column *one, const entries *all, size_t place,
         fprintf(stream, "%" PRId64, one->integers[place]);
     } else {
         const size_t at = one->field ? place : index[axis_place(all->axes, all->rank, one->name)];
-        print_real(one->reals[at] * one->factor * frame_at(one, all, index), stream);
+        print_real(one->reals[at] * factor_at(one, all, index), stream);
     }
 }
 
@@ -392,7 +343,7 @@ static void print_header(const column *columns, size_t num_columns, FILE *stream
     for (size_t i = 0; i < num_columns; i++) {
         if (i > 0) fputc(',', stream);
         print_text(columns[i].name, stream);
-        if (has_units(columns[i].units)) fprintf(stream, " [%s]", columns[i].units);
+        if (has_units(columns[i].si.units)) fprintf(stream, " [%s]", columns[i].si.units);
     }
     fputc('\n', stream);
 }
@@ -453,7 +404,7 @@ ehd_status print_entries(artefact *file, const char *const *names, size_t num_na
         free(columns[i].text);
         free(columns[i].reals);
         free(columns[i].integers);
-        free(columns[i].frame);
+        si_units_free(&columns[i].si);
     }
     free(columns);
     return status;
@@ -471,15 +422,13 @@ typedef struct description {
 
 static void describe(description *self, const char *name, size_t rank, const char *const *axes,
                      const char *long_name) {
-    const char *units;
-    double factor;
-    const artefact_scale *scale = look_up(&units, self->file, name);
+    si_units units = {.units = si_units_plain(self->file, name)};
 
+    if (!self->status && self->si)
+        self->status = si_units_read(&units, self->file, name, false, self->error);
     if (self->status) return;
-    if (self->si && scale)
-        self->status = artefact_get_scale(&factor, &units, self->file, scale, self->error);
     print_text(name, self->stream);
-    fprintf(self->stream, ",%s,", units);
+    fprintf(self->stream, ",%s,", units.units);
     for (size_t k = 0; k < rank; k++)
         fprintf(self->stream, "%s%zu", k > 0 ? " " : "", artefact_length(self->file, axes[k]));
     fputc(',', self->stream);
@@ -492,16 +441,18 @@ static void describe(description *self, const char *name, size_t rank, const cha
 
 static void describe_attribute(const char *name, void *data) {
     description *self = data;
-    const artefact_attribute *known = find_attribute_row(self->file, name);
+    const artefact_attribute *known = artefact_kind(self->file)->attributes;
 
-    describe(self, name, 0, NULL, known ? known->long_name : "");
+    while (known->name && strcmp(known->name, name) != 0)
+        known++;
+    describe(self, name, 0, NULL, known->name ? known->long_name : "");
 }
 
 ehd_status print_names(artefact *file, bool si, FILE *stream, ehd_error *error) {
     const artefact_schema *schema = artefact_kind(file);
     description self = {.file = file, .stream = stream, .si = si, .error = error};
 
-    if (si) self.status = check_units(file, error);
+    if (si) self.status = si_units_check(file, error);
     if (!self.status) fputs("name,units,lengths,axes,description\n", stream);
     for (const artefact_axis *axis = schema->axes; axis->name; axis++)
         if (find_axis(file, axis->name))

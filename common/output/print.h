@@ -9,9 +9,6 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* Whether numbers of such a file can be told in SI units. */
-bool print_has_units(const artefact_schema *kind);
-
 /* Prints entries of an open file as CSV, of at least one name: a header with the names, then a line
  * for each entry of the datasets named. These must have the same axes, and axes named must be among
  * them; an attribute is the same in each line. Numbers read back as the same bits (NaN is "nan"),

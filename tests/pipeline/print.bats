@@ -128,6 +128,6 @@ PYTHON
     fullrun base.yml -o m.h5 --set moes.M=12 --set moes.L=8 --quiet >/dev/null
     refused 65 "m.h5: found no attribute film_unit" fullrun --print m.h5 --si central_film_thickness
     snapgen plan.yml -o s.h5 --quiet
-    refused 65 "s.h5: found ehdrom-snapshots with --si" fullrun --print s.h5 --si moes_M
+    refused 65 "s.h5: found ehdrom-snapshots, expected a kind of file that has SI units" fullrun --print s.h5 --si moes_M
     refused 64 "--si: found without --print" fullrun scene.yml --si
 }
