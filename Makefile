@@ -36,7 +36,7 @@ endif
 
 BUILD := build/$(VARIANT)
 BIN   := $(BUILD)/bin
-LIB   := $(BUILD)/libehdrom.a
+LIB   := $(BUILD)/libprograms.a
 
 ifeq ($(V),0)
   quiet = @echo '  $1 $2';
@@ -57,6 +57,19 @@ FAULT_SOURCES   := $(sort $(wildcard tests/fault/*.c))
 SOURCES         := $(MAINS) $(LIB_SOURCES) $(UNIT_SOURCES) $(BENCH_SOURCES) $(FUZZ_SOURCES)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
+
+# What is installed for other programs: objects of the rooms that it may use, position independent.
+LIBRARY_SOURCES := $(filter common/% romrun/model/% romrun/online/% romrun/library/%,$(LIB_SOURCES))
+LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/pic/%.o)
+LIBRARY_EXPORTS := romrun/library/ehdrom.map
+SONAME          := libehdrom.so.0
+SHARED_LIBRARY  := $(BUILD)/lib/libehdrom.so.$(VERSION)
+STATIC_LIBRARY  := $(BUILD)/lib/libehdrom.a
+LIBRARY         := $(SHARED_LIBRARY) $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so $(STATIC_LIBRARY)
+# A program with sanitizers or counts would have to bring them along.
+ifeq ($(filter release debug,$(VARIANT)),)
+  LIBRARY :=
+endif
 PROGRAMS    := $(MAINS:%/main.c=$(BIN)/%)
 
 TESTS        := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/test_%,$(UNIT_SOURCES)))
@@ -88,7 +101,7 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 # OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
 # threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
 # (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
-MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 libmd
+MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
 # pkg-config, and where that OpenBLAS is, are asked like the compiler above.
 SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
@@ -98,6 +111,11 @@ PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) 
 SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
     -Wl$(,)--push-state$(,)--no-as-needed -lblas -llapack -Wl$(,)--pop-state)
 , := ,
+
+# Of LAPACKE the library takes the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
+LIBRARY_MODULES := $(filter-out lapacke,$(MODULES))
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
+LIBRARY_RPATH    = $(SERIAL:%=-Wl,-rpath,%)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
@@ -121,7 +139,7 @@ FORCE:
 
 # ---- Targets for people
 
-all: $(PROGRAMS) $(LIB) ## build all programs (the default)
+all: $(PROGRAMS) $(LIBRARY) ## build all programs and the library (the default)
 .DEFAULT_GOAL := all
 
 demo: $(PROGRAMS) ## run the stationary line contact from training to comparison
@@ -131,7 +149,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(LIBRARY) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
@@ -194,35 +212,45 @@ man: $(MAN_PAGES) ## man pages from --help
 $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 	$(call quiet,MAN ,$@)mkdir -p $(@D) && help2man --no-info --output=$@ $<
 
-# A multibody code includes <romrun/online/online.h>, and fallback.h for the full model where that is not
-# good enough; whatever these headers include is installed with them.
-install: all man $(BUILD)/ehdrom.pc ## into DESTDIR, PREFIX: programs, man pages, library, examples
-	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1
+PC_FILE := $(BUILD)/lib/ehdrom.pc
+
+# Names below PREFIX; of the library a link to the version that there is, and one to link with.
+install: all man $(PC_FILE) ## into DESTDIR, PREFIX: programs, man pages, library, examples
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/lib/pkgconfig
 	$(if $(PROGRAMS),install $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin)
 	$(if $(MAN_PAGES),install -m 644 $(MAN_PAGES) $(DESTDIR)$(PREFIX)/share/man/man1)
-	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libehdrom.a
-	install -D -m 644 $(BUILD)/ehdrom.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
-	@for header in $$($(CC) -I. -MM romrun/online/online.h romrun/calibrate/fallback.h | tr -d '\\' | sed 's/^[^:]*://'); do \
-	    install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/ehdrom/$$header || exit; \
-	done
-	@cd scenes && find lib examples \( -name 'out*' -o -name __pycache__ -o -name oscillator \) -prune -o -type f -print | while read -r file; do \
+	install -D -m 644 romrun/library/ehdrom.h $(DESTDIR)$(PREFIX)/include/ehdrom.h
+	install -m 644 $(SHARED_LIBRARY) $(STATIC_LIBRARY) $(DESTDIR)$(PREFIX)/lib
+	cp -P $(filter-out $(SHARED_LIBRARY) $(STATIC_LIBRARY),$(LIBRARY)) $(DESTDIR)$(PREFIX)/lib
+	install -m 644 $(PC_FILE) $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	@cd scenes && $(list_scenes) | while read -r file; do \
 	    install -D $$file $(DESTDIR)$(PREFIX)/share/ehdrom/$$file || exit; \
 	done
+list_scenes = find lib examples \( -name 'out*' -o -name build -o -name __pycache__ -o -name oscillator -type f \) -prune -o -type f -print
 
-# Linked statically, so a user of the library needs all of its libraries.
-$(BUILD)/ehdrom.pc: $(BUILD)/flags FORCE
-	@printf '%s\n' 'prefix=$(PREFIX)' '' 'Name: ehdrom' 'Version: $(VERSION)' \
-	    'Description: Reduced-order elastohydrodynamic lubrication' \
-	    'Cflags: -I$${prefix}/include/ehdrom' \
-	    'Libs: -L$${prefix}/lib -lehdrom $(ALL_LIBS) -pthread' > $@
+# Only what install writes, and folders of its own that are then empty.
+uninstall: ## remove what install has written there
+	rm -f $(PROGRAMS:$(BIN)/%=$(DESTDIR)$(PREFIX)/bin/%) $(MAN_PAGES:$(BUILD)/man/%=$(DESTDIR)$(PREFIX)/share/man/man1/%) \
+	    $(DESTDIR)$(PREFIX)/include/ehdrom.h $(LIBRARY:$(BUILD)/%=$(DESTDIR)$(PREFIX)/%) \
+	    $(DESTDIR)$(PREFIX)/lib/pkgconfig/ehdrom.pc
+	@cd scenes && $(list_scenes) | while read -r file; do rm -f $(DESTDIR)$(PREFIX)/share/ehdrom/$$file; done
+	@[ ! -d $(DESTDIR)$(PREFIX)/share/ehdrom ] || find $(DESTDIR)$(PREFIX)/share/ehdrom -depth -type d -empty -delete
+
+# Libs.private is for those who link it statically.
+$(PC_FILE): $(BUILD)/flags FORCE
+	@mkdir -p $(@D) && printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' \
+	    'Name: ehdrom' 'Version: $(VERSION)' 'Description: Reduced-order elastohydrodynamic lubrication' \
+	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_RPATH) $(LIBRARY_LIBS) -pthread' > $@
 
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
+FORMATTED := $(ALL_C) $(HEADERS) $(wildcard tests/pipeline/*.c)
+
 format: | lint-deps ## clang-format all sources in place
-	clang-format -i $(ALL_C) $(HEADERS)
+	clang-format -i $(FORMATTED)
 
 format-check: | lint-deps ## fails where clang-format would change a source
-	@clang-format --dry-run -Werror $(ALL_C) $(HEADERS)
+	@clang-format --dry-run -Werror $(FORMATTED)
 
 # Cheap checks first. Three sources to a run of clang-tidy, and a unit test is read after tests/lint.h.
 lint: format-check | deps lint-deps ## formatting, cppcheck and clang-tidy on all sources
@@ -247,12 +275,12 @@ print-%:
 	@echo '$* = $($*)'
 
 .PHONY: all deps lint-deps coverage-deps slurm-deps fuzz-deps fuzz-coverage demo demo-point check check-long check-slurm \
-        run-slurm-tests coverage fuzz bench costs figures examples trade man install format format-check lint clean help FORCE
+        run-slurm-tests coverage fuzz bench costs figures examples trade man install uninstall format format-check lint clean help FORCE
 
 # ---- What has to be installed
 
-PACKAGES := gcc libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
-            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev libmd-dev libcmocka-dev bats \
+PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+            hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf valgrind
 
@@ -308,6 +336,31 @@ $(filter $(BUILD)/common/program/%,$(LIB_OBJECTS)): $(BUILD)/revision
 $(LIB): $(LIB_OBJECTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)rm -f $@ && $(AR) rcs $@ $(LIB_OBJECTS)
 
+# Only public names are seen from outside, of the shared library by its version script, of the static one, which is one
+# object, because the others are made local; what nobody calls is left out.
+$(BUILD)/pic/%.o: %.c $(BUILD)/flags
+	$(call quiet,PIC ,$<)mkdir -p $(@D) && $(CC) $(ALL_CPPFLAGS) $(INFO) $(ALL_CFLAGS) $(PIC_CFLAGS) -MMD -MP -c -o $@ $<
+PIC_CFLAGS := -fPIC -fvisibility=hidden -ffunction-sections -fdata-sections
+
+$(filter $(BUILD)/pic/common/program/%,$(LIBRARY_OBJECTS)): INFO = $(BUILD_INFO)
+$(filter $(BUILD)/pic/common/program/%,$(LIBRARY_OBJECTS)): $(BUILD)/revision
+
+exported = $(shell sed -n 's/^ *\(ehdrom_[a-z_]*\);/\1/p' $(LIBRARY_EXPORTS))
+
+$(SHARED_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
+	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -shared $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(LIBRARY_OBJECTS) \
+	    -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) -Wl,--gc-sections -Wl,-z,defs,-z,relro \
+	    $(LIBRARY_RPATH) -l:liblapacke.a $(LIBRARY_LIBS)
+
+$(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so: $(SHARED_LIBRARY)
+	@ln -sf $(<F) $@
+
+$(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
+	$(call quiet,AR  ,$@)mkdir -p $(@D) && rm -f $@ && \
+	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
+	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
+	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
+
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 
 $(PROGRAMS): $(BIN)/%: $(BUILD)/%/main.o $(LIB)
@@ -338,5 +391,6 @@ $(FUZZER): LDFLAGS += -fsanitize=fuzzer -Wl,--wrap=strcmp
 $(REPLAY) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
+-include $(LIBRARY_OBJECTS:%.o=%.d)
 -include $(FUZZ_SHARED:%.o=%.d)
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

@@ -10,19 +10,19 @@
 
 // ---- memory
 
-static gsl_spline **free_splines(gsl_spline **splines, size_t count) {
+static spline **free_splines(spline **splines, size_t count) {
     for (size_t l = 0; splines && l < count; l++)
-        if (splines[l]) gsl_spline_free(splines[l]);
+        spline_free(splines[l]);
     free(splines);
     return NULL;
 }
 
 /* NULL: no memory. */
-static gsl_spline **make_splines(size_t count, size_t num_nodes) {
-    gsl_spline **splines = calloc(count, sizeof(gsl_spline *));
+static spline **make_splines(size_t count, size_t num_nodes) {
+    spline **splines = calloc(count, sizeof(spline *));
 
     for (size_t l = 0; splines && l < count; l++) {
-        splines[l] = gsl_spline_alloc(gsl_interp_cspline, num_nodes);
+        splines[l] = spline_create(num_nodes);
         if (!splines[l]) splines = free_splines(splines, count);
     }
     return splines;
@@ -70,7 +70,7 @@ void previous_free(previous_state *self) {
 }
 
 double previous_bytes(const ehd_contact *reference, size_t num_states) {
-    const double of_spline = 6 * sizeof(double); // abscissae, values and GSL's own
+    const double of_spline = spline_bytes(1000) / 1000;
     const double of_state = sizeof(full_state) + 2 * sizeof(double),
                  of_carrier = 6 * sizeof(double) + of_spline;
     const double of_wide_state = sizeof(double), of_deflection = 15 * sizeof(double);
@@ -109,7 +109,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
     self->filtered = arena_array(memory, grid->num_nodes, sizeof(double));
     self->across_values = arena_array(memory, self->num_across, sizeof(double));
     bool across = grid->inner_lines > 1;
-    if (across) self->across = gsl_spline_alloc(gsl_interp_cspline, self->num_across);
+    if (across) self->across = spline_create(self->num_across);
     self->errors = make_splines(grid_lines(grid), width);
     self->wide = wide_grid(grid, &self->margin, &self->side);
     self->deflection = deflection_create(reference->kind, &self->wide);
@@ -129,7 +129,7 @@ ehd_status previous_carrier_init(previous_carrier *self, const ehd_contact *refe
 
 void previous_carrier_free(previous_carrier *self) {
     arena_free(&self->memory);
-    if (self->across) gsl_spline_free(self->across);
+    spline_free(self->across);
     free_splines(self->errors, grid_lines(&self->reference.grid));
     deflection_free(self->deflection);
     path_filter_free(&self->filter);
@@ -138,12 +138,12 @@ void previous_carrier_free(previous_carrier *self) {
 
 // ---- splines
 
-static void fit_lines(gsl_spline **splines, const double *field, const previous_carrier *carrier) {
+static void fit_lines(spline **splines, const double *field, const previous_carrier *carrier) {
     const ehd_grid *grid = &carrier->reference.grid;
     size_t width = grid_width(grid), num_lines = grid_lines(grid);
 
     for (size_t l = 0; l < num_lines; l++)
-        gsl_spline_init(splines[l], carrier->nodes, field + l * width, width);
+        spline_fit(splines[l], carrier->nodes, field + l * width);
 }
 
 void previous_set_base(previous_carrier *self, const previous_state *base, double until) {
@@ -210,18 +210,24 @@ typedef struct origin {
     double stretch, shift;
 } origin;
 
+/* `near`: the interval of the last place. */
+static double value_near(const spline *self, double x, size_t *near) {
+    *near = spline_interval(self, x, *near);
+    return spline_value(self, x, *near);
+}
+
 /* Interpolates every line at the origin of X. */
-static void resample_along(double *along, gsl_spline *const *splines, origin from,
+static void resample_along(double *along, spline *const *splines, origin from,
                            const previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
     size_t num_lines = grid_lines(grid);
 
     for (size_t l = 0; l < num_lines; l++) {
-        gsl_interp_accel accelerator = {0};
+        size_t near = 0;
         for (size_t i = 0; i < grid->inner_x; i++) {
             double x = from.stretch * self->nodes[i + 1] - from.shift;
             if (is_on_grid(self, x, 0))
-                along[l * grid->inner_x + i] = gsl_spline_eval(splines[l], x, &accelerator);
+                along[l * grid->inner_x + i] = value_near(splines[l], x, &near);
         }
     }
 }
@@ -239,20 +245,19 @@ static void gather_column(previous_carrier *self, size_t i) {
 }
 
 /* A field at the current frame's inner nodes, as far as these lie on the state's grid. */
-static void resample(double *inner, gsl_spline *const *splines, origin from,
-                     previous_carrier *self) {
+static void resample(double *inner, spline *const *splines, origin from, previous_carrier *self) {
     const ehd_grid *grid = &self->reference.grid;
 
     resample_along(self->across ? self->along : inner, splines, from, self);
     for (size_t i = 0; self->across && i < grid->inner_x; i++) {
         double x = from.stretch * self->nodes[i + 1] - from.shift;
-        gsl_interp_accel accelerator = {0};
+        size_t near = 0;
         if (!is_on_grid(self, x, 0)) continue;
         gather_column(self, i);
-        gsl_spline_init(self->across, self->lines, self->across_values, self->num_across);
+        spline_fit(self->across, self->lines, self->across_values);
         for (size_t r = i; r < grid->num_inner; r += grid->inner_x) {
             double y = from.stretch * grid_y(grid, grid_node_of_row(grid, r));
-            if (is_on_grid(self, x, y)) inner[r] = gsl_spline_eval(self->across, y, &accelerator);
+            if (is_on_grid(self, x, y)) inner[r] = value_near(self->across, y, &near);
         }
     }
 }
@@ -374,7 +379,7 @@ void previous_kept_errors(double *errors, const previous_carrier *self) {
     const size_t width = grid_width(&self->reference.grid);
 
     for (size_t l = 0; l < grid_lines(&self->reference.grid); l++)
-        memcpy(errors + l * width, self->errors[l]->y, width * sizeof *errors);
+        memcpy(errors + l * width, spline_values(self->errors[l]), width * sizeof *errors);
 }
 
 void previous_errors(double *errors, const contact_frame *then, const contact_frame *now,

@@ -5,19 +5,18 @@
 #ifndef EHD_PREVIOUS_H
 #define EHD_PREVIOUS_H
 
+#include "common/algebra/spline.h"
 #include "common/program/arena.h"
 #include "common/time/frame.h"
 #include "common/time/path_filter.h"
 #include "fullrun/full_solver.h"
 
-#include <gsl/gsl_spline.h>
-
 typedef struct previous_state {
     contact_frame frame;
     full_state state;
     size_t num_lines;
-    gsl_spline **deflection; // [num_lines] film without gap, along each line
-    gsl_spline **pressure;   // NULL when incompressible: rho H is then the film
+    spline **deflection; // [num_lines] film without gap, along each line
+    spline **pressure;   // NULL when incompressible: rho H is then the film
     double *beyond; // [num_nodes of the carrier's wide grid] deflection without H0; the first one
                     // is NaN while it is not known
 } previous_state;
@@ -31,8 +30,8 @@ typedef struct previous_carrier {
     double *along;           // [lines, inner_x] with X in the current frame and Y in the state's
     size_t num_across;       // lines of the whole grid with its boundary
     double *lines, *across_values; // [num_across] their Y, and scratch
-    gsl_spline *across;            // NULL on a line contact
-    gsl_spline **errors;           // [lines] of previous_keep_errors
+    spline *across;                // NULL on a line contact
+    spline **errors;               // [lines] of previous_keep_errors
     double *filtered;              // [num_nodes] what the filter last changed of a film
     ehd_grid wide;                 // the grid, with `margin` columns and `side` lines around it
     size_t margin, side;           // (of a half grid lines on the one side)

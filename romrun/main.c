@@ -287,9 +287,10 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     if (with_fields) {
         self->pressure = malloc(grid->num_nodes * sizeof(double));
         self->film = malloc(grid->num_nodes * sizeof(double));
-        status = self->pressure && self->film
-                     ? online_fields(self->pressure, self->film, done->solver, error)
-                     : ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        status = online_prepare_fields(done->model, error);
+        if (!status && !(self->pressure && self->film))
+            status = ehd_fail(error, EHD_MEMORY, "fields: found no memory");
+        if (!status) status = online_fields(self->pressure, self->film, done->solver, error);
         if (!status)
             online_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
@@ -303,7 +304,7 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     self->result.indicated = done->others.deviation;
     accuracy_judge(&self->result, self->options->accuracy);
     const online_properties model = online_describe(done->model);
-    const char *unchecked = accuracy_unchecked(&model, false);
+    const char *unchecked = online_unchecked(&model, false);
     if (unchecked && !self->result.status) {
         self->result.status = EHD_UNTRUSTED;
         snprintf(self->result.reason, sizeof self->result.reason, "%s", unchecked);
@@ -336,6 +337,7 @@ static ehd_status fall_back(stationary_run *self, bool with_fields, bool with_ef
     if (!reduced.status) return EHD_OK;
     status =
         grid_check_memory(self->caller, path, contact, full_solver_bytes(&contact->grid), 1, error);
+    if (!status) status = online_prepare_fields(self->attempt.model, error);
     if (!status)
         status = fallback_solve(full, self->attempt.solver, &self->attempt.solution, contact,
                                 options->repeats, error);
@@ -367,7 +369,8 @@ static ehd_status show(const stationary_run *self, ehd_error *error) {
         printf("%-24sthe full model, %s, in %.3g ms of these\n", "solved by",
                self->full.from_reduced ? "from the reduced solution" : "cold",
                self->full.info.seconds * 1e3);
-    if (options->verify)
+    if (options->verify) status = online_prepare_fields(done->model, error);
+    if (!status && options->verify)
         status = print_verification(done->solver, &done->solution, self->contact, error);
     if (!status && options->against)
         against_print(&self->result, &self->against, options->against, self->contact);
@@ -449,7 +452,7 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
         const online_properties properties = online_describe(model);
         if (isnan(given->transient.fixed_step))
             online_transient_set_tolerance(in_time, given->transient.tolerance);
-        unchecked = accuracy_unchecked(&properties, true);
+        unchecked = online_unchecked(&properties, true);
         status = create_fallback(&mixed, self, options, contact, in_time, given,
                                  options->distrust ? options->distrust : unchecked, error);
     }

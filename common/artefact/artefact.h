@@ -219,6 +219,16 @@ ehd_status artefact_copy(
  * (else EHD_INTERNAL). */
 ehd_status artefact_finish(artefact **file, ehd_error *error);
 
+/* For who reads files inside of somebody else's program: HDF5's own ways of the process are as that
+ * program has them again after artefact_leave, and what it does at exit stays. One thread at a time. */
+typedef struct artefact_guest {
+    void (*print)(void); // how HDF5 shows errors
+    void *data;
+    unsigned plugins;
+} artefact_guest;
+artefact_guest artefact_visit(void);
+void artefact_leave(const artefact_guest *host);
+
 // ---- reading
 
 /* Opens a finished artefact for reading. Refuses (EHD_NOINPUT: missing; EHD_DATA: not HDF5,

@@ -7,7 +7,6 @@
 #include <endian.h>
 #include <inttypes.h>
 #include <math.h>
-#include <sha2.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,17 +23,17 @@ static bool is_wanted(void) {
 // ---- one dataset
 
 struct content_digest {
-    SHA2_CTX context;
+    struct sha256_ctx context;
     size_t entry; // numbers of an entry
     bool by_entry;
 };
 
-static void add_text(SHA2_CTX *context, const char *text) {
-    SHA256Update(context, (const uint8_t *)text, strlen(text));
+static void add_text(struct sha256_ctx *context, const char *text) {
+    sha256_update(context, strlen(text), (const uint8_t *)text);
 }
 
 /* As 64-bit little-endian numbers. */
-static void add_numbers(SHA2_CTX *context, const void *numbers, size_t count) {
+static void add_numbers(struct sha256_ctx *context, const void *numbers, size_t count) {
     enum { BLOCK = 512 };
     uint64_t block[BLOCK];
 
@@ -43,7 +42,7 @@ static void add_numbers(SHA2_CTX *context, const void *numbers, size_t count) {
         memcpy(block, (const char *)numbers + first * sizeof *block, num * sizeof *block);
         for (size_t i = 0; i < num; i++)
             block[i] = htole64(block[i]);
-        SHA256Update(context, (const uint8_t *)block, num * sizeof *block);
+        sha256_update(context, num * sizeof *block, (const uint8_t *)block);
     }
 }
 
@@ -56,7 +55,7 @@ content_digest *digest_begin(const artefact *file, const artefact_field *field) 
     if (!self) return NULL;
     self->entry = entry_size(file, field);
     self->by_entry = field->by_entry;
-    SHA256Init(&self->context);
+    sha256_init(&self->context);
     add_text(&self->context, field->name);
     add_text(&self->context, field->type == ARTEFACT_REAL ? " real" : " integer");
     for (size_t i = 0; i < rank; i++) {
@@ -91,13 +90,13 @@ void digest_add(content_digest *self, size_t first, size_t count, const void *nu
 }
 
 void digest_end(content_digest *self, char text[65]) {
-    SHA256End(&self->context, text);
+    sha256_end(&self->context, text);
     free(self);
 }
 
 // ---- attributes
 
-static void hash_attribute(SHA2_CTX *context, const artefact *file, const char *name,
+static void hash_attribute(struct sha256_ctx *context, const artefact *file, const char *name,
                            artefact_type type) {
     double real = 0;
     int64_t integer = 0;
@@ -121,14 +120,14 @@ static void hash_attribute(SHA2_CTX *context, const artefact *file, const char *
 }
 
 static void hash_attributes(const artefact *file, char digest[65]) {
-    SHA2_CTX context;
+    struct sha256_ctx context;
 
-    SHA256Init(&context);
+    sha256_init(&context);
     hash_attribute(&context, file, "schema_name", ARTEFACT_TEXT);
     hash_attribute(&context, file, "schema_version", ARTEFACT_TEXT);
     for (const artefact_attribute *entry = file->schema->attributes; entry->name; entry++)
         hash_attribute(&context, file, entry->name, entry->type);
-    SHA256End(&context, digest);
+    sha256_end(&context, digest);
 }
 
 // ---- reading

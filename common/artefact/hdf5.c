@@ -10,16 +10,39 @@
  */
 enum { PIECE_BYTES = 60000 };
 
+static _Thread_local bool started = false;
+
+static void be_quiet(void) {
+    // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    H5PLset_loading_state(0); // code that a file asks for is not loaded
+}
+
 void hdf5_start(void) {
-    static _Thread_local bool started = false;
     errno = 0;
     if (started) return;
     started = true;
     H5dont_atexit(); // must come first
     H5open();
-    // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    H5PLset_loading_state(0); // code that a file asks for is not loaded
+    be_quiet();
+}
+
+artefact_guest artefact_visit(void) {
+    artefact_guest host = {0};
+    H5E_auto2_t print = NULL;
+
+    H5open();
+    H5Eget_auto2(H5E_DEFAULT, &print, &host.data);
+    H5PLget_loading_state(&host.plugins);
+    host.print = (void (*)(void))print;
+    started = true; // all of it, in this thread
+    be_quiet();
+    return host;
+}
+
+void artefact_leave(const artefact_guest *host) {
+    H5Eset_auto2(H5E_DEFAULT, (H5E_auto2_t)host->print, host->data);
+    H5PLset_loading_state(host->plugins);
 }
 
 // ---- errors
@@ -62,12 +85,21 @@ void hdf5_release(hid_t id) {
 static hdf5_reason unknown;
 static bool has_unknown;
 
+static void note_unknown(void) {
+    if (has_unknown) return;
+    unknown = hdf5_last_reason();
+    has_unknown = true;
+}
+
 static bool exists(htri_t found) {
-    if (found < 0 && !has_unknown) {
-        unknown = hdf5_last_reason();
-        has_unknown = true;
-    }
+    if (found < 0) note_unknown();
     return found > 0;
+}
+
+/* Of an attribute that is there and was not read: where memory was refused, it is not that it is
+ * something else. */
+static void note_unread(void) {
+    if (errno == ENOMEM) note_unknown();
 }
 
 ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
@@ -269,11 +301,12 @@ bool hdf5_put_text(hid_t root, const char *name, const char *text) {
 static char *fixed_string(hid_t attribute, hid_t type) {
     size_t size = H5Tget_size(type);
     char *text = calloc(size + 1, 1);
-    if (text && H5Aread(attribute, type, text) < 0) {
+    if (!text || H5Aread(attribute, type, text) < 0) {
+        note_unread();
         free(text);
         return NULL;
     }
-    if (text && H5Tget_strpad(type) == H5T_STR_SPACEPAD) {
+    if (H5Tget_strpad(type) == H5T_STR_SPACEPAD) {
         for (size_t end = strlen(text); end > 0 && text[end - 1] == ' '; end--)
             text[end - 1] = '\0';
     }
@@ -285,6 +318,7 @@ static char *variable_string(hid_t attribute, hid_t type) {
     char *text = NULL;
     if (H5Aread(attribute, type, &stored) >= 0) text = strdup(stored ? stored : "");
     H5free_memory(stored);
+    if (!text) note_unread();
     return text;
 }
 
@@ -293,6 +327,7 @@ static hid_t open_single(hid_t object, const char *name) {
     if (!hdf5_has_attribute(object, name)) return -1;
     hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
     hid_t space = H5Aget_space(attribute);
+    if (attribute < 0 || space < 0) note_unread();
     bool single = H5Sget_simple_extent_npoints(space) == 1;
     hdf5_release(space);
     if (single) return attribute;
@@ -305,6 +340,7 @@ char *hdf5_get_string(hid_t object, const char *name) {
     if (attribute < 0) return NULL;
     char *text = NULL;
     hid_t type = H5Aget_type(attribute);
+    if (type < 0) note_unread();
     if (H5Tget_class(type) == H5T_STRING) {
         bool variable = H5Tis_variable_str(type) > 0;
         text = variable ? variable_string(attribute, type) : fixed_string(attribute, type);
@@ -322,10 +358,11 @@ char *hdf5_get_text(hid_t root, const char *name) {
     for (int number = 2; text; number++) {
         piece_name(label, name, number);
         piece = hdf5_get_string(root, label);
-        if (!piece) break;
+        if (!piece) break; // hdf5_blame knows whether it is there
         size_t more = strlen(piece);
         char *longer = realloc(text, length + more + 1);
         if (!longer) {
+            note_unread();
             free(text);
             text = NULL;
         } else {
@@ -346,6 +383,7 @@ bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *v
     bool fits = found == wanted || (wanted == H5T_FLOAT && found == H5T_INTEGER);
     hid_t memory_type = wanted == H5T_FLOAT ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
     bool read = fits && H5Aread(attribute, memory_type, value) >= 0;
+    if (type < 0 || (fits && !read)) note_unread();
     hdf5_release(type);
     hdf5_release(attribute);
     return read;

@@ -7,6 +7,7 @@
 #include "common/program/arena.h"
 
 #include <hdf5.h>
+#include <nettle/sha2.h>
 
 /* A dataset as it was found when a file was opened. */
 typedef struct dataset_shape {
@@ -136,6 +137,8 @@ ehd_status check_axis_length(const artefact *file, const char *object, const cha
                              size_t length, ehd_error *error);
 /* EHD_DATA where all numbers that a reader may take are more than a file of this size can hold. */
 ehd_status check_unpacking(const artefact *file, ehd_error *error);
+/* The same of that many numbers; EHD_IO where the file does not open. */
+ehd_status check_stored(const char *path, double numbers, ehd_error *error);
 /* EHD_MEMORY where so many entries of a field take more than is free. */
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,
                         ehd_error *error);
@@ -161,7 +164,10 @@ const char *digest_outcome(hid_t file);
 
 // ---- provenance.c
 
-/* SHA-256 of a file, 64 hexadecimal digits. EHD_NOINPUT, EHD_IO. */
+/* SHA-256 as 64 hexadecimal digits. */
+void sha256_end(struct sha256_ctx *context, char text[65]);
+
+/* That of a file. EHD_NOINPUT, EHD_IO. */
 ehd_status sha256_file(char identity[65], const char *path, ehd_error *error);
 
 /* "2026-01-31T12:00:00Z fullrun 0.1.0: fullrun scene.yml -o result.h5", or NULL (memory); free().

@@ -3,10 +3,17 @@
 #include "common/artefact/internal.h"
 
 #include <errno.h>
-#include <sha2.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+void sha256_end(struct sha256_ctx *context, char text[65]) {
+    uint8_t digest[SHA256_DIGEST_SIZE];
+
+    sha256_digest(context, sizeof digest, digest);
+    for (size_t i = 0; i < sizeof digest; i++)
+        snprintf(text + 2 * i, 3, "%02x", digest[i]);
+}
 
 ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
     identity[0] = '\0';
@@ -18,19 +25,19 @@ ehd_status sha256_file(char identity[65], const char *path, ehd_error *error) {
         return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file", path,
                         strerror(errno));
     }
-    SHA2_CTX context;
-    SHA256Init(&context);
+    struct sha256_ctx context;
+    sha256_init(&context);
     static uint8_t block[65536];
     size_t length;
     while ((length = fread(block, 1, sizeof block, stream)) > 0) {
-        SHA256Update(&context, block, length);
+        sha256_update(&context, length, block);
     }
     ehd_status status = EHD_OK;
     if (ferror(stream)) {
         status = ehd_fail(error, EHD_IO, "%s: found %s, expected a readable file", path,
                           strerror(errno));
     } else {
-        SHA256End(&context, identity);
+        sha256_end(&context, identity);
     }
     fclose(stream);
     return status;

@@ -595,9 +595,11 @@ ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, e
 
 static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t wanted, void *value,
                              ehd_error *error) {
+    hdf5_start();
     if (hdf5_get_number(file->id, attribute, wanted, value)) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s", shown_name(file),
-                    attribute, type_name(wanted == H5T_FLOAT ? ARTEFACT_REAL : ARTEFACT_INTEGER));
+    ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected %s", shown_name(file), attribute,
+             type_name(wanted == H5T_FLOAT ? ARTEFACT_REAL : ARTEFACT_INTEGER));
+    return hdf5_blame(EHD_DATA, shown_name(file), error);
 }
 
 ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
@@ -626,21 +628,30 @@ ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *
     return get_number(file, attribute, H5T_INTEGER, value, error);
 }
 
-ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error) {
-    *text = hdf5_get_text(file->id, attribute);
-    if (*text) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected a text", shown_name(file),
-                    attribute);
+/* A text of which memory was refused for a part. */
+static void forget(char **text) {
+    free(*text);
+    *text = NULL;
 }
 
-ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
-                                   ehd_error *error) {
+ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error) {
+    hdf5_start();
+    *text = hdf5_get_text(file->id, attribute);
+    ehd_status status =
+        *text ? EHD_OK
+              : ehd_fail(error, EHD_DATA, "%s: found no attribute %s, expected a text",
+                         shown_name(file), attribute);
+    status = hdf5_blame(status, shown_name(file), error);
+    if (status) forget(text);
+    return status;
+}
+
+static ehd_status show_number(artefact *file, const char *attribute, char **text,
+                              ehd_error *error) {
     char number[NUMBER_TEXT];
     int64_t integer;
     double real;
 
-    *text = hdf5_get_text(file->id, attribute);
-    if (*text) return EHD_OK;
     if (hdf5_get_number(file->id, attribute, H5T_INTEGER, &integer))
         snprintf(number, sizeof number, "%" PRId64, integer);
     else if (hdf5_get_number(file->id, attribute, H5T_FLOAT, &real))
@@ -653,6 +664,16 @@ ehd_status artefact_show_attribute(artefact *file, const char *attribute, char *
     if (*text) return EHD_OK;
     return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
                     shown_name(file));
+}
+
+ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
+                                   ehd_error *error) {
+    hdf5_start();
+    *text = hdf5_get_text(file->id, attribute);
+    ehd_status status = *text ? EHD_OK : show_number(file, attribute, text, error);
+    status = hdf5_blame(status, shown_name(file), error);
+    if (status) forget(text);
+    return status;
 }
 
 void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),

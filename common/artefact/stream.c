@@ -83,9 +83,13 @@ static ehd_status check_same_settings(const artefact *file, const char *settings
                                       ehd_error *error) {
     char *found = hdf5_get_text(file->id, "settings");
     char *expected = utf8_copy(settings_text ? settings_text : "");
-    bool same = found && expected && scene_text_matches(found, expected);
+    const bool memory = expected != NULL;
+    const bool same = found && expected && scene_text_matches(found, expected);
     free(expected);
     free(found);
+    if (!memory)
+        return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
+                        file->partial);
     return same ? EHD_OK : not_resumable(file, "other settings", error);
 }
 
@@ -136,10 +140,11 @@ ehd_status artefact_check_input(artefact *file, const char *what, const char *pa
                                 ehd_error *error) {
     char identity[65];
     char found[512];
+    hdf5_start();
     ehd_status status = sha256_file(identity, path, error);
     if (status != EHD_OK || had_input(file->id, path, identity)) return status;
     snprintf(found, sizeof found, "a run with another %s than %s is now", what, path);
-    return not_resumable(file, found, error);
+    return hdf5_blame(not_resumable(file, found, error), file->partial, error);
 }
 
 static ehd_status cut_dataset(artefact *file, const char *name, size_t length, ehd_error *error) {

@@ -35,6 +35,8 @@ static ehd_status read_entries(double **values, size_t *count, hid_t dataset, co
     if ((size_t)found > TABLE_MAX_ROWS)
         return ehd_fail(error, EHD_DATA, "%s: %s: found %zu numbers, expected at most %d", path,
                         name, (size_t)found, TABLE_MAX_ROWS);
+    const ehd_status status = check_stored(path, (double)found, error);
+    if (status) return status;
     *values = array_new(*count, 1, sizeof **values);
     if (!*values)
         return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu numbers", path, name,

@@ -240,10 +240,11 @@ size_t entry_size(const artefact *file, const artefact_field *field) {
     return size;
 }
 
-/* Bytes of a file that are on the disk, without its holes. */
+/* Bytes of a file that are on the disk, without its holes; negative: it cannot be opened. */
 static double bytes_on_disk(const char *path) {
     const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    const off_t end = descriptor < 0 ? 0 : lseek(descriptor, 0, SEEK_END);
+    if (descriptor < 0) return -1;
+    const off_t end = lseek(descriptor, 0, SEEK_END);
     double bytes = 0;
 
     for (off_t at = 0; at < end;) {
@@ -254,7 +255,7 @@ static double bytes_on_disk(const char *path) {
         bytes += (double)(hole - (data < 0 ? at : data));
         at = hole;
     }
-    if (descriptor >= 0) close(descriptor);
+    close(descriptor);
     return bytes;
 }
 
@@ -312,14 +313,20 @@ ehd_status check_unpacking(const artefact *file, ehd_error *error) {
         return ehd_fail(error, EHD_DATA, "%s: x: found %.0f nodes, expected at most %d",
                         shown_name(file), nodes, ARTEFACT_MAX_NODES);
     const ehd_status status = add_numbers(&numbers, file, error);
-    if (status) return status;
-    const double bytes = numbers * (double)sizeof(double);
-    const double stored = bytes_on_disk(shown_name(file));
+    return status ? status : check_stored(shown_name(file), numbers, error);
+}
+
+ehd_status check_stored(const char *path, double numbers, ehd_error *error) {
+    const double bytes = numbers * (double)sizeof(double), stored = bytes_on_disk(path);
+
+    if (stored < 0)
+        return ehd_fail(error, EHD_IO, "%s: found %s, expected it to open once more", path,
+                        strerror(errno));
     if (bytes <= MAX_UNPACKING * stored) return EHD_OK;
     return ehd_fail(error, EHD_DATA,
                     "%s: found numbers that take %.3g MB in a file with %.3g MB of data, expected "
                     "at most %.0f times as much",
-                    shown_name(file), bytes * 1e-6, stored * 1e-6, MAX_UNPACKING);
+                    path, bytes * 1e-6, stored * 1e-6, MAX_UNPACKING);
 }
 
 ehd_status check_memory(const artefact *file, const artefact_field *field, size_t entries,

@@ -42,7 +42,7 @@ static size_t node_of_inner(const ehd_grid *grid, size_t row, bool mirrored) {
     return grid_node_of_row(grid, mirrored ? grid_row_of_whole(grid, row) : row);
 }
 
-static void take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored) {
+void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored) {
     size_t count = count_inner(grid, mirrored);
 
     for (size_t r = 0; r < count; r++)
@@ -64,7 +64,7 @@ ehd_status grid_put_field(artefact *file, const char *name, size_t index, const 
         return ehd_fail(error, EHD_MEMORY, "%s: %s: found no memory for %zu nodes",
                         artefact_path(file), name, count);
 
-    take_inner(inner, nodes, grid, mirrored);
+    grid_take_inner(inner, nodes, grid, mirrored);
     ehd_status status = artefact_put_part(file, name, index, 1, inner, error);
     free(inner);
     return status;

@@ -24,6 +24,9 @@ ehd_status grid_write(artefact *file, const contact_kind *kind, const ehd_grid *
  * where `mirrored`, to the grid's nodes, where the grid is a half its own half of them. */
 void grid_put_inner(double *nodes, const double *inner, const ehd_grid *grid, bool mirrored);
 
+/* And back: those at the inner nodes, of a half grid where `mirrored` of the whole one. */
+void grid_take_inner(double *inner, const double *nodes, const ehd_grid *grid, bool mirrored);
+
 /* Writes values at the inner nodes as entry `index` of a field whose last axes are (y and) x.
  * EHD_MEMORY; and as artefact_put_part. */
 ehd_status grid_put_field(artefact *file, const char *name, size_t index,

@@ -169,20 +169,50 @@ static double wlf_inverse_viscosity(double pressure, void *self) {
     return exp(-wlf(self, pressure, &derivative));
 }
 
+static double gauss_kronrod(ehd_lubricant *self, double left, double right) {
+    const gsl_function integrand = {wlf_inverse_viscosity, self};
+    double integral, unused[3];
+
+    gsl_integration_qk31(&integrand, left, right, &integral, &unused[0], &unused[1], &unused[2]);
+    return integral;
+}
+
+/* Of halves, and halves of these, until they make no difference above `allowed` to `whole`; NaN where
+ * they still do after `depth` times. GSL's adaptive rules end the process where they do not converge,
+ * or are refused memory. */
+static double integrate(ehd_lubricant *self, double left, double right, double whole,
+                        double allowed, int depth) {
+    const double middle = (left + right) / 2;
+    const double before = gauss_kronrod(self, left, middle);
+    const double after = gauss_kronrod(self, middle, right);
+
+    if (!(fabs(before + after - whole) > allowed)) return before + after;
+    if (depth == 0) return NAN;
+    return integrate(self, left, middle, before, allowed, depth - 1) +
+           integrate(self, middle, right, after, allowed, depth - 1);
+}
+
+/* From 0 on, in octaves: it may decay within a pressure of any size. */
+static double integrate_inverse_viscosity(ehd_lubricant *self, double end) {
+    enum { NUM_OCTAVES = 40, DEPTH = 30 };
+    const double tolerance = 1e-12;
+    double octaves[NUM_OCTAVES + 1], scale = 0, sum = 0;
+
+    for (int i = 0; i <= NUM_OCTAVES; i++) {
+        octaves[i] = gauss_kronrod(self, i < NUM_OCTAVES ? ldexp(end, -i - 1) : 0, ldexp(end, -i));
+        scale += octaves[i];
+    }
+    for (int i = 0; i <= NUM_OCTAVES; i++)
+        sum += integrate(self, i < NUM_OCTAVES ? ldexp(end, -i - 1) : 0, ldexp(end, -i), octaves[i],
+                         tolerance * scale, DEPTH);
+    return sum;
+}
+
 /* Reciprocal asymptotic isoviscous pressure coefficient, alpha* = 1/int eta0/eta dp, to 3 GPa. */
 static ehd_status wlf_reciprocal_coefficient(ehd_lubricant *self, ehd_error *error) {
-    const size_t num_intervals = 200;
-    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(num_intervals);
-    gsl_function integrand = {wlf_inverse_viscosity, self};
-    double integral = 0, estimate;
+    const double integral = integrate_inverse_viscosity(self, fmin(3e9, self->pressure_limit));
 
-    if (!workspace)
-        return ehd_fail(error, EHD_MEMORY, "lubricant: found no memory for the integral of alpha*");
-    int failed =
-        gsl_integration_qag(&integrand, 0, fmin(3e9, self->pressure_limit), 0, 1e-10, num_intervals,
-                            GSL_INTEG_GAUSS31, workspace, &integral, &estimate);
-    gsl_integration_workspace_free(workspace);
-    if (failed || !(integral > 0))
+    if (!(integral > 0))
         return ehd_fail(error, EHD_DATA,
                         "lubricant.viscosity: found constants whose viscosity cannot be "
                         "integrated, expected those of a liquid");

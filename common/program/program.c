@@ -184,9 +184,18 @@ void fftw_assertion_failed(const char *text, int line, const char *file) {
     _exit(EHD_MEMORY);
 }
 
+// a sanitizer has its own signal handlers
+#if defined(__SANITIZE_ADDRESS__)
+#define HAS_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define HAS_SANITIZER
+#endif
+#endif
+
 static void set_last_resort(void) {
     on_exit(on_foreign_exit, NULL);
-#ifndef __SANITIZE_ADDRESS__ // which has its own
+#ifndef HAS_SANITIZER
     struct sigaction crash = {.sa_handler = on_crash, .sa_flags = (int)SA_RESETHAND};
     sigemptyset(&crash.sa_mask);
     sigaction(SIGABRT, &crash, NULL);

@@ -176,18 +176,21 @@ static ehd_status fill_candidates(variation *self, const char *path, ehd_error *
     const size_t d = self->num_ranges, num_corners = (size_t)1 << d,
                  num_edges = d * num_corners / 2;
     const size_t num_on_edge = self->num_candidates / 4 / num_edges;
-    gsl_qrng *sequence = gsl_qrng_alloc(gsl_qrng_sobol, (unsigned)d);
+    // in our own memory: gsl_qrng_alloc ends the process that is refused some
+    const gsl_qrng_type *type = gsl_qrng_sobol;
+    gsl_qrng sequence = {type, (unsigned)d, type->state_size((unsigned)d), NULL};
+    sequence.state = malloc(sequence.state_size);
     self->candidates = malloc(self->num_candidates * d * sizeof(double));
-    if (!sequence || !self->candidates) {
-        gsl_qrng_free(sequence);
+    if (!sequence.state || !self->candidates || type->init_state(sequence.state, (unsigned)d)) {
+        free(sequence.state);
         return place_no_memory(error, path);
     }
     for (size_t corner = 0; corner < num_corners; corner++)
         set_corner(self->candidates + d * corner, d, corner);
     size_t count = num_corners + fill_edges(self->candidates + d * num_corners, d, num_on_edge);
     for (; count < self->num_candidates; count++)
-        gsl_qrng_get(sequence, self->candidates + d * count);
-    gsl_qrng_free(sequence);
+        gsl_qrng_get(&sequence, self->candidates + d * count);
+    free(sequence.state);
     return EHD_OK;
 }
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/time/history.h"
 
+#include "common/algebra/spline.h"
 #include "common/artefact/table.h"
 #include "common/settings/csv.h"
 
+#include <gsl/gsl_interp.h>
 #include <gsl/gsl_poly.h>
-#include <gsl/gsl_spline.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +26,7 @@ typedef struct history {
     double *time;   // [count], of a table
     double *values; // [count]
     size_t count;
-    gsl_spline *spline; // NULL: linear
+    spline *spline; // NULL: linear
 } history;
 
 typedef struct minimum_value {
@@ -212,9 +213,10 @@ static ehd_status prepare_table(history *self, double end_time, ehd_error *error
     ehd_status status = read_table(self, error);
     if (!status) status = check_table(self, end_time, error);
     if (status || strcmp(self->given.interpolation, "linear") == 0) return status;
-    self->spline = gsl_spline_alloc(gsl_interp_cspline, self->count);
-    if (!self->spline || gsl_spline_init(self->spline, self->time, self->values, self->count))
+    self->spline = spline_create(self->count);
+    if (!self->spline)
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory for its spline", self->given.file);
+    spline_fit(self->spline, self->time, self->values);
     return EHD_OK;
 }
 
@@ -234,16 +236,15 @@ static double table_value(const history *self, double time) {
     const size_t last = self->count - 1;
     if (time <= self->time[0]) return self->values[0];
     if (time >= self->time[last]) return self->values[last];
-    // without an accelerator, which threads could not share
-    return self->spline ? gsl_spline_eval(self->spline, time, NULL) : line_value(self, time);
+    return self->spline ? spline_at(self->spline, time) : line_value(self, time);
 }
 
 /* Where the spline turns within an interval: its slope there is a parabola. */
 static void lower_to_turns(minimum_value *minimum, const history *self, size_t i, double end_time) {
     const double left = self->time[i], right = self->time[i + 1];
-    const double slope = gsl_spline_eval_deriv(self->spline, left, NULL);
-    const double bend = gsl_spline_eval_deriv2(self->spline, left, NULL);
-    const double bend_right = gsl_spline_eval_deriv2(self->spline, right, NULL);
+    const double slope = spline_slope(self->spline, left);
+    const double bend = spline_bend(self->spline, left);
+    const double bend_right = spline_bend(self->spline, right);
     double turn[2];
     const int count = gsl_poly_solve_quadratic((bend_right - bend) / (2 * (right - left)), bend,
                                                slope, &turn[0], &turn[1]);
@@ -266,7 +267,7 @@ static minimum_value table_minimum(const history *self, double end_time) {
 static double integral_of_rows(const history *self, double time) {
     const size_t last = row_before(self, time);
     double sum = 0;
-    if (self->spline) return gsl_spline_eval_integ(self->spline, self->time[0], time, NULL);
+    if (self->spline) return spline_integral(self->spline, time);
     for (size_t i = 0; i < last; i++)
         sum += (self->values[i] + self->values[i + 1]) / 2 * (self->time[i + 1] - self->time[i]);
     return sum + (self->values[last] + line_value(self, time)) / 2 * (time - self->time[last]);
@@ -370,7 +371,7 @@ ehd_histories *histories_free(ehd_histories *self) {
     for (int i = 0; i < NUM_VARY; i++) {
         free(self->of[i].time);
         free(self->of[i].values);
-        gsl_spline_free(self->of[i].spline);
+        spline_free(self->of[i].spline);
     }
     free(self);
     return NULL;

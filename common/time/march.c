@@ -83,17 +83,21 @@ static void watch_trust(march *self, const march_step *outcome) {
     snprintf(self->untrusted, sizeof self->untrusted, "%s", outcome->reason);
 }
 
+bool march_deviates(char reason[MARCH_REASON], double central, double minimum, double accuracy) {
+    const bool of_minimum = minimum > central;
+    const double larger = of_minimum ? minimum : central;
+
+    if (!(accuracy > 0) || isnan(central) || larger <= accuracy) return false;
+    snprintf(reason, MARCH_REASON, "an indicated deviation of %.2g of the %s film, more than %g",
+             larger, of_minimum ? "minimum" : "central", accuracy);
+    return true;
+}
+
 /* Marks a solved step by what is indicated of its films. */
 static void judge_accuracy(march *self, march_step *outcome) {
-    const double accuracy = self->settings.accuracy;
-    const bool of_minimum = outcome->indicated_minimum > outcome->indicated;
-    const double larger = of_minimum ? outcome->indicated_minimum : outcome->indicated;
-
-    if (outcome->status || !(accuracy > 0) || isnan(outcome->indicated) || larger <= accuracy)
+    if (outcome->status || !march_deviates(self->deviation, outcome->indicated,
+                                           outcome->indicated_minimum, self->settings.accuracy))
         return;
-    snprintf(self->deviation, sizeof self->deviation,
-             "an indicated deviation of %.2g of the %s film, more than %g", larger,
-             of_minimum ? "minimum" : "central", accuracy);
     outcome->status = EHD_UNTRUSTED;
     outcome->reason = self->deviation;
 }

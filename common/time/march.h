@@ -132,6 +132,10 @@ contact_frame march_frame(const march_settings *settings, const contact_kind *ki
 /* At rest there is no stationary contact whose load an approach could lead to: EHD_DATA. */
 ehd_status march_check_start(double speed, bool approach_given, ehd_error *error);
 
+/* Whether a film is indicated to deviate by more than the accuracy, and by how much; not where nothing
+ * is indicated (NaN), nor with an accuracy of 0. */
+bool march_deviates(char reason[MARCH_REASON], double central, double minimum, double accuracy);
+
 /* The load to scale the next frame with where it is an outcome: any near it would do. */
 double march_expected_load(double load, double load_rate, double step);
 

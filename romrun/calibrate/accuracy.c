@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double DEFAULT_ACCURACY = 0.01;
-
 /* Describes the chosen sizes and their measured accuracy. */
 static void explain(accuracy_choice *choice, const trade_table *table,
                     const trade_position *position, double accuracy, bool in_time) {
@@ -68,7 +66,7 @@ double accuracy_tolerance(double accuracy) {
 }
 
 double accuracy_limit(double accuracy) {
-    return accuracy > 0 ? accuracy : DEFAULT_ACCURACY;
+    return accuracy > 0 ? accuracy : online_accuracy;
 }
 
 void accuracy_judge(run_result *result, double accuracy) {
@@ -84,14 +82,6 @@ void accuracy_judge(run_result *result, double accuracy) {
              "an indicated deviation of %.2g of the %s film, more than %s%g", larger,
              of_minimum ? "minimum" : "central",
              given ? "the --accuracy of " : "holds without --accuracy, ", limit);
-}
-
-const char *accuracy_unchecked(const online_properties *model, bool in_time) {
-#define WHO_CHECKS                                                                                 \
-    " at these sizes, which romrun --calibrate does, and deimselect without --no-check"
-    if (in_time) return model->checked_in_time ? NULL : "a model never checked in time" WHO_CHECKS;
-    return model->checked ? NULL : "a model never checked" WHO_CHECKS;
-#undef WHO_CHECKS
 }
 
 ehd_status accuracy_read_limit(void *limits, const char *argument, ehd_error *error) {

@@ -32,10 +32,6 @@ double accuracy_limit(double accuracy);
  * accuracy, 1 % where that is 0: not given. */
 void accuracy_judge(run_result *result, double accuracy);
 
-/* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
- * NULL: it was. */
-const char *accuracy_unchecked(const online_properties *model, bool in_time);
-
 /* Limits of --accuracy-of, by indicated_quantity; 0: none. */
 typedef struct accuracy_limits {
     double of[NUM_INDICATED];

@@ -96,13 +96,12 @@ static bool is_along_path(const fallback_march *self) {
 // ---- from the reduced model to the full one
 
 /* A reduced state on the grid, in self->work. */
-static ehd_status load(fallback_march *self, const reduced_state *state, ehd_error *error) {
+static void load(fallback_march *self, const reduced_state *state) {
     full_state *work = &self->work;
-    ehd_status status = reduced_march_fields_of(work->pressure, work->film, &work->rigid_approach,
-                                                self->reduced, state, error);
 
+    reduced_march_fields_of(work->pressure, work->film, &work->rigid_approach, self->reduced,
+                            state);
     full_state_set_zone(work, &self->reference.grid, state->exit);
-    return status;
 }
 
 /* Those kept at places of the central line, at the nodes of the dry contact. */
@@ -123,15 +122,15 @@ static ehd_status to_full(fallback_march *self, ehd_error *error) {
 
     if (is_along_path(self)) {
         const reduced_state base = reduced_march_base(self->reduced, &frame);
-        status = load(self, &base, error);
-        if (!status) status = full_march_take_base(self->full, &self->work, &frame, error);
+        load(self, &base);
+        status = full_march_take_base(self->full, &self->work, &frame, error);
     }
     spread_errors(self); // none where films are carried by the rows
     full_march_take_errors(self->full, self->errors);
     for (size_t i = 1; i <= reduced_march_num_states(self->reduced) && !status; i++) {
         const reduced_state state = reduced_march_state_before(self->reduced, i, &frame);
-        status = load(self, &state, error);
-        if (!status) full_march_take(self->full, i, &self->work, &frame);
+        load(self, &state);
+        full_march_take(self->full, i, &self->work, &frame);
     }
     self->now.full_states = 1;
     self->base_taken = false;
@@ -205,17 +204,16 @@ static ehd_status to_reduced(fallback_march *self, const contact_frame *before, 
 
 /* Largest deviation of the reduced attempt's film from the full one's before the exit, over the
  * central film. */
-static ehd_status deviation(double *largest, fallback_march *self, double central_film,
-                            ehd_error *error) {
+static double deviation(fallback_march *self, double central_film) {
     const full_state *full = full_march_state_before(self->full, 0, NULL);
     const reduced_state reduced = reduced_march_state_before(self->reduced, 0, NULL);
-    ehd_status status = load(self, &reduced, error);
+    double largest = 0;
 
-    *largest = 0;
-    for (size_t k = 0; k < self->reference.grid.num_nodes && !status; k++)
+    load(self, &reduced);
+    for (size_t k = 0; k < self->reference.grid.num_nodes; k++)
         if (full_has_pressure(full, k))
-            *largest = fmax(*largest, fabs(self->work.film[k] - full->film[k]) / central_film);
-    return status;
+            largest = fmax(largest, fabs(self->work.film[k] - full->film[k]) / central_film);
+    return largest;
 }
 
 /* A step whose films are indicated to deviate by more than the accuracy is not trusted either. */
@@ -233,7 +231,6 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
                                 const contact_frame *frame, double step, ehd_error *error) {
     const contact_frame now = load_frame(self, 0), before = load_frame(self, 1);
     march_step outcome = {.status = EHD_OK};
-    double largest;
 
     if (self->distrust || reduced_march_check_range(self->reduced, &now, &before)) return EHD_OK;
     ehd_status status = to_reduced(self, &before, error);
@@ -241,9 +238,8 @@ static ehd_status try_to_return(fallback_march *self, const march_step *solved,
         status = self->of_reduced.attempt(&outcome, self->of_reduced.self, frame, step, error);
     if (!status) judge_indicated(&outcome, self);
     if (status || outcome.status) return status;
-    status = deviation(&largest, self, solved->scalars.central_film_thickness, error);
-    self->returns = largest <= self->limit;
-    return status;
+    self->returns = deviation(self, solved->scalars.central_film_thickness) <= self->limit;
+    return EHD_OK;
 }
 
 // ---- as a solver

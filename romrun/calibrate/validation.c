@@ -125,6 +125,7 @@ ehd_status validation_measure(trade_table *table, const validation *scenes, cons
         trade_name(name, &position->sizes);
         progress_show(&shown, i, name);
         status = online_open(&model, model_path, &position->sizes, error);
+        if (!status) status = online_prepare_fields(model, error);
         if (!status)
             status =
                 calibration_measure(position, model, scenes->scenes, scenes->num_scenes, error);

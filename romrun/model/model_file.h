@@ -46,8 +46,8 @@ ehd_status model_read(
  * of an independent basis, [num_nodes, num_deformation] (else NULL). */
 ehd_status model_read_modes(
     // output:
-    double **pressure_basis,    // free with free()
-    double **deformation_basis, // free with free(); NULL: not wanted
+    double **pressure_basis,    // free with free(); NULL: not wanted
+    double **deformation_basis, // the same
     // input:
     const char *path, const reduced_model *model, ehd_error *error);
 

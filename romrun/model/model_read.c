@@ -353,6 +353,20 @@ static ehd_status read_control(reduced_model *model, artefact *file, const store
     return status ? status : read_needed(model, control, &control_fields, file, stored, error);
 }
 
+/* Tables of an exit are made by going along the band to it. */
+static ehd_status check_states_exits(const reduced_model *model, const reduced_states *states,
+                                     const artefact *file, ehd_error *error) {
+    for (size_t i = 0; i < states->num_states * states->num_lines; i++) {
+        const band_line *line = &model->band.lines[i % states->num_lines];
+        if (states->exit[i] < line->begin || states->exit[i] > line->end)
+            return ehd_fail(error, EHD_DATA,
+                            "%s: state_exit_node: found an exit at column %zu, expected %zu to "
+                            "%zu, inside the band",
+                            artefact_path(file), states->exit[i], line->begin, line->end);
+    }
+    return EHD_OK;
+}
+
 /* The states' coordinates in the chosen modes. */
 static ehd_status read_states(reduced_model *model, artefact *file, const stored_sizes *stored,
                               ehd_error *error) {
@@ -361,6 +375,7 @@ static ehd_status read_states(reduced_model *model, artefact *file, const stored
     ehd_status status =
         states_read(&whole, file, stored->pressure, stored->deformation, &model->grid, error);
 
+    if (!status) status = check_states_exits(model, &whole, file, error);
     if (!status)
         status = reduced_states_init(kept, whole.num_states, whole.num_lines, model->num_unknowns,
                                      error);
@@ -450,6 +465,22 @@ static ehd_status read_modes(double **modes, artefact *file, const char *field,
     return status;
 }
 
+/* That it has not become a model of another shape since it was read. */
+static ehd_status check_same_model(artefact *file, const reduced_model *model, ehd_error *error) {
+    const contact_kind *kind;
+    ehd_grid grid;
+    ehd_status status = grid_read(&grid, &kind, file, error);
+
+    if (status) return status;
+    if (kind == model->kind && grid_same(&grid, &model->grid) &&
+        artefact_length(file, "pressure_mode") >= model->num_pressure &&
+        (model->num_deformation == 0 ||
+         artefact_length(file, "deformation_mode") >= model->num_deformation))
+        return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "%s: found another model, expected the one that was opened",
+                    artefact_path(file));
+}
+
 ehd_status model_read_modes(double **pressure_basis, double **deformation_basis, const char *path,
                             const reduced_model *model, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};
@@ -457,9 +488,10 @@ ehd_status model_read_modes(double **pressure_basis, double **deformation_basis,
     artefact *file = NULL;
     ehd_status status = artefact_open(&file, path, kinds, error);
 
-    *pressure_basis = NULL;
+    if (pressure_basis) *pressure_basis = NULL;
     if (deformation_basis) *deformation_basis = NULL;
-    if (!status)
+    if (!status) status = check_same_model(file, model, error);
+    if (!status && pressure_basis)
         status = read_modes(pressure_basis, file, "pressure_basis", "pressure_mode",
                             model->num_pressure, &model->grid, true, error);
     if (!status && wanted && !artefact_has(file, "deformation_basis"))

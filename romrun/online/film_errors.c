@@ -14,19 +14,18 @@ static void fit(film_errors *self) {
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++)
         x[i] = place(i);
-    gsl_spline_init(self->spline, x, self->kept, NUM_ERROR_PLACES);
+    spline_fit(self->spline, x, self->kept);
 }
 
 ehd_status film_errors_init(film_errors *self, ehd_error *error) {
-    self->spline = gsl_spline_alloc(gsl_interp_cspline, NUM_ERROR_PLACES);
+    self->spline = spline_create(NUM_ERROR_PLACES);
     if (!self->spline) return ehd_fail(error, EHD_MEMORY, "errors of films: found no memory");
     film_errors_set(self, NULL);
     return EHD_OK;
 }
 
 void film_errors_free(film_errors *self) {
-    if (self->spline) gsl_spline_free(self->spline);
-    self->spline = NULL;
+    self->spline = spline_free(self->spline);
 }
 
 void film_errors_set(film_errors *self, const double *kept) {
@@ -42,7 +41,7 @@ void film_errors_carry(film_errors *self, const contact_frame *then, const conta
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
         const double x = stretch * place(i) - shift;
-        self->next[i] = fabs(x) <= 1 ? ratio * gsl_spline_eval(self->spline, x, NULL) : 0;
+        self->next[i] = fabs(x) <= 1 ? ratio * spline_at(self->spline, x) : 0;
     }
 }
 

@@ -4,17 +4,16 @@
 #ifndef EHD_FILM_ERRORS_H
 #define EHD_FILM_ERRORS_H
 
+#include "common/algebra/spline.h"
 #include "common/program/status.h"
 #include "common/time/frame.h"
-
-#include <gsl/gsl_spline.h>
 
 enum { NUM_ERROR_PLACES = 201 }; // from X = -1 to 1
 
 typedef struct film_errors {
     double kept[NUM_ERROR_PLACES]; // of the last accepted state, in its frame
     double next[NUM_ERROR_PLACES]; // of the attempt
-    gsl_spline *spline;            // of those kept
+    spline *spline;                // of those kept
 } film_errors;
 
 /* None. EHD_MEMORY. */

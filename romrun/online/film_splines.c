@@ -124,33 +124,6 @@ static void widen_grid(film_splines *self, const reduced_model *model) {
                            grid->inner_x + self->margin, grid->inner_lines + lines + self->side);
 }
 
-/* Deflections of the pressure modes cut at cut_exits, into a table of zeros. */
-static ehd_status deflect_modes(film_splines *self, const reduced_model *model,
-                                const double *pressure_basis, ehd_error *error) {
-    const spline_layout *layout = &self->layout;
-    size_t num_nodes = self->grid.num_nodes, width = layout->width;
-    size_t own = grid_width(&model->grid), wide = grid_width(&self->grid);
-    ehd_deflection *deflection = deflection_create(model->kind, &self->grid);
-    double *work = malloc(num_nodes * sizeof *work);
-    ehd_status status = EHD_OK;
-
-    if (!deflection || !work)
-        status = ehd_fail(error, EHD_MEMORY, "splines: found no memory for %zu modes", width);
-    for (size_t j = 0; j < width && !status; j++) {
-        memset(work, 0, num_nodes * sizeof *work);
-        for (size_t l = 0; l < model->band.num_lines; l++)
-            for (size_t c = 0; c < self->cut_exits[l]; c++)
-                work[(l + self->side) * wide + self->margin + c] =
-                    pressure_basis[(l * own + c) * width + j];
-        deflection_apply(work, deflection, work);
-        for (size_t k = 0; k < num_nodes; k++)
-            self->film[k * layout->column + j] = work[k];
-    }
-    deflection_free(deflection);
-    free(work);
-    return status;
-}
-
 /* Extrapolates modes to a node from the next two inwards. */
 static void extrapolate_linearly(double *node, ptrdiff_t inwards, size_t width) {
     const double *next = node + inwards, *second = next + inwards;
@@ -190,13 +163,13 @@ static size_t film_offset(const reduced_model *model) {
 }
 
 static ehd_status make_film_table(film_splines *self, const reduced_model *model,
-                                  const double *pressure_basis, const double *deformation_basis,
-                                  ehd_error *error) {
+                                  const double *deformation_basis, ehd_error *error) {
     self->layout = layout_of_modes(&self->grid, is_coupled(model) ? model->num_pressure
                                                                   : model->num_deformation);
     ehd_status status = make_table(&self->film, &self->layout, error);
     if (!status && is_coupled(model))
-        status = deflect_modes(self, model, pressure_basis, error);
+        status = field_modes_fill(self->film, self->layout.column, &self->grid, self->margin,
+                                  self->side, &self->fields, model, error);
     else if (!status)
         extend_modes(self, model, deformation_basis);
     return status ? status : fill_curvatures(self->film, &self->layout, error);
@@ -210,31 +183,21 @@ static ehd_status make_pressure_table(film_splines *self, const reduced_model *m
 
     self->pressure_layout = layout;
     for (size_t k = 0; k < model->grid.num_nodes && !status; k++)
-        memcpy(self->pressure + k * layout.column, self->pressure_basis + k * width,
+        memcpy(self->pressure + k * layout.column, self->fields.pressure + k * width,
                width * sizeof(double));
     return status ? status : fill_curvatures(self->pressure, &layout, error);
 }
 
-static int compare_sizes(const void *a, const void *b) {
-    const size_t p = *(const size_t *)a, q = *(const size_t *)b;
+/* Of the coupled basis the film's table holds the deflections that fields need. */
+static ehd_status deflect_field_modes(film_splines *self, const reduced_model *model,
+                                      ehd_error *error) {
+    const spline_layout *layout = &self->layout;
+    field_modes *fields = &self->fields;
 
-    return p < q ? -1 : p > q;
-}
-
-/* The median of the trained exits on each line: from it a state's own are fewest nodes away. */
-static ehd_status find_cut_exits(size_t *cut_exits, const reduced_model *model, ehd_error *error) {
-    const reduced_states *states = &model->states;
-    const size_t num = states->num_states, num_lines = model->band.num_lines;
-    size_t *exit = malloc(num * sizeof *exit);
-
-    if (!exit) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    for (size_t l = 0; l < num_lines; l++) {
-        for (size_t s = 0; s < num; s++)
-            exit[s] = states->exit[s * num_lines + l];
-        qsort(exit, num, sizeof *exit, compare_sizes);
-        cut_exits[l] = exit[num / 2];
-    }
-    free(exit);
+    if (!is_coupled(model)) return field_modes_deflect(fields, model, error);
+    fields->deflection = self->film + self->side * layout->line + self->margin * layout->column;
+    fields->column = layout->column;
+    fields->line = layout->line;
     return EHD_OK;
 }
 
@@ -242,13 +205,11 @@ ehd_status film_splines_build(film_splines *self, const reduced_model *model,
                               const double *pressure_basis, const double *deformation_basis,
                               ehd_error *error) {
     memset(self, 0, sizeof *self);
-    self->pressure_basis = pressure_basis;
-    self->cut_exits = malloc(model->band.num_lines * sizeof *self->cut_exits);
-    if (!self->cut_exits) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
-    ehd_status status = find_cut_exits(self->cut_exits, model, error);
+    ehd_status status = field_modes_init(&self->fields, model, pressure_basis, error);
     if (status) return status;
     widen_grid(self, model);
-    status = make_film_table(self, model, pressure_basis, deformation_basis, error);
+    status = make_film_table(self, model, deformation_basis, error);
+    if (!status) status = deflect_field_modes(self, model, error);
     if (!status) status = make_pressure_table(self, model, error);
     if (!status) status = make_kernel_table(self, model->kind, error);
     if (status) film_splines_free(self);
@@ -259,7 +220,7 @@ void film_splines_free(film_splines *self) {
     free(self->film);
     free(self->pressure);
     free(self->kernel);
-    free(self->cut_exits);
+    field_modes_free(&self->fields);
     memset(self, 0, sizeof *self);
 }
 
@@ -398,7 +359,7 @@ static void prepare_window(previous_film *self, const path_films *path, const re
 static void prepare_cut(previous_film *self, const reduced_model *model,
                         const film_splines *splines) {
     const size_t num_runs = is_coupled(model)
-                                ? reduced_model_runs(self->runs, model, splines->cut_exits,
+                                ? reduced_model_runs(self->runs, model, splines->fields.cut_exits,
                                                      reduced_state_exits(&self->state))
                                 : 0;
 

@@ -10,6 +10,7 @@
 #include "common/program/status.h"
 #include "common/time/frame.h"
 #include "romrun/model/reduced_cut.h"
+#include "romrun/online/fields.h"
 #include "romrun/online/reduced_solver.h"
 #include <stdbool.h>
 
@@ -32,14 +33,13 @@ typedef struct film_splines {
     size_t side;          // lines before the model's first one
     spline_layout layout; // of the film's modes
     double *film;         // [num_nodes of grid, 2 or 4, width] coupled: deflection of the pressure
-                          // modes cut at cut_exits
-    size_t *cut_exits;    // [num_lines of the model], medians of the trained exits
+                          // modes cut at fields.cut_exits
     spline_layout kernel_layout;
     double *kernel; // [lines, columns, 2 or 4] by distance; of a half grid twice the lines, for
                     // mirrored nodes
     spline_layout pressure_layout;
-    double *pressure;             // [num_nodes of the model, 2 or 4, num_pressure] uncut
-    const double *pressure_basis; // [num_nodes of the model, num_pressure], the caller's
+    double *pressure;   // [num_nodes of the model, 2 or 4, num_pressure] uncut
+    field_modes fields; // for whole fields; coupled their deflections are the film's
 } film_splines;
 
 /* `pressure_basis` [num_nodes, num_pressure] and, independent, `deformation_basis` [num_nodes,
@@ -97,7 +97,7 @@ typedef struct previous_film {
     reduced_state state;
     reduced_values values;   // at the needed nodes
     double *difference;      // [num_unknowns] along the path: coordinates less those of the base
-    cut_run *runs;           // [num_lines] by which its exit line differs from cut_exits
+    cut_run *runs;           // [num_lines] by which its exit line differs from fields.cut_exits
     size_t num_cut;          // of their nodes
     grid_position *cut_node; // [num_cut] in the splines' grid
     double *cut_pressure;    // [num_cut] P there, uncut, with the run's sign

@@ -24,10 +24,13 @@ struct online_model {
     double other_factor[NUM_INDICATED]; // 0: not calibrated
     indicator_shape shape[NUM_BOUNDED]; // of these factors
     film_factors in_time;               // NaN: not calibrated at these sizes
+    double *pressure_basis;             // read once fields or transient scenes are prepared
+    const field_modes *fields;          // NULL: not prepared
+    field_modes own_fields;             // which these may be
     // for transient scenes, once prepared
     bool transient;
     film_splines splines;
-    double *pressure_basis, *deformation_basis;
+    double *deformation_basis;
 };
 
 struct online_solver {
@@ -35,7 +38,6 @@ struct online_solver {
     reduced_solver *reduced;
     indicator *indicator;
     reduced_state state;
-    double *pressure_basis;  // [num_nodes, num_pressure], read with the first fields
     bool solved;             // the last solution converged
     contact_scalars scalars; // of it
 };
@@ -97,6 +99,7 @@ online_model *online_close(online_model *self) {
         reduced_model_free(&self->reduced);
         trained_range_free(self->range);
         film_splines_free(&self->splines);
+        field_modes_free(&self->own_fields);
         free(self->pressure_basis);
         free(self->deformation_basis);
         free(self->path);
@@ -116,6 +119,7 @@ online_properties online_describe(const online_model *self) {
                                         discretization_name(model->grid.discretization),
                                     .boundary = boundary_name(model->grid.boundary),
                                     .deformation = deformation_names[model->deformation],
+                                    .transport = transport_name(model->carriage.transport),
                                     .pressure_modes = model->num_pressure,
                                     .deformation_modes = model->num_deformation,
                                     .unknowns = model->num_unknowns,
@@ -125,6 +129,24 @@ online_properties online_describe(const online_model *self) {
                                     .checked = self->indicator_factor > 0,
                                     .checked_in_time = self->checked_in_time};
     return properties;
+}
+
+const char *online_unchecked(const online_properties *model, bool in_time) {
+#define WHO_CHECKS                                                                                 \
+    " at these sizes, which romrun --calibrate does, and deimselect without --no-check"
+    if (in_time) return model->checked_in_time ? NULL : "a model never checked in time" WHO_CHECKS;
+    return model->checked ? NULL : "a model never checked" WHO_CHECKS;
+#undef WHO_CHECKS
+}
+
+const double online_accuracy = 0.01;
+
+const contact_kind *online_kind(const online_model *model) {
+    return model->reduced.kind;
+}
+
+const ehd_grid *online_grid(const online_model *model) {
+    return &model->reduced.grid;
 }
 
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
@@ -153,7 +175,6 @@ online_solver *online_solver_free(online_solver *self) {
         reduced_solver_free(self->reduced);
         indicator_free(self->indicator);
         reduced_state_free(&self->state);
-        free(self->pressure_basis);
         free(self);
     }
     return NULL;
@@ -286,6 +307,7 @@ ehd_status online_solve(online_result *result, online_solver *solver, const ehd_
                               .seconds_exit = info.seconds_exit};
     if (info.status != EHD_NOT_CONVERGED) {
         const reduced_pressures range = reduced_pressure_range(solver->reduced, &solver->state);
+        result->peak_pressure = range.largest;
         judge_pressure(result, contact, &range);
     }
     indicate(result, solver, contact, &info);
@@ -318,15 +340,44 @@ film_effects online_effects(const online_model *model, const ehd_contact *contac
                            &contact->lubricant);
 }
 
-ehd_status online_fields(double *pressure, double *film, online_solver *solver, ehd_error *error) {
-    const reduced_model *model = &solver->model->reduced;
+/* The modes on the whole grid, those that are not there yet. `deformation`: of an independent basis
+ * too. */
+static ehd_status read_bases(online_model *self, bool deformation, ehd_error *error) {
+    double **const pressure_basis = self->pressure_basis ? NULL : &self->pressure_basis;
+    double **const deformation_basis =
+        deformation && !self->deformation_basis ? &self->deformation_basis : NULL;
 
-    if (!solver->pressure_basis) {
-        ehd_status status =
-            model_read_modes(&solver->pressure_basis, NULL, solver->model->path, model, error);
-        if (status) return status;
-    }
-    return reduced_fields(pressure, film, &solver->state, model, solver->pressure_basis, error);
+    if (!pressure_basis && !deformation_basis) return EHD_OK;
+    return model_read_modes(pressure_basis, deformation_basis, self->path, &self->reduced, error);
+}
+
+ehd_status online_prepare_fields(online_model *self, ehd_error *error) {
+    if (self->fields) return EHD_OK;
+    ehd_status status = read_bases(self, false, error);
+
+    if (!status)
+        status = field_modes_init(&self->own_fields, &self->reduced, self->pressure_basis, error);
+    if (!status) status = field_modes_deflect(&self->own_fields, &self->reduced, error);
+    if (status)
+        field_modes_free(&self->own_fields);
+    else
+        self->fields = &self->own_fields;
+    return status;
+}
+
+static ehd_status not_prepared(const online_model *model, const char *call, ehd_error *error) {
+    return ehd_fail(error, EHD_INTERNAL,
+                    "%s: found a model that is not prepared, expected %s before", model->path,
+                    call);
+}
+
+ehd_status online_fields(double *pressure, double *film, const online_solver *solver,
+                         ehd_error *error) {
+    const online_model *model = solver->model;
+
+    if (!model->fields) return not_prepared(model, "online_prepare_fields", error);
+    reduced_fields(pressure, film, &solver->state, &model->reduced, model->fields);
+    return EHD_OK;
 }
 
 void online_exits(double *positions, const online_solver *solver) {
@@ -354,12 +405,12 @@ struct online_transient {
 
 ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
     if (self->transient) return EHD_OK;
-    ehd_status status = model_read_modes(&self->pressure_basis, &self->deformation_basis,
-                                         self->path, &self->reduced, error);
+    ehd_status status = read_bases(self, true, error);
     if (!status)
         status = film_splines_build(&self->splines, &self->reduced, self->pressure_basis,
                                     self->deformation_basis, error);
     self->transient = !status;
+    if (self->transient && !self->fields) self->fields = &self->splines.fields;
     return status;
 }
 
@@ -371,10 +422,7 @@ ehd_status online_transient_create(online_transient **transient, const online_mo
 
     *transient = NULL;
     if (!status && !model->transient)
-        status = ehd_fail(error, EHD_INTERNAL,
-                          "%s: found a model that is not prepared, expected "
-                          "online_prepare_transient before",
-                          model->path);
+        status = not_prepared(model, "online_prepare_transient", error);
     if (status) return status;
     self = calloc(1, sizeof *self);
     if (!self) return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
@@ -582,4 +630,18 @@ ehd_status online_transient_fields(double *pressure, double *film, online_transi
     march_solver solver = reduced_march_solver(self->march);
 
     return solver.fields(pressure, film, solver.self, error);
+}
+
+double online_transient_peak(const online_transient *self) {
+    const reduced_state state = reduced_march_state_before(self->march, self->solved ? 0 : 1, NULL);
+
+    return reduced_pressure_range(reduced_march_inner(self->march), &state).largest *
+           self->last.frame.hertz_pressure;
+}
+
+contact_frame online_transient_frame(const online_transient *self) {
+    contact_frame frame;
+
+    reduced_march_state(self->march, &frame);
+    return frame;
 }

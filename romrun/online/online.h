@@ -19,8 +19,9 @@
  * `reason` of each result and of each step say so, and what follows is the caller's. fallback_solve
  * of romrun/calibrate/fallback.h solves the contact with the full model, from the last solution.
  *
- * Nothing is global. Open models one thread at a time (HDF5 is not thread-safe); a model may then
- * be shared by any number of solvers in as many threads. For speed, keep OpenBLAS at one thread.
+ * Nothing is global. Open and prepare models one thread at a time (HDF5 is not thread-safe); a model
+ * may then be shared by any number of solvers in as many threads: neither HDF5 nor FFTW, which may
+ * end a process that is refused memory, is called any more. For speed, keep OpenBLAS at one thread.
  * Opening a model switches off HDF5's messages and its filter plugins in the process. */
 #ifndef ONLINE_H
 #define ONLINE_H
@@ -47,6 +48,7 @@ typedef struct online_properties {
     const char *discretization;               // "accurate" or "published"
     const char *boundary;                     // "open" or, of a line contact too, "zero"
     const char *deformation;                  // "independent" or "coupled"
+    const char *transport;                    // "path" or "upwind": of films in time
     size_t pressure_modes, deformation_modes; // in use
     size_t unknowns;                          // of the reduced system
     size_t rows;                              // selected Reynolds rows in use
@@ -64,6 +66,7 @@ typedef struct online_result {
                              // solution by its residual or iterations
     const char *reason;      // why it is not EHD_OK, or ""
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
+    double peak_pressure;    // the largest at the nodes that the solution looks at
     size_t iterations;
     double residual;          // norm of the weighted least-squares residual
     double bound;             // of the relative deviation of the central film, up to a factor
@@ -81,6 +84,17 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
 online_properties online_describe(const online_model *model);
+
+/* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;
+ * NULL: it was. */
+const char *online_unchecked(const online_properties *model, bool in_time);
+
+/* What films may be indicated to be off where nobody says how much, of a result to be trusted. */
+extern const double online_accuracy;
+
+/* Kind of contact and grid of the model. */
+const contact_kind *online_kind(const online_model *model);
+const ehd_grid *online_grid(const online_model *model);
 
 /* Memory of one solver; the model must outlive it. */
 ehd_status online_solver_create(online_solver **solver, const online_model *model,
@@ -121,10 +135,15 @@ online_indications online_indicate(online_solver *solver, const ehd_contact *con
  * none; infinite: its grid is too coarse to tell. About ten microseconds; any number of threads. */
 film_effects online_effects(const online_model *model, const ehd_contact *contact);
 
+/* Reads and makes what fields need: memory of twice [num_nodes, pressure_modes] numbers. Once a model,
+ * one thread at a time; a second call does nothing. EHD_NOINPUT, EHD_DATA, EHD_MEMORY. */
+ehd_status online_prepare_fields(online_model *model, ehd_error *error);
+
 /* Pressure and film of the last solution on the whole grid, [num_nodes] with boundary nodes, of a
- * half grid the half: the only call whose cost grows with the grid. Reads the model file at the
- * first call, hence one thread at a time. */
-ehd_status online_fields(double *pressure, double *film, online_solver *solver, ehd_error *error);
+ * half grid the half: the only call whose cost grows with the grid. Any number of threads, each with
+ * a solver of its own. EHD_INTERNAL: neither fields nor transient scenes are prepared. */
+ehd_status online_fields(double *pressure, double *film, const online_solver *solver,
+                         ehd_error *error);
 
 /* X of the last solution's exit on each of num_lines lines. */
 void online_exits(double *positions, const online_solver *solver);
@@ -174,7 +193,7 @@ typedef struct online_state {
     double residual;
 } online_state;
 
-/* Reads what only transient scenes need. Once a model, one thread at a time. */
+/* Reads what only transient scenes need, and fields. Once a model, one thread at a time. */
 ehd_status online_prepare_transient(online_model *model, ehd_error *error);
 
 /* The model must outlive it. EHD_DATA: other grid or discretisation; EHD_INTERNAL: not prepared; EHD_MEMORY. */
@@ -214,6 +233,13 @@ ehd_status online_restore(online_transient *transient, const double *saved, ehd_
  * call here whose cost grows with the grid. */
 ehd_status online_transient_fields(double *pressure, double *film, online_transient *transient,
                                    ehd_error *error);
+
+/* The largest pressure of the last attempt, or of the start, at the nodes that it looks at, in Hertz
+ * pressures of the reference. */
+double online_transient_peak(const online_transient *transient);
+
+/* The frame of the accepted state. */
+contact_frame online_transient_frame(const online_transient *transient);
 
 /* A solver for march_run, which chooses the steps itself, and its effort so far in seconds. Use
  * either that or the calls above, not both in turn. */

@@ -1003,11 +1003,10 @@ reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame
     return self->base.state;
 }
 
-ehd_status reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
-                                   const reduced_march *self, const reduced_state *state,
-                                   ehd_error *error) {
+void reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
+                             const reduced_march *self, const reduced_state *state) {
     *rigid_approach = state->coordinates[self->model->num_unknowns - 1];
-    return reduced_fields(pressure, film, state, self->model, self->splines->pressure_basis, error);
+    reduced_fields(pressure, film, state, self->model, &self->splines->fields);
 }
 
 const char *reduced_march_check_range(const reduced_march *self, const contact_frame *now,
@@ -1038,7 +1037,7 @@ static void project(reduced_state *target, const reduced_march *self, const hand
         if (!target->exits || l == grid_central_line(grid) / width) target->exit = exit;
     }
     cblas_dgemv(CblasRowMajor, CblasTrans, (int)grid->num_nodes, (int)num, 1,
-                splines->pressure_basis, (int)num, state->pressure, 1, 0, z, 1);
+                splines->fields.pressure, (int)num, state->pressure, 1, 0, z, 1);
     memset(z + num, 0, model->num_deformation * sizeof *z);
     for (size_t k = 0; k < grid->num_nodes && model->num_deformation > 0; k++) {
         const double *modes = splines->film + (k / width + splines->side) * splines->layout.line +
@@ -1235,8 +1234,9 @@ static ehd_status fields(double *pressure, double *film, void *solver, ehd_error
     const reduced_march *self = solver;
     reduced_state state = reduced_march_state(self, NULL);
 
-    return reduced_fields(pressure, film, &state, self->model, self->splines->pressure_basis,
-                          error);
+    (void)error;
+    reduced_fields(pressure, film, &state, self->model, &self->splines->fields);
+    return EHD_OK;
 }
 
 /* One a line. */

@@ -67,10 +67,9 @@ reduced_state reduced_march_state_before(const reduced_march *self, size_t steps
 /* Along the path: the state that others are told from (common/time/README.md). */
 reduced_state reduced_march_base(const reduced_march *self, contact_frame *frame);
 
-/* P and H of a state at all nodes, [num_nodes], and its H0. EHD_MEMORY. */
-ehd_status reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
-                                   const reduced_march *self, const reduced_state *state,
-                                   ehd_error *error);
+/* P and H of a state at all nodes, [num_nodes], and its H0. */
+void reduced_march_fields_of(double *pressure, double *film, double *rigid_approach,
+                             const reduced_march *self, const reduced_state *state);
 
 /* Why a contact that has come from one frame to another, both scaled by the load of their
  * solutions, lies outside of the trained range, or NULL. */

@@ -156,7 +156,7 @@ static void expand(time_indicator *self, const previous_film *state, const film_
         const size_t node = self->needed_node[q];
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
-        self->pressure[q] = before ? cblas_ddot((int)num, splines->pressure_basis + node * num, 1,
+        self->pressure[q] = before ? cblas_ddot((int)num, splines->fields.pressure + node * num, 1,
                                                 state->state.coordinates, 1)
                                    : 0;
         self->film[q] = previous_film_thickness(state, node, model, splines);

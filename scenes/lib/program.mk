@@ -4,7 +4,7 @@
 # The library that was built with the programs, and the compiler and flags that it was built with.
 ROOT    := $(abspath $(BIN)/../../..)
 VARIANT := $(notdir $(abspath $(BIN)/..))
-LIB     := $(abspath $(BIN)/../libehdrom.a)
+LIB     := $(abspath $(BIN)/../libprograms.a)
 ask      = $(shell $(MAKE) -s -C $(ROOT) VARIANT=$(VARIANT) print-$1 | sed 's/^[^=]*= //')
 
 # Includes start from the root.

@@ -411,13 +411,17 @@ static void previous_init(previous_mass *self, double rate, const problem *stati
     double *modes, *pressure = must_allocate(num_nodes * sizeof(double));
     reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};
     measurement result;
+    field_modes fields;
     ehd_error error;
 
     self->at_rows = must_allocate(model->rows.num_rows * sizeof(double));
     self->at_nodes = must_allocate(num_nodes * sizeof(double));
     solve_scene(&result, &state, stationary, NULL, NULL);
     must(model_read_modes(&modes, NULL, path, model, &error), &error);
-    must(reduced_fields(pressure, self->at_nodes, &state, model, modes, &error), &error);
+    must(field_modes_init(&fields, model, modes, &error), &error);
+    must(field_modes_deflect(&fields, model, &error), &error);
+    reduced_fields(pressure, self->at_nodes, &state, model, &fields);
+    field_modes_free(&fields);
     for (size_t k = 0; k < num_nodes; k++) {
         double p = pressure[k] * contact->hertz_pressure;
         self->at_nodes[k] *= -rate * lubricant_density(&contact->lubricant, p);

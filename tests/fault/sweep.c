@@ -217,7 +217,7 @@ static bool ends_as_expected(int code) {
 }
 
 static bool is_foreign(const char *library) {
-    static const char *const ours[] = {"libc.", "libyaml", "libmd", "libpthread"};
+    static const char *const ours[] = {"libc.", "libyaml", "libnettle", "libpthread"};
     for (size_t i = 0; i < sizeof ours / sizeof *ours; i++)
         if (strncmp(library, ours[i], strlen(ours[i])) == 0) return false;
     return strncmp(library, "lib", 3) == 0;

@@ -53,14 +53,13 @@ static void forget_said(void) {
     if (ftruncate(said, 0)) abort();
 }
 
-/* Every line is led by the program's name, and a failure has one; --check of now is silent. */
+/* Every line is led by the program's name, and a failure has one. */
 static void check_said(const char *command, int code) {
     char text[4096];
     const ssize_t length = pread(said, text, sizeof text - 1, 0);
     const size_t name = strcspn(command, " ");
     text[length > 0 ? length : 0] = '\0';
-    const bool silent = strstr(command, "--check") != NULL;
-    if (code && length < 1 && !silent) complain(command, code, "no line", "");
+    if (code && length < 1) complain(command, code, "no line", "");
     for (const char *line = text; *line; line += strcspn(line, "\n") + 1) {
         if (strncmp(line, command, name) != 0 || strncmp(line + name, ": ", 2) != 0)
             complain(command, code, "a line that the program did not say", text);

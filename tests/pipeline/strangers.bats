@@ -127,6 +127,11 @@ import h5py
 with h5py.File('T.h5', 'w') as f:
     for n in 'time', 'F': f.create_dataset(n, (2**61,), 'f8', chunks=(100,))"
     refuse 65 "time: found 2305843009213693952 numbers, expected at most 100000000" fullrun moving.yml -o x.h5
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('T.h5', 'w') as f:
+    for n in 'time', 'F': f.create_dataset(n, (10**7,), 'f8', chunks=(100,))"
+    refuse 65 "T.h5: found numbers that take 80 MB in a file with .* MB of data, expected at most 1032 times as much" fullrun moving.yml -o x.h5
 }
 
 @test "memory is asked for before numbers are taken" {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "tests/unit/allocation.h"
 
+#include <errno.h>
+
 // the linker's --wrap option gives these names
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
@@ -27,6 +29,7 @@ static bool fails_now(void) {
     if (!counting || remaining-- > 0) return false;
     counting = false;
     failed = true;
+    errno = ENOMEM;
     return true;
 }
 

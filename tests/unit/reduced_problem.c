@@ -4,6 +4,7 @@
 #include "common/physics/deflection.h"
 
 #include "romrun/model/model_file.h"
+#include "romrun/online/fields.h"
 #include "tests/unit/check.h"
 
 #include <math.h>
@@ -36,6 +37,16 @@ void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact) {
         fail_msg("%s", error.text);
     assert_string_equal(self->info.reason, "");
     assert_int_equal(self->info.status, EHD_OK);
+}
+
+void fields_of(double *pressure, double *film, const reduced_state *state,
+               const reduced_model *model, const double *pressure_basis) {
+    field_modes modes;
+
+    assert_int_equal(field_modes_init(&modes, model, pressure_basis, NULL), EHD_OK);
+    assert_int_equal(field_modes_deflect(&modes, model, NULL), EHD_OK);
+    reduced_fields(pressure, film, state, model, &modes);
+    field_modes_free(&modes);
 }
 
 /* Modes that are nodes: one where `node` of the mode is. */

@@ -29,6 +29,11 @@ void reduced_problem_free(reduced_problem *self);
  * trusted. */
 void reduced_problem_solve(reduced_problem *self, const ehd_contact *contact);
 
+/* P and H of a state, [num_nodes], from the modes [num_nodes, num_pressure]; the test fails where
+ * there is no memory for them. */
+void fields_of(double *pressure, double *film, const reduced_state *state,
+               const reduced_model *model, const double *pressure_basis);
+
 /* Every inner node is a pressure mode of its own and, independent, every node a deformation mode:
  * the reduced model is the full one. */
 reduced_basis identity_basis(

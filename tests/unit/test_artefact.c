@@ -490,15 +490,69 @@ static void survives_failing_allocations(void **state) {
         const ehd_status status =
             artefact_create(&file, path, &schema_snapshots, &caller, "a: 1\n", NULL, &error);
         if (!allocation_failed()) break;
-        // of the file object; later ones are texts that then are not written
-        if (call < 3)
-            assert_int_equal(status, EHD_MEMORY);
-        else
-            check_refused(status, EHD_IO, "provenance");
+        assert_int_equal(status, EHD_MEMORY);
         assert_null(file);
     }
     assert_true(call >= 3);
     artefact_close(&file);
+}
+
+/* Reads texts, one of them in pieces, and what reads all of the file. */
+static ehd_status read_texts(char **settings) {
+    const char *const names[] = {"contact", "history", "step"};
+    artefact *file = NULL;
+    ehd_status status = artefact_open(&file, path, snapshots_only, &error);
+
+    *settings = NULL;
+    if (!status) status = artefact_get_text(file, "settings", settings, &error);
+    for (size_t i = 0; i < sizeof names / sizeof *names && !status; i++) {
+        char *shown = NULL;
+        status = artefact_show_attribute(file, names[i], &shown, &error);
+        free(shown);
+    }
+    artefact_close(&file);
+    return status ? status : artefact_check(path, &error);
+}
+
+/* None of them is "something else", and no text is cut short. */
+static void refused_memory_is_no_other_text(void **state) {
+    (void)state;
+    enum { LENGTH = 150000 };
+    char *text = calloc(LENGTH + 1, 1), *found = NULL;
+    size_t call = 0;
+    assert_non_null(text);
+    memset(text, 'x', LENGTH);
+    write_snapshots(text);
+    for (;; call++) {
+        allocation_fail_at(call);
+        const ehd_status status = read_texts(&found);
+        if (!allocation_failed()) break;
+        if (status != EHD_MEMORY)
+            fail_msg("allocation %zu: found %d, %s, expected 71", call, (int)status, error.text);
+        free(found);
+    }
+    assert_string_equal(found, text);
+    assert_true(call > 20);
+    free(found);
+    free(text);
+}
+
+/* Nor is a digest made of what could not be read. */
+static void refused_memory_ends_no_file(void **state) {
+    (void)state;
+    bool failed = true;
+    for (size_t call = 0; failed; call++) {
+        artefact *file = NULL;
+        check_ok(artefact_create(&file, path, &schema_snapshots, &forcing, "a: 1\n", NULL, &error));
+        put_grid(file);
+        put_fields(file);
+        allocation_fail_at(call);
+        const ehd_status status = artefact_finish(&file, &error);
+        failed = allocation_failed();
+        if (status && status != EHD_MEMORY)
+            fail_msg("allocation %zu: found %d, %s, expected 71", call, (int)status, error.text);
+        if (!status) check_ok(artefact_check(path, &error));
+    }
 }
 
 static void two_writers(void **state) {
@@ -1328,6 +1382,8 @@ int main(void) {
         TEST(provisional_names),
         TEST(names_that_change_meanwhile),
         TEST(survives_failing_allocations),
+        TEST(refused_memory_is_no_other_text),
+        TEST(refused_memory_ends_no_file),
         TEST(two_writers),
         TEST(refuses_what_is_no_artefact),
         TEST(refuses_what_does_not_fit),

@@ -42,6 +42,7 @@ typedef struct solved {
 
 static void solve(solved *self, const ehd_contact *contact) {
     check_ok(online_open(&self->model, path, NULL, &error));
+    check_ok(online_prepare_fields(self->model, &error));
     check_ok(online_solver_create(&self->solver, self->model, &error));
     check_ok(online_solve(&self->result, self->solver, contact, &error));
 }

@@ -2,10 +2,10 @@
 /* Control rows and what is made of them: where they are chosen, what they are left with, the
  * bound. */
 #include "deimselect/control.h"
-#include "romrun/online/fields.h"
 #include "romrun/online/indicator.h"
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
+#include "tests/unit/reduced_problem.h"
 #include "tests/unit/trained.h"
 
 #include <cblas.h>
@@ -292,10 +292,10 @@ static void field_gradients(double *gradients, const reduced_model *model,
     double *fields = malloc(4 * num_nodes * sizeof *fields), *after = fields + 2 * num_nodes;
 
     assert_non_null(fields);
-    check_ok(reduced_fields(fields, fields + num_nodes, at, model, basis->pressure, &error));
+    fields_of(fields, fields + num_nodes, at, model, basis->pressure);
     for (size_t j = 0; j < n; j++) {
         at->coordinates[j] += 1;
-        check_ok(reduced_fields(after, after + num_nodes, at, model, basis->pressure, &error));
+        fields_of(after, after + num_nodes, at, model, basis->pressure);
         at->coordinates[j] -= 1;
         for (size_t k = 0; k < 2 * num_nodes; k++)
             gradients[k * n + j] = after[k] - fields[k];

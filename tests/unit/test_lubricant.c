@@ -2,9 +2,11 @@
 /* Viscosity and density of the laws. How laws are found by name and read from scenes is in
  * test_laws.c. */
 #include "common/physics/lubricant.h"
+#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/sample.h"
 
+#include <gsl/gsl_integration.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -133,6 +135,42 @@ static void negative_pressure_counts_as_zero(void **state) {
     }
 }
 
+static double fluidity(double pressure, void *lubricant) {
+    return exp(-log_viscosity(lubricant, pressure));
+}
+
+/* Table 1 hot and cold, and oils that hardly bear pressure, or turn solid at little: against GSL's
+ * adaptive integration, without any memory. */
+static void alpha_is_the_integral_of_fluidity(void **state) {
+    (void)state;
+    static const struct {
+        double temperature, c2, b1;
+    } cases[] = {{25, 18.18, 0.23}, {-40, 18.18, 0.23}, {120, 18.18, 0.23}, {25, 900, 0.23},
+                 {-50, 0.2, 0.23},  {25, 18.18, 0.5},   {25, 18.18, 0.01}};
+    gsl_integration_workspace *workspace = gsl_integration_workspace_alloc(1000);
+    assert_non_null(workspace);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        static const char *const keys[] = {"A1", "A2",  "B1",   "B2",         "C1",
+                                           "C2", "Tg0", "mu_g", "temperature"};
+        const double values[] = {19.17,  4.07, cases[i].b1,         0.0249, 16.04, cases[i].c2,
+                                 -73.86, 1e12, cases[i].temperature};
+        lubricant_settings settings = sample_scene("no1", "incompressible", 10, 5).lubricant;
+        double integral, estimate;
+        ehd_lubricant lubricant;
+        settings.viscosity.values[laws_slot(viscosity_laws, "preset")].word[0] = '\0';
+        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+            settings.viscosity.values[laws_slot(viscosity_laws, keys[k])].number = values[k];
+        allocation_fail_at(0);
+        assert_int_equal(lubricant_init(&lubricant, &settings, NULL), EHD_OK);
+        assert_false(allocation_failed());
+        const gsl_function function = {fluidity, &lubricant};
+        gsl_integration_qag(&function, 0, fmin(3e9, lubricant.pressure_limit), 0, 1e-10, 1000,
+                            GSL_INTEG_GAUSS61, workspace, &integral, &estimate);
+        check_close(lubricant.alpha, 1 / integral, 1e-9, 0);
+    }
+    gsl_integration_workspace_free(workspace);
+}
+
 static void bad_lubricants_are_refused(void **state) {
     (void)state;
     static const struct {
@@ -183,6 +221,7 @@ int main(void) {
         cmocka_unit_test(wlf_coefficients_and_limits),
         cmocka_unit_test(viscosity_rises_to_its_limit),
         cmocka_unit_test(negative_pressure_counts_as_zero),
+        cmocka_unit_test(alpha_is_the_integral_of_fluidity),
         cmocka_unit_test(bad_lubricants_are_refused),
         cmocka_unit_test(unknown_laws_are_refused),
     };

@@ -2,10 +2,13 @@
 /* The library: opens a model and solves contacts with it. How it takes steps in time is in
  * test_online_transient.c. */
 #include "romrun/online/online.h"
+#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
+#include "tests/unit/foreign.h"
 #include "tests/unit/reduced_problem.h"
 
+#include <gsl/gsl_errno.h>
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -114,6 +117,10 @@ static void the_library_says_what_it_solved(void **state) {
     ehd_contact contact = training.contacts[4];
     contact_set_moes(&contact, 12, 3);
     check_ok(online_solver_create(&solver, model, &error));
+    assert_int_equal(online_fields(pressure, film, solver, &error), EHD_INTERNAL);
+    assert_non_null(strstr(error.text, "expected online_prepare_fields before"));
+    check_ok(online_prepare_fields(model, &error));
+    check_ok(online_prepare_fields(model, &error)); // once more
     check_ok(online_solve(&result, solver, &contact, &error));
     assert_string_equal(result.reason, "");
     check_ok(online_fields(pressure, film, solver, &error));
@@ -170,10 +177,169 @@ static void the_library_says_what_it_solved(void **state) {
     assert_null(online_solver_free(NULL));
 }
 
+// ---- what may end the host
+
+enum { NUM_CONTACTS = 8 };
+
+typedef struct fields_run {
+    const online_model *model;
+    double *pressure, *film; // [NUM_CONTACTS, num_nodes]
+    ehd_status status;
+} fields_run;
+
+/* All that a thread may ask of a model. */
+static void *use_all(void *argument) {
+    fields_run *run = argument;
+    const size_t num_nodes = training.set.grid.num_nodes;
+    online_solver *solver = NULL;
+    double exit;
+
+    run->status = online_solver_create(&solver, run->model, NULL);
+    for (size_t i = 0; i < NUM_CONTACTS && !run->status; i++) {
+        ehd_contact contact = training.contacts[0];
+        double *pressure = run->pressure + i * num_nodes;
+        online_result result;
+        contact_set_moes(&contact, 9 + (double)i, 3);
+        run->status = online_solve(&result, solver, &contact, NULL);
+        if (!run->status)
+            run->status = online_fields(pressure, run->film + i * num_nodes, solver, NULL);
+        if (run->status) break;
+        online_judge_pressure(&result, &contact, pressure, num_nodes);
+        online_indicate(solver, &contact);
+        online_effects(run->model, &contact);
+        online_exits(&exit, solver);
+    }
+    online_solver_free(solver);
+    return NULL;
+}
+
+static void fields_run_init(fields_run *self, const online_model *model) {
+    const size_t count = NUM_CONTACTS * training.set.grid.num_nodes;
+
+    *self = (fields_run){model, calloc(count, sizeof(double)), calloc(count, sizeof(double)), 0};
+    assert_true(self->pressure && self->film);
+}
+
+static void fields_run_free(fields_run *self) {
+    free(self->pressure);
+    free(self->film);
+}
+
+static void handler_of_host(const char *reason, const char *file, int line, int code) {
+    fail_msg("%s:%d: %s (%d)", file, line, reason, code);
+}
+
+/* GSL calls a handler, by default one that ends the process; it is the host's. */
+static void the_process_keeps_what_it_has_set(void **state) {
+    static const char text[] = "contact: line\nregime: stationary\nmoes: {M: 12, L: 3}\n"
+                               "lubricant: {viscosity: {law: wlf, preset: no1}}\n";
+    gsl_error_handler_t *const before = gsl_set_error_handler(handler_of_host);
+    online_model *model;
+    ehd_contact contact;
+    fields_run run;
+    scene given;
+    (void)state;
+
+    check_ok(scene_parse(&given, text, strlen(text), "scene", NULL, 0, &error));
+    check_ok(scene_contact(&contact, &given, &error));
+    rows_model_write(&bases[1], rows, NUM_ROWS, path);
+    check_ok(online_open(&model, path, NULL, &error));
+    check_ok(online_prepare_transient(model, &error));
+    fields_run_init(&run, model);
+    use_all(&run);
+    assert_int_equal(run.status, EHD_OK);
+    fields_run_free(&run);
+    online_close(model);
+    assert_ptr_equal(gsl_set_error_handler(before), handler_of_host);
+}
+
+/* Two threads at once, and one alone, give the same bits. */
+static void a_loaded_model_calls_no_library_that_may_end_the_process(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        const size_t bytes = NUM_CONTACTS * training.set.grid.num_nodes * sizeof(double);
+        fields_run runs[3];
+        pthread_t threads[2];
+        online_model *model;
+        rows_model_write(&bases[kind], rows, NUM_ROWS, path);
+        check_ok(online_open(&model, path, NULL, &error));
+        check_ok(online_prepare_fields(model, &error));
+        for (int i = 0; i < 3; i++)
+            fields_run_init(&runs[i], model);
+        foreign_forbid();
+        for (int i = 0; i < 2; i++)
+            assert_int_equal(pthread_create(&threads[i], NULL, use_all, &runs[i]), 0);
+        for (int i = 0; i < 2; i++)
+            pthread_join(threads[i], NULL);
+        use_all(&runs[2]);
+        online_close(model);
+        foreign_allow();
+        for (int i = 0; i < 3; i++) {
+            assert_int_equal(runs[i].status, EHD_OK);
+            assert_memory_equal(runs[i].pressure, runs[2].pressure, bytes);
+            assert_memory_equal(runs[i].film, runs[2].film, bytes);
+        }
+        for (int i = 0; i < 3; i++)
+            fields_run_free(&runs[i]);
+    }
+}
+
+static void refused_memory_is_said(void **state) {
+    online_model *model;
+    fields_run run;
+    size_t call = 0;
+    (void)state;
+
+    rows_model_write(&bases[1], rows, NUM_ROWS, path);
+    check_ok(online_open(&model, path, NULL, &error));
+    for (;; call++) {
+        allocation_fail_at(call);
+        const ehd_status status = online_prepare_fields(model, &error);
+        if (!allocation_failed()) break;
+        assert_int_equal(status, EHD_MEMORY);
+    }
+    assert_true(call > 5);
+    fields_run_init(&run, model);
+    for (call = 0;; call++) {
+        allocation_fail_at(call);
+        use_all(&run);
+        if (!allocation_failed()) break;
+        assert_int_equal(run.status, EHD_MEMORY);
+    }
+    assert_int_equal(run.status, EHD_OK);
+    assert_true(call > 5);
+    fields_run_free(&run);
+    online_close(model);
+}
+
+static void fields_are_not_those_of_another_model(void **state) {
+    const ehd_grid *grid = &training.set.grid;
+    online_model *model;
+    (void)state;
+
+    rows_model_write(&bases[1], rows, NUM_ROWS, path);
+    check_ok(online_open(&model, path, NULL, &error));
+    reduced_basis fewer = bases[1], longer = bases[1];
+    fewer.num_pressure--;
+    rows_model_write(&fewer, rows, NUM_ROWS, path);
+    assert_int_equal(online_prepare_fields(model, &error), EHD_DATA);
+    assert_non_null(strstr(error.text, "found another model"));
+    longer.grid = grid_like(grid, grid->x_min, grid->step * 1.01, grid->inner_x, 1);
+    rows_model_write(&longer, rows, NUM_ROWS, path);
+    assert_int_equal(online_prepare_fields(model, &error), EHD_DATA);
+    rows_model_write(&bases[1], rows, NUM_ROWS, path);
+    check_ok(online_prepare_fields(model, &error));
+    online_close(model);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_threads_give_the_same_bits),
         cmocka_unit_test(the_library_says_what_it_solved),
+        cmocka_unit_test(a_loaded_model_calls_no_library_that_may_end_the_process),
+        cmocka_unit_test(refused_memory_is_said),
+        cmocka_unit_test(the_process_keeps_what_it_has_set),
+        cmocka_unit_test(fields_are_not_those_of_another_model),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

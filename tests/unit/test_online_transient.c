@@ -6,6 +6,7 @@
 #include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
+#include "tests/unit/foreign.h"
 #include "tests/unit/reduced_problem.h"
 
 #include <math.h>
@@ -732,6 +733,33 @@ static void a_step_allocates_nothing(void **unused) {
     }
 }
 
+/* From the object to its end, and whatever is asked of it: HDF5, FFTW and GSL may end the process. */
+static void a_prepared_model_calls_no_library_that_may_end_the_process(void **unused) {
+    (void)unused;
+    const size_t num_nodes = reference.grid.num_nodes;
+    double *pressure = malloc(2 * num_nodes * sizeof *pressure);
+
+    assert_non_null(pressure);
+    for_both_models {
+        online_state states[30];
+        foreign_forbid();
+        online_transient *contact = create(models[m]);
+        double *saved = malloc(online_saved_size(contact) * sizeof *saved);
+        assert_non_null(saved);
+        start(contact);
+        go(states, contact, 0, 30);
+        online_save(saved, contact);
+        check_ok(online_restore(contact, saved, &error));
+        online_restart(contact);
+        go(states, contact, 30, 2);
+        check_ok(online_transient_fields(pressure, pressure + num_nodes, contact, &error));
+        online_transient_free(contact);
+        foreign_allow();
+        free(saved);
+    }
+    free(pressure);
+}
+
 static void memory_may_fail(void **unused) {
     (void)unused;
     online_transient *contact = NULL;
@@ -769,6 +797,7 @@ int main(void) {
         cmocka_unit_test(calls_out_of_order_are_refused),
         cmocka_unit_test(what_was_not_trained_is_not_trusted),
         cmocka_unit_test(a_step_allocates_nothing),
+        cmocka_unit_test(a_prepared_model_calls_no_library_that_may_end_the_process),
         cmocka_unit_test(memory_may_fail),
     };
 

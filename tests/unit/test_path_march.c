@@ -2,8 +2,8 @@
 /* The reduced march along the path of the fluid, of lines and points. */
 #include "common/physics/minimum.h"
 #include "fullrun/full_march.h"
-#include "romrun/online/fields.h"
 #include "tests/unit/marching.h"
+#include "tests/unit/reduced_problem.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -346,8 +346,7 @@ static void a_dip_is_found_between_the_needed_nodes(void **state) {
         for (size_t k = 0; k < num; k++)
             z[k] = 3 * of_a[k] - 2 * of_b[k];
         contact_scalars scalars = reduced_scalars(reduced_march_inner(self.march), &at, contact);
-        check_ok(
-            reduced_fields(pressure, film, &at, &self.model, self.splines.pressure_basis, &error));
+        fields_of(pressure, film, &at, &self.model, self.splines.fields.pressure);
         size_t lowest = BEGIN;
         for (size_t k = BEGIN; k < at.exit; k++)
             if (film[k] < film[lowest]) lowest = k;

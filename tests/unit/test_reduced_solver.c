@@ -69,6 +69,19 @@ static void full_fields(double *pressure, double *film, const reduced_problem *s
     deflection_free(deflection);
 }
 
+/* Of coupled bases those are the fields of the library, whatever the exits of the state are. */
+static void check_fields(const reduced_problem *self, const reduced_basis *basis) {
+    const size_t num_nodes = basis->grid.num_nodes;
+    double *both = calloc(4 * num_nodes, sizeof *both);
+
+    assert_non_null(both);
+    full_fields(both, both + num_nodes, self, basis);
+    fields_of(both + 2 * num_nodes, both + 3 * num_nodes, &self->state, &self->model,
+              basis->pressure);
+    check_close_array(both + 2 * num_nodes, both, 2 * num_nodes, 1e-12, 1e-13);
+    free(both);
+}
+
 static double *fields(void) {
     double *memory = calloc(2 * training.set.grid.num_nodes, sizeof *memory);
 
@@ -82,6 +95,7 @@ static void check_is_training_state(const reduced_problem *self, const reduced_b
     size_t num_nodes = basis->grid.num_nodes;
     double *pressure = fields(), *film = pressure + num_nodes;
 
+    if (basis->deformation == DEFORMATION_COUPLED) check_fields(self, basis);
     full_fields(pressure, film, self, basis);
     assert_int_equal(self->state.exit, training.set.exit[s]);
     check_close(self->info.scalars.central_film_thickness, training.set.central_film_thickness[s],

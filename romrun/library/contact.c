@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Contacts and their settings. */
+#include "romrun/library/internal.h"
+
+#include "common/program/text.h"
+#include "common/settings/settings_table.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char no_memory[] = "contact: found no memory";
+
+/* The model's kind and discretisation, by the names that scenes have for them. */
+static void take_from_model(scene *settings, const ehdrom_model *model) {
+    const online_properties properties = online_describe(model->online);
+    const contact_kind *kind = online_kind(model->online);
+
+    scene_defaults(settings);
+    scene_set(settings, "contact", kind->name, NULL, NULL);
+    scene_set(settings, "regime", "stationary", NULL, NULL);
+    scene_set(settings, "discretization", properties.discretization, NULL, NULL);
+    if (kind->dimensions > 1) scene_set(settings, "boundary", properties.boundary, NULL, NULL);
+}
+
+ehdrom_status ehdrom_contact_create(ehdrom_contact **contact, const ehdrom_model *model) {
+    ehdrom_contact *self = calloc(1, sizeof *self);
+
+    *contact = self;
+    if (!self) return EHDROM_MEMORY;
+    self->accuracy = self->tolerance = self->step_tolerance = NAN;
+    if (!model || !model->online)
+        return (ehdrom_status)ehd_fail(&self->error, EHD_INTERNAL,
+                                       "model: found none, expected one that was opened");
+    self->model = model;
+    take_from_model(&self->settings, model);
+    return EHDROM_OK;
+}
+
+void ehdrom_contact_free(ehdrom_contact *self) {
+    if (!self) return;
+    online_solver_free(self->solver);
+    online_transient_free(self->in_time);
+    free(self->pressure);
+    free(self->film);
+    free(self);
+}
+
+const char *ehdrom_contact_error(const ehdrom_contact *self) {
+    return self ? self->error.text : no_memory;
+}
+
+ehd_status library_begin(ehdrom_contact *self) {
+    if (!self || !self->model) return EHD_INTERNAL;
+    self->error.text[0] = '\0';
+    return EHD_OK;
+}
+
+// ---- settings
+
+ehdrom_status ehdrom_contact_read(ehdrom_contact *self, const char *path) {
+    ehd_status status = library_begin(self);
+    scene found;
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = scene_read(&found, path, NULL, 0, &self->error);
+    if (!status) self->settings = found;
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+static ehd_status unset(scene *settings, const char *key, ehd_error *error) {
+    const setting *row = setting_find(key);
+
+    if (!row) return setting_unknown(error, (place){0}, key);
+    setting_clear(row, settings);
+    return EHD_OK;
+}
+
+ehdrom_status ehdrom_contact_set(ehdrom_contact *self, const char *key, const char *value) {
+    ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = value ? scene_set(&self->settings, key, value, NULL, &self->error)
+                   : unset(&self->settings, key, &self->error);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, double value) {
+    char text[NUMBER_TEXT];
+    const locale_t before = library_enter();
+
+    // all digits, so that the same bits come back
+    number_show(text, value);
+    const ehdrom_status status = ehdrom_contact_set(self, key, text);
+    library_leave(before);
+    return status;
+}
+
+ehdrom_status ehdrom_contact_set_units(ehdrom_contact *self, int units) {
+    const ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    if (units != EHDROM_SI && units != EHDROM_DIMENSIONLESS)
+        return (ehdrom_status)ehd_fail(
+            &self->error, EHD_DATA, "units: found %d, expected EHDROM_SI or EHDROM_DIMENSIONLESS",
+            units);
+    self->dimensionless = units == EHDROM_DIMENSIONLESS;
+    return EHDROM_OK;
+}
+
+/* Of a tolerance or an accuracy. */
+static ehdrom_status set_part(ehdrom_contact *self, double *member, const char *name, double value,
+                              bool infinite) {
+    const locale_t before = library_enter();
+    ehd_status status = EHD_OK;
+
+    if (!(value > 0 && (infinite || value < 1)))
+        status = ehd_fail(&self->error, EHD_DATA, "%s: found %g, expected a number above 0%s", name,
+                          value, infinite ? "" : " and below 1");
+    else
+        *member = value;
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *self, double accuracy) {
+    const ehd_status status = library_begin(self);
+
+    return status ? (ehdrom_status)status
+                  : set_part(self, &self->accuracy, "accuracy", accuracy, true);
+}
+
+ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *self, double tolerance) {
+    const ehd_status status = library_begin(self);
+
+    return status ? (ehdrom_status)status
+                  : set_part(self, &self->tolerance, "tolerance", tolerance, false);
+}
+
+ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *self, double tolerance) {
+    const ehd_status status = library_begin(self);
+
+    return status ? (ehdrom_status)status
+                  : set_part(self, &self->step_tolerance, "step tolerance", tolerance, false);
+}
+
+// ---- the contact of the settings
+
+static bool starts_with(const char *text, const char *start) {
+    return strncmp(text, start, strlen(start)) == 0;
+}
+
+/* The settings as a scene of one regime, whichever they were of: without what the caller says in
+ * place of the scene, how conditions change in time and what is written. */
+static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
+    const online_properties properties = online_describe(self->model->online);
+
+    *of = self->settings;
+    for (const setting *row = scene_settings(); row->key; row++) {
+        const bool how_carried =
+            starts_with(row->key, "transport") || starts_with(row->key, "transient.smoothing");
+        if (starts_with(row->key, "output.") || strcmp(row->key, "approach") == 0 ||
+            (starts_with(row->key, "transient.") && !(in_time && how_carried)) ||
+            (how_carried && !in_time))
+            setting_clear(row, of);
+    }
+    scene_set(of, "regime", in_time ? "transient" : "stationary", NULL, NULL);
+    if (in_time) {
+        scene_set(of, "transient.end_time", "1", NULL, NULL); // which a scene needs
+        if (!*of->transport) scene_set(of, "transport", properties.transport, NULL, NULL);
+    } else {
+        scene_set(of, "closure", "load", NULL, NULL);
+    }
+    scene_complete(of);
+}
+
+static unit_factors units_of(const ehd_contact *contact, const scene *settings,
+                             bool dimensionless) {
+    if (dimensionless) return (unit_factors){1, 1, 1, 1, 1, 1, 1, 1};
+    return (unit_factors){.length = contact->half_width,
+                          .film = contact_film_scale(contact),
+                          .pressure = contact->hertz_pressure,
+                          .load = settings->physical.load,
+                          .time = contact->half_width / settings->physical.speed,
+                          .speed = settings->physical.speed,
+                          .radius = settings->physical.radius,
+                          .modulus = settings->physical.modulus};
+}
+
+ehd_status library_contact(ehd_contact *contact, unit_factors *units, const ehdrom_contact *self,
+                           bool in_time, ehd_error *error) {
+    scene of;
+
+    take_regime(&of, self, in_time);
+    ehd_status status = scene_validate(&of, "settings", error);
+    if (!status && !self->dimensionless && isnan(of.physical.load))
+        status = ehd_fail(error, EHD_DATA,
+                          "units: found moes.M and moes.L, expected physical.load and the others, "
+                          "or EHDROM_DIMENSIONLESS");
+    if (!status) status = scene_contact(contact, &of, error);
+    if (!status) *units = units_of(contact, &of, self->dimensionless);
+    return status;
+}
+
+ehdrom_status ehdrom_contact_scales(ehdrom_contact *self, ehdrom_scales *scales) {
+    ehd_status status = library_begin(self);
+    ehd_contact contact;
+    unit_factors units;
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    ehdrom_contact copy = *self;
+    copy.dimensionless = true; // that a scene of M and L has no others is no error
+    status = library_contact(&contact, &units, &copy, true, &self->error);
+    if (!status) {
+        units = units_of(&contact, &self->settings, false);
+        const ehdrom_scales own = {.half_width = units.length,
+                                   .film = units.film,
+                                   .hertz_pressure = units.pressure,
+                                   .load = units.load,
+                                   .speed = units.speed,
+                                   .time = units.time,
+                                   .moes_M = contact.moes_M,
+                                   .moes_L = contact.moes_L};
+        status = library_give(scales, &own, sizeof own, "scales", &self->error);
+    }
+    library_leave(before);
+    return (ehdrom_status)status;
+}

@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Elastohydrodynamic contacts in other people's programs: the reduced model of ehdrom.
+ *
+ *     #include <ehdrom.h>
+ *
+ *     ehdrom_model *model;
+ *     ehdrom_contact *contact;
+ *     ehdrom_result result = EHDROM_RESULT_INIT;
+ *
+ *     if (ehdrom_model_open(&model, "model.h5", NULL))             // once
+ *         puts(ehdrom_model_error(model));
+ *     ehdrom_contact_create(&contact, model);                      // once a contact
+ *     ehdrom_contact_read(contact, "scene.yml");                   // or ehdrom_contact_set
+ *     ehdrom_contact_set_number(contact, "physical.load", 300e3);
+ *     if (ehdrom_solve(contact, &result))                          // as often as wanted
+ *         puts(ehdrom_contact_error(contact));
+ *     ehdrom_contact_free(contact);
+ *     ehdrom_model_close(model);
+ *
+ * Units are SI unless others are asked for (ehdrom_contact_set_units): N/m of a line contact, N of a
+ * point contact, m, s, m/s, Pa, Pa s.
+ *
+ * A model does not change once it is open; any number of contacts in any number of threads may use
+ * it. A contact is used by one thread at a time. Models of HDF5 files may be opened in several threads
+ * too, but not while the program itself is in HDF5 or in FFTW's planner. Nothing here prints, ends
+ * the process, or changes its locale, its signals or its threads.
+ *
+ * Functions return EHDROM_OK, or an outcome, or an error; ehdrom_model_error and
+ * ehdrom_contact_error say what was found and what was expected. With an outcome the result is filled
+ * in: not converged, there is no solution; untrusted, there is one, and a reason not to rely on it.
+ * With an error (EHDROM_FAILED) it is as before.
+ *
+ * The interface grows by new functions, new settings, and members at the end of structs, whose first
+ * member says how large the caller's are. */
+#ifndef EHDROM_H
+#define EHDROM_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define EHDROM_API __attribute__((visibility("default")))
+#else
+#define EHDROM_API
+#endif
+
+#define EHDROM_VERSION_MAJOR 0
+#define EHDROM_VERSION_MINOR 3
+#define EHDROM_VERSION_PATCH 0
+#define EHDROM_VERSION       "0.3.0"
+
+/* Version of the library that runs, "0.3.0"; EHDROM_VERSION is that of the header. */
+EHDROM_API const char *ehdrom_version(void);
+
+/* The same numbers as the exit codes of romrun. */
+typedef int ehdrom_status;
+enum {
+    EHDROM_OK = 0,
+    EHDROM_NOT_CONVERGED = 3, /* outcome: there is no solution */
+    EHDROM_UNTRUSTED = 4,     /* outcome: solved, but not to be relied on */
+    EHDROM_DATA = 65,         /* bad data or setting */
+    EHDROM_NOINPUT = 66,      /* file missing or unreadable */
+    EHDROM_INTERNAL = 70,     /* calls in an order that makes no sense, or a fault of the library */
+    EHDROM_MEMORY = 71,       /* out of memory */
+    EHDROM_IO = 74            /* reading failed midway */
+};
+#define EHDROM_FAILED(status) ((status) >= EHDROM_DATA)
+
+/* ---- models */
+
+typedef struct ehdrom_model ehdrom_model;
+
+/* What of a model to load. */
+typedef struct ehdrom_model_options {
+    size_t size;              /* sizeof(ehdrom_model_options) */
+    size_t pressure_modes;    /* the first ones; 0: all */
+    size_t deformation_modes; /* 0: all */
+    size_t rows;              /* 0: all */
+    int stationary;           /* 1: not what steps in time need */
+} ehdrom_model_options;
+#define EHDROM_MODEL_OPTIONS_INIT                                                                  \
+    { sizeof(ehdrom_model_options), 0, 0, 0, 0 }
+
+/* Opens a model file; `options` NULL: all of it. *model is to be closed in any case, and tells the
+ * error; it is NULL where there was no memory even for that. */
+EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
+                                           const ehdrom_model_options *options);
+/* Accepts NULL. Contacts of the model have to be freed before. */
+EHDROM_API void ehdrom_model_close(ehdrom_model *model);
+/* Why it was not opened, or "". */
+EHDROM_API const char *ehdrom_model_error(const ehdrom_model *model);
+
+typedef struct ehdrom_model_info {
+    size_t size;         /* sizeof(ehdrom_model_info) */
+    int dimensions;      /* of the pressurised zone: 1 of a line, 2 of a point contact */
+    size_t num_x, num_y; /* nodes along and across the whole contact; num_y 1 of a line */
+    double x_min, y_min; /* the first node, in half widths */
+    double step;         /* between nodes, in half widths */
+    size_t pressure_modes, deformation_modes, unknowns, rows, states;
+    int checked;         /* 1: these sizes were checked, so that deviations are indicated */
+    int checked_in_time; /* 1: on trajectories too */
+    int in_time;         /* 1: loaded for steps in time */
+} ehdrom_model_info;
+#define EHDROM_MODEL_INFO_INIT                                                                     \
+    { sizeof(ehdrom_model_info), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+
+/* EHDROM_DATA: a struct of no size; EHDROM_INTERNAL: the model was not opened. */
+EHDROM_API ehdrom_status ehdrom_model_describe(const ehdrom_model *model, ehdrom_model_info *info);
+
+/* ---- contacts and their settings */
+
+typedef struct ehdrom_contact ehdrom_contact;
+
+/* A contact without settings but the model's kind and discretisation. *contact is to be freed in any
+ * case, as above. The model must outlive it. */
+EHDROM_API ehdrom_status ehdrom_contact_create(ehdrom_contact **contact, const ehdrom_model *model);
+/* Accepts NULL. */
+EHDROM_API void ehdrom_contact_free(ehdrom_contact *contact);
+/* What the last call with this contact found, or "". Stays until the next one. */
+EHDROM_API const char *ehdrom_contact_error(const ehdrom_contact *contact);
+
+/* Takes all settings from a scene file. Its transient.load and the like are not followed:
+ * ehdrom_step is told the conditions. */
+EHDROM_API ehdrom_status ehdrom_contact_read(ehdrom_contact *contact, const char *path);
+
+/* Sets one by its key in scenes ("lubricant.viscosity.law", "physical.load"; romrun --help lists all)
+ * from its text there, whatever the locale; NULL unsets it. They count from the next ehdrom_solve or
+ * ehdrom_start on. */
+EHDROM_API ehdrom_status ehdrom_contact_set(ehdrom_contact *contact, const char *key,
+                                            const char *value);
+EHDROM_API ehdrom_status ehdrom_contact_set_number(ehdrom_contact *contact, const char *key,
+                                                   double value);
+
+enum {
+    EHDROM_SI = 0,
+    /* film and approach by a^2/R, pressure by p_H, length by a, load by that which is set, time by
+     * a/u, and conditions relative to what is set; a scene of moes.M and moes.L knows no other */
+    EHDROM_DIMENSIONLESS = 1
+};
+EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int units);
+
+/* A result that is indicated to be further off is EHDROM_UNTRUSTED; 0.01 unless set. */
+EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
+
+/* ehdrom_solve iterates until another iteration is expected to change the central film by a smaller
+ * part; 1e-8 unless set. */
+EHDROM_API ehdrom_status ehdrom_contact_set_tolerance(ehdrom_contact *contact, double tolerance);
+/* What all steps may do to the central film: a step's iteration leaves a tenth of its part. Unless
+ * set, steps are iterated as ehdrom_solve does it. */
+EHDROM_API ehdrom_status ehdrom_contact_set_step_tolerance(ehdrom_contact *contact,
+                                                           double tolerance);
+
+/* What makes the contact's quantities dimensionless, SI; NaN where the scene gives M and L. */
+typedef struct ehdrom_scales {
+    size_t size;           /* sizeof(ehdrom_scales) */
+    double half_width;     /* a, m */
+    double film;           /* a^2/R, m */
+    double hertz_pressure; /* p_H, Pa */
+    double load;           /* N/m or N */
+    double speed;          /* u, m/s */
+    double time;           /* a/u, s */
+    double moes_M, moes_L; /* 1 */
+} ehdrom_scales;
+#define EHDROM_SCALES_INIT                                                                         \
+    { sizeof(ehdrom_scales), 0, 0, 0, 0, 0, 0, 0, 0 }
+EHDROM_API ehdrom_status ehdrom_contact_scales(ehdrom_contact *contact, ehdrom_scales *scales);
+
+/* ---- solutions */
+
+typedef struct ehdrom_result {
+    size_t size;                   /* sizeof(ehdrom_result) */
+    ehdrom_status status;          /* EHDROM_OK, EHDROM_NOT_CONVERGED, EHDROM_UNTRUSTED */
+    int trusted;                   /* 1 with EHDROM_OK */
+    double time;                   /* s; 0 of a stationary solution */
+    double load;                   /* N/m or N: the force between the bodies */
+    double approach;               /* m, H0 a^2/R: how far they are from touching undeformed */
+    double central_film_thickness; /* m */
+    double minimum_film_thickness; /* m */
+    double central_pressure;       /* Pa */
+    double peak_pressure;          /* Pa, the largest at nodes that the solution looks at */
+    double exit_position;          /* m behind the centre, at which the pressure ends (y = 0) */
+    double half_width;             /* m, of the dry contact at this time */
+    /* of central and minimum film, relative, from the full model with the same grid and steps; NaN:
+     * the model was not checked for that */
+    double indicated_deviation, indicated_deviation_minimum;
+    double local_error; /* of this step, relative to the central film; 0: not known yet */
+    double residual;    /* of the reduced equations */
+    size_t iterations;
+} ehdrom_result;
+#define EHDROM_RESULT_INIT                                                                         \
+    { sizeof(ehdrom_result), 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0 }
+
+/* The stationary solution of the settings. */
+EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *result);
+
+/* ---- in time
+ *
+ *     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
+ *
+ *     ehdrom_start(contact, NULL, &result);
+ *     while (…) {
+ *         conditions.given = EHDROM_APPROACH;
+ *         do {
+ *             conditions.approach = …;
+ *             // as often as wanted, always from the last accepted state
+ *             ehdrom_step(contact, &conditions, step, &result);
+ *         } while (…);
+ *         ehdrom_accept(contact);
+ *     }
+ *
+ * A step is BDF2, the first one BDF1. The settings are the reference: what conditions do not give
+ * stays as it is set. Where the approach is given, that of a line contact is measured from
+ * approach_length half widths, which has to lie outside of the pressurised zone. */
+
+enum {
+    EHDROM_LOAD = 1,
+    EHDROM_APPROACH = 2, /* instead of the load, which is then an outcome */
+    EHDROM_SPEED = 4,
+    EHDROM_RADIUS = 8,
+    EHDROM_MODULUS = 16
+};
+
+/* What holds at the end of a step. */
+typedef struct ehdrom_conditions {
+    size_t size;     /* sizeof(ehdrom_conditions) */
+    unsigned given;  /* EHDROM_LOAD | …: which of these are */
+    double load;     /* N/m or N */
+    double approach; /* m */
+    double speed;    /* m/s, the mean of both surfaces; not negative */
+    double radius;   /* m */
+    double modulus;  /* Pa */
+} ehdrom_conditions;
+#define EHDROM_CONDITIONS_INIT                                                                     \
+    { sizeof(ehdrom_conditions), 0, 0, 0, 0, 0, 0 }
+
+/* The stationary state of the conditions at time 0 (NULL: of the settings), which is accepted. */
+EHDROM_API ehdrom_status ehdrom_start(ehdrom_contact *contact, const ehdrom_conditions *conditions,
+                                      ehdrom_result *result);
+/* The state `step` seconds after the last accepted one. EHDROM_NOT_CONVERGED: try a shorter one. */
+EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_conditions *conditions,
+                                     double step, ehdrom_result *result);
+/* Accepts the last step. EHDROM_INTERNAL: there is none, or it did not converge. */
+EHDROM_API ehdrom_status ehdrom_accept(ehdrom_contact *contact);
+/* After a jump of the conditions: the next step is first order, from the last state alone. */
+EHDROM_API ehdrom_status ehdrom_restart(ehdrom_contact *contact);
+
+/* Saves the accepted state and restores it, in any contact of the same model and settings, also of
+ * another process: steps that follow are the same to the last bit. EHDROM_DATA: not as many numbers,
+ * no saved state, or one of other settings; the contact has then to be started or restored anew. */
+EHDROM_API ehdrom_status ehdrom_state_size(ehdrom_contact *contact, size_t *count);
+EHDROM_API ehdrom_status ehdrom_state_save(ehdrom_contact *contact, double *state, size_t count);
+EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const double *state,
+                                              size_t count);
+
+/* ---- fields, of the last solution or the accepted state, whichever came last */
+
+/* Where the nodes are: [num_x], [num_y] of ehdrom_model_info. Either may be NULL. */
+EHDROM_API ehdrom_status ehdrom_axes(ehdrom_contact *contact, double *x, double *y);
+/* Pressure and film at all of them, [num_y, num_x]. Either may be NULL. The only call whose cost
+ * grows with the grid. */
+EHDROM_API ehdrom_status ehdrom_fields(ehdrom_contact *contact, double *pressure, double *film);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,397 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Solutions, stationary and in time. */
+#include "romrun/library/internal.h"
+
+#include "common/output/grid_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the trust in a result rests on. */
+static void judge(ehdrom_contact *self, ehdrom_result *result, const char **reason, bool in_time) {
+    const double accuracy = isnan(self->accuracy) ? online_accuracy : self->accuracy;
+    const online_properties properties = online_describe(self->model->online);
+
+    if (result->status != EHDROM_OK || isinf(accuracy)) return;
+    if (march_deviates(self->deviation, result->indicated_deviation,
+                       result->indicated_deviation_minimum, accuracy))
+        *reason = self->deviation;
+    else
+        *reason = online_unchecked(&properties, in_time);
+    if (*reason) result->status = EHDROM_UNTRUSTED;
+}
+
+/* Scalars in the caller's units, of a contact whose half width is `width` times the reference's. */
+static void fill(ehdrom_result *result, const contact_scalars *scalars, double peak, double width,
+                 const unit_factors *units) {
+    result->load = scalars->load * units->load;
+    result->approach = scalars->rigid_approach * units->film;
+    result->central_film_thickness = scalars->central_film_thickness * units->film;
+    result->minimum_film_thickness = scalars->minimum_film_thickness * units->film;
+    result->central_pressure = scalars->central_pressure * units->pressure;
+    result->peak_pressure = fmax(peak, scalars->central_pressure) * units->pressure;
+    result->exit_position = scalars->exit_position * units->length;
+    result->half_width = width * units->length;
+}
+
+/* Judges and hands over a result; the outcome is what the call returns. */
+static ehd_status give(ehdrom_contact *self, ehdrom_result *target, ehdrom_result *own,
+                       const char *reason, bool in_time) {
+    judge(self, own, &reason, in_time);
+    own->trusted = own->status == EHDROM_OK;
+    ehd_status status = library_give(target, own, sizeof *own, "result", &self->error);
+    if (!status && own->status)
+        status = ehd_fail(&self->error, (ehd_status)own->status,
+                          own->status == EHDROM_UNTRUSTED
+                              ? "result: found %s, expected one to be trusted"
+                              : "result: found %s, expected convergence",
+                          reason);
+    return status;
+}
+
+// ---- stationary
+
+static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
+    online_result found;
+    ehd_status status = EHD_OK;
+
+    self->last = LAST_NONE;
+    if (!self->solver)
+        status = online_solver_create(&self->solver, self->model->online, &self->error);
+    if (!status)
+        status = library_contact(&self->solved, &self->solved_units, self, false, &self->error);
+    if (!status && !isnan(self->tolerance))
+        online_solver_set_tolerance(self->solver, self->tolerance);
+    if (!status) status = online_solve(&found, self->solver, &self->solved, &self->error);
+    if (status) return status;
+    ehdrom_result own = {.status = (ehdrom_status)found.status,
+                         .indicated_deviation = found.indicated,
+                         .indicated_deviation_minimum = found.indicated_minimum,
+                         .residual = found.residual,
+                         .iterations = found.iterations};
+    fill(&own, &found.scalars, found.peak_pressure, 1, &self->solved_units);
+    if (found.status != EHD_NOT_CONVERGED) self->last = LAST_SOLVED;
+    return give(self, result, &own, found.reason, false);
+}
+
+ehdrom_status ehdrom_solve(ehdrom_contact *self, ehdrom_result *result) {
+    ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = solve(self, result);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+// ---- in time
+
+/* A new reference, by the settings as they are now. */
+static ehd_status take_reference(ehdrom_contact *self) {
+    ehd_error *error = &self->error;
+    ehd_status status = self->model->in_time
+                            ? EHD_OK
+                            : ehd_fail(error, EHD_INTERNAL,
+                                       "model: found one opened for stationary solutions alone, "
+                                       "expected one with what steps in time need");
+
+    self->in_time = online_transient_free(self->in_time);
+    self->last = LAST_NONE;
+    self->started = self->can_accept = false;
+    if (!status)
+        status = library_contact(&self->reference, &self->reference_units, self, true, error);
+    if (!status)
+        status =
+            online_transient_create(&self->in_time, self->model->online, &self->reference, error);
+    if (status) return status;
+    if (!isnan(self->step_tolerance))
+        online_transient_set_tolerance(self->in_time, self->step_tolerance);
+    return EHD_OK;
+}
+
+/* What the caller gives, relative to the reference. */
+static ehd_status take_conditions(online_conditions *own, const ehdrom_conditions *given,
+                                  const unit_factors *units, ehd_error *error) {
+    ehdrom_conditions all = EHDROM_CONDITIONS_INIT;
+
+    *own = (online_conditions){.load = 1, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
+    if (!given) return EHD_OK;
+    if (given->size < offsetof(ehdrom_conditions, load))
+        return ehd_fail(
+            error, EHD_DATA,
+            "conditions: found a struct without its size, expected one begun by its INIT");
+    memcpy(&all, given, given->size < sizeof all ? given->size : sizeof all);
+    if ((all.given & EHDROM_LOAD) && (all.given & EHDROM_APPROACH))
+        return ehd_fail(error, EHD_DATA,
+                        "conditions: found load and approach, expected one of them");
+    const struct {
+        unsigned bit;
+        const char *name;
+        double value, unit;
+        double *target;
+    } parts[] = {{EHDROM_LOAD, "load", all.load, units->load, &own->load},
+                 {EHDROM_APPROACH, "approach", all.approach, units->film, &own->approach},
+                 {EHDROM_SPEED, "speed", all.speed, units->speed, &own->speed},
+                 {EHDROM_RADIUS, "radius", all.radius, units->radius, &own->radius},
+                 {EHDROM_MODULUS, "modulus", all.modulus, units->modulus, &own->modulus}};
+    unsigned known = 0;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        known |= parts[i].bit;
+        if (!(all.given & parts[i].bit)) continue;
+        if (!isfinite(parts[i].value))
+            return ehd_fail(error, EHD_DATA, "%s: found %g, expected a finite number",
+                            parts[i].name, parts[i].value);
+        *parts[i].target = parts[i].value / parts[i].unit;
+    }
+    if (all.given & ~known)
+        return ehd_fail(error, EHD_DATA, "conditions: found %#x given, expected EHDROM_LOAD | …",
+                        all.given);
+    if (all.given & EHDROM_APPROACH) own->load = NAN;
+    return EHD_OK;
+}
+
+static ehd_status give_state(ehdrom_contact *self, ehdrom_result *result,
+                             const online_state *state) {
+    const unit_factors *units = &self->reference_units;
+    ehdrom_result own = {.status = (ehdrom_status)state->status,
+                         .time = state->time * units->time,
+                         .indicated_deviation = state->indicated,
+                         .indicated_deviation_minimum = state->indicated_minimum,
+                         .local_error = state->local_error,
+                         .residual = state->residual,
+                         .iterations = state->iterations};
+    const double peak =
+        state->status == EHD_NOT_CONVERGED ? NAN : online_transient_peak(self->in_time);
+
+    fill(&own, &state->scalars, peak, state->half_width, units);
+    return give(self, result, &own, state->reason, true);
+}
+
+static ehd_status start(ehdrom_contact *self, const ehdrom_conditions *given,
+                        ehdrom_result *result) {
+    online_conditions conditions;
+    online_state state;
+    ehd_status status = take_reference(self);
+
+    if (!status) status = take_conditions(&conditions, given, &self->reference_units, &self->error);
+    if (!status) status = online_transient_start(&state, self->in_time, &conditions, &self->error);
+    if (status) return status;
+    self->started = state.status != EHD_NOT_CONVERGED;
+    if (self->started) self->last = LAST_IN_TIME;
+    return give_state(self, result, &state);
+}
+
+ehdrom_status ehdrom_start(ehdrom_contact *self, const ehdrom_conditions *conditions,
+                           ehdrom_result *result) {
+    ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = start(self, conditions, result);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+/* EHD_INTERNAL: not in time. */
+static ehd_status begin_in_time(ehdrom_contact *self, const char *what) {
+    const ehd_status status = library_begin(self);
+
+    if (status || self->started) return status;
+    return ehd_fail(&self->error, EHD_INTERNAL, "%s: found a contact at no time, expected %s", what,
+                    "ehdrom_start or ehdrom_state_restore before");
+}
+
+static ehd_status step_on(ehdrom_contact *self, const ehdrom_conditions *given, double step,
+                          ehdrom_result *result) {
+    online_conditions conditions;
+    online_state state;
+    ehd_status status = take_conditions(&conditions, given, &self->reference_units, &self->error);
+
+    self->can_accept = false;
+    if (!status)
+        status = online_step(&state, self->in_time, &conditions, step / self->reference_units.time,
+                             &self->error);
+    if (status) return status;
+    self->can_accept = state.status != EHD_NOT_CONVERGED;
+    return give_state(self, result, &state);
+}
+
+ehdrom_status ehdrom_step(ehdrom_contact *self, const ehdrom_conditions *conditions, double step,
+                          ehdrom_result *result) {
+    ehd_status status = begin_in_time(self, "step");
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = step_on(self, conditions, step, result);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+ehdrom_status ehdrom_accept(ehdrom_contact *self) {
+    ehd_status status = begin_in_time(self, "accept");
+
+    if (!status && !self->can_accept)
+        status = ehd_fail(&self->error, EHD_INTERNAL,
+                          "accept: found no step that converged, expected ehdrom_step before");
+    if (status) return (ehdrom_status)status;
+    online_accept(self->in_time);
+    self->can_accept = false;
+    self->last = LAST_IN_TIME;
+    return EHDROM_OK;
+}
+
+ehdrom_status ehdrom_restart(ehdrom_contact *self) {
+    const ehd_status status = begin_in_time(self, "restart");
+
+    if (!status) online_restart(self->in_time);
+    return (ehdrom_status)status;
+}
+
+// ---- saved states
+
+/* In front of a saved state: what it belongs to. */
+enum { SAVED_MARK, SAVED_COUNT, SAVED_M, SAVED_L, SAVED_ALPHA, SAVED_LENGTH, NUM_SAVED };
+static const double saved_mark = 3001; // of this version of the layout
+
+static void head_of(double head[NUM_SAVED], const ehdrom_contact *self) {
+    const ehd_contact *reference = &self->reference;
+
+    head[SAVED_MARK] = saved_mark;
+    head[SAVED_COUNT] = (double)(NUM_SAVED + online_saved_size(self->in_time));
+    head[SAVED_M] = reference->moes_M;
+    head[SAVED_L] = reference->moes_L;
+    head[SAVED_ALPHA] = reference->alpha_p_H;
+    head[SAVED_LENGTH] = reference->approach_length;
+}
+
+static ehd_status check_count(const ehdrom_contact *self, const double *state, size_t count,
+                              ehd_error *error) {
+    const size_t expected = NUM_SAVED + online_saved_size(self->in_time);
+
+    if (state && count == expected) return EHD_OK;
+    return ehd_fail(error, EHD_DATA, "saved state: found %zu numbers, expected %zu",
+                    state ? count : 0, expected);
+}
+
+ehdrom_status ehdrom_state_size(ehdrom_contact *self, size_t *count) {
+    ehd_status status = library_begin(self);
+
+    if (!status && !self->in_time) {
+        const locale_t before = library_enter();
+        status = take_reference(self);
+        library_leave(before);
+    }
+    if (!status) *count = NUM_SAVED + online_saved_size(self->in_time);
+    return (ehdrom_status)status;
+}
+
+ehdrom_status ehdrom_state_save(ehdrom_contact *self, double *state, size_t count) {
+    ehd_status status = begin_in_time(self, "save");
+
+    if (!status) status = check_count(self, state, count, &self->error);
+    if (status) return (ehdrom_status)status;
+    head_of(state, self);
+    online_save(state + NUM_SAVED, self->in_time);
+    return EHDROM_OK;
+}
+
+static ehd_status restore(ehdrom_contact *self, const double *state, size_t count) {
+    double head[NUM_SAVED];
+    ehd_status status = take_reference(self);
+
+    if (!status) status = check_count(self, state, count, &self->error);
+    if (status) return status;
+    head_of(head, self);
+    for (size_t i = 0; i < NUM_SAVED; i++)
+        if (state[i] != head[i])
+            return ehd_fail(&self->error, EHD_DATA,
+                            "saved state: found %.17g as number %zu, expected %.17g of this model "
+                            "and these settings",
+                            state[i], i, head[i]);
+    status = online_restore(self->in_time, state + NUM_SAVED, &self->error);
+    self->started = !status;
+    if (!status) self->last = LAST_IN_TIME;
+    return status;
+}
+
+ehdrom_status ehdrom_state_restore(ehdrom_contact *self, const double *state, size_t count) {
+    ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = restore(self, state, count);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
+// ---- fields
+
+/* What scales the solution that fields are of, in the caller's units. EHD_INTERNAL: there is none. */
+static ehd_status scales_of_fields(unit_factors *scales, const ehdrom_contact *self,
+                                   ehd_error *error) {
+    if (self->last == LAST_NONE)
+        return ehd_fail(error, EHD_INTERNAL, "fields: found no solution, expected one before");
+    *scales = self->last == LAST_SOLVED ? self->solved_units : self->reference_units;
+    if (self->last == LAST_SOLVED) return EHD_OK;
+    const contact_frame frame = online_transient_frame(self->in_time);
+    scales->length *= frame.half_width;
+    scales->pressure *= frame.hertz_pressure;
+    scales->film *= frame.film_scale;
+    return EHD_OK;
+}
+
+ehdrom_status ehdrom_axes(ehdrom_contact *self, double *x, double *y) {
+    ehd_status status = library_begin(self);
+    unit_factors scales = {0};
+
+    if (!status) status = scales_of_fields(&scales, self, &self->error);
+    if (status) return (ehdrom_status)status;
+    const ehd_grid whole = grid_whole(online_grid(self->model->online));
+    for (size_t i = 0; x && i < whole.inner_x; i++)
+        x[i] = grid_x(&whole, grid_node_of_row(&whole, i)) * scales.length;
+    for (size_t l = 0; y && l < whole.inner_lines; l++)
+        y[l] = grid_y(&whole, grid_node_of_row(&whole, l * whole.inner_x)) * scales.length;
+    return EHDROM_OK;
+}
+
+/* Both fields at the model's nodes. */
+static ehd_status find_fields(ehdrom_contact *self) {
+    const size_t num_nodes = online_grid(self->model->online)->num_nodes;
+    ehd_status status;
+
+    if (!self->pressure) self->pressure = calloc(num_nodes, sizeof(double));
+    if (!self->film) self->film = calloc(num_nodes, sizeof(double));
+    if (!self->pressure || !self->film)
+        return ehd_fail(&self->error, EHD_MEMORY, "fields: found no memory");
+    library_lock();
+    status = self->last == LAST_SOLVED
+                 ? online_fields(self->pressure, self->film, self->solver, &self->error)
+                 : online_transient_fields(self->pressure, self->film, self->in_time, &self->error);
+    library_unlock();
+    return status;
+}
+
+static void give_field(double *target, const double *nodes, double unit, const ehd_grid *grid) {
+    if (!target) return;
+    grid_take_inner(target, nodes, grid, true);
+    for (size_t k = 0; k < grid_whole(grid).num_inner; k++)
+        target[k] *= unit;
+}
+
+ehdrom_status ehdrom_fields(ehdrom_contact *self, double *pressure, double *film) {
+    ehd_status status = library_begin(self);
+    unit_factors scales = {0};
+
+    if (!status) status = scales_of_fields(&scales, self, &self->error);
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    const ehd_grid *grid = online_grid(self->model->online);
+    status = find_fields(self);
+    if (!status) {
+        give_field(pressure, self->pressure, scales.pressure, grid);
+        give_field(film, self->film, scales.film, grid);
+    }
+    library_leave(before);
+    return (ehdrom_status)status;
+}

@@ -1,0 +1,158 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The installed library, from outside of the tree: header, shared and static library, pkg-config.
+
+load common
+
+root=$BATS_TEST_DIRNAME/../..
+
+# installed/ by make install, two programs on it (C11 shared, C++17 static), and models of 121 nodes.
+setup_file() {
+    [[ $VARIANT == release || $VARIANT == debug ]] || skip "the library is not built with sanitizers"
+    cd "$BATS_FILE_TMPDIR" || return
+    make -C "$root" -s install VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/installed" PREFIX=/usr >install.log 2>&1 ||
+        { cat install.log >&2; return 1; }
+    export PKG_CONFIG_PATH=$PWD/installed/usr/lib/pkgconfig
+    local strict='-Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -O1 -pthread'
+    cp "$root/tests/pipeline/use_library.c" .
+    # shellcheck disable=SC2046
+    gcc -std=c11 -D_POSIX_C_SOURCE=200809L $strict use_library.c -o use_shared \
+        $(pkg-config --define-prefix --cflags --libs ehdrom) -lm
+    # shellcheck disable=SC2046
+    g++ -std=c++17 $strict -x c++ use_library.c -x none -o use_static -Linstalled/usr/lib -l:libehdrom.a \
+        -Wl,--as-needed $(pkg-config --define-prefix --static --cflags --libs ehdrom)
+    ! ldd use_static | grep ehdrom
+    common_setup_small
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 9
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect --no-check r.h5 --basis b.h5 -o m.h5
+}
+
+setup() {
+    [[ $VARIANT == release || $VARIANT == debug ]] || skip "the library is not built with sanitizers"
+    cd "$BATS_TEST_TMPDIR" || return
+    cp "$BATS_FILE_TMPDIR"/{m.h5,scene.yml,base.yml} .
+    prefix=$BATS_FILE_TMPDIR/installed/usr
+}
+
+# The program as a user runs it: with whatever OpenBLAS takes for itself.
+use_library() {
+    env -u OPENBLAS_NUM_THREADS LD_LIBRARY_PATH="$prefix/lib" "$BATS_FILE_TMPDIR/use_$1" "${@:2}"
+}
+
+# value NAME: of the lines "NAME VALUE" in $output
+value() {
+    awk -v name="$1" '$1 == name { print $2 }' <<<"$output"
+}
+
+@test "names: all begin with ehdrom_, and the header has those of the version script" {
+    local names
+    names=$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub("@.*", "", $3); print $3 }' | sort)
+    [ "$(grep -c '^ehdrom_' <<<"$names")" -eq "$(wc -l <<<"$names")" ]
+    [ "$(nm --defined-only -g "$prefix/lib/libehdrom.a" | awk 'NF == 3 { print $3 }' | sort)" = "$names" ]
+    [ "$(grep -oE '\behdrom_[a-z_]+\(' "$prefix/include/ehdrom.h" | tr -d '(' | sort -u)" = "$names" ]
+    # and all of the header's begin so, also its macros
+    [ -z "$(sed -n 's/^ *# *define \([A-Za-z_]*\).*/\1/p' "$prefix/include/ehdrom.h" | grep -v '^EHDROM_')" ]
+    readelf -d "$prefix/lib/libehdrom.so" >dynamic
+    grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
+    ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
+    # without its symbols for the debugger
+    strip -o stripped.so "$prefix/lib/libehdrom.so"
+    [ "$(stat -c %s stripped.so)" -lt 2000000 ]
+}
+
+@test "a stationary solution is romrun's, to the last bit" {
+    romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
+    for kind in shared static; do
+        run --separate-stderr use_library $kind solve m.h5 scene.yml
+        echo "$stderr"
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        for name in central_film_thickness minimum_film_thickness central_pressure rigid_approach \
+            exit_position load newton_iterations; do
+            [ "$(value $name)" = "$(printf '%.17g' "$(number r.h5 $name)")" ] ||
+                /usr/bin/python3 -c "assert float('$(value $name)') == float('$(number r.h5 $name)')"
+        done
+        # the peak is told from the nodes that the solution looks at
+        /usr/bin/python3 - "$(value largest)" "$(value peak_pressure)" <<'PYTHON'
+import sys, h5py
+largest, peak = map(float, sys.argv[1:])
+with h5py.File("r.h5") as file:
+    assert largest == file["pressure"][...].max(), largest
+assert 0.99 * largest < peak <= largest, (peak, largest)
+PYTHON
+    done
+    romrun scene.yml --model m.h5 --allow-untrusted -o other.h5 --quiet --set moes.M=13.5
+    run use_library shared solve m.h5 scene.yml moes.M 13.5
+    close_to "$(value central_film_thickness)" "$(number other.h5 central_film_thickness)" 1e-15
+}
+
+@test "SI and dimensionless, whatever the locale" {
+    local name=C
+    if localedef -i de_DE -f UTF-8 "$PWD/de_DE.UTF-8" 2>/dev/null || [ -d de_DE.UTF-8 ]; then
+        export LOCPATH=$PWD
+        name=de_DE.UTF-8
+    fi
+    run --separate-stderr use_library shared set m.h5 $name
+    echo "$stderr"
+    [ "$status" -eq 0 ]
+    output=${output//,/.}
+    cat >si.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+    romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
+    close_to "$(value central_film_thickness)" "$(number r.h5 central_film_thickness)" 1e-15
+}
+
+@test "in time: steps tried again, saved and restored" {
+    sed 's/stationary/transient/' base.yml >moving.yml
+    cat >>moving.yml <<'YAML'
+transport: upwind
+moes: {M: 12, L: 4}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, fixed_step: 0.01, end_time: 0.2}
+YAML
+    for kind in shared static; do
+        run --separate-stderr use_library $kind march m.h5 moving.yml 0.01 20
+        echo "$stderr"
+        [ "$status" -eq 0 ]
+        close_to "$(value time)" 0.2 1e-12
+        close_to "$(value load)" 1.09510565 1e-6
+    done
+    # romrun's first steps are shorter
+    romrun moving.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
+    close_to "$(value central_film_thickness)" \
+        "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
+}
+
+@test "what is wrong is said in the handle" {
+    run --separate-stderr use_library shared wrong m.h5 scene.yml
+    echo "$output$stderr"
+    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [[ ${lines[0]} == "missing.h5: "* ]]
+    [[ ${lines[1]} == "scene.yml: found "* ]]
+    [[ ${lines[2]} == "physical.lod: found"*"physical.load"* ]]
+    [[ ${lines[3]} == "physical.load: found nan, expected a number from "* ]]
+    [[ ${lines[4]} == "units: found moes.M and moes.L"* ]]
+    [[ ${lines[5]} == "result: found a model never checked"* ]]
+}
+
+@test "threads share a model; none is begun, no signal is caught" {
+    for kind in shared static; do
+        run --separate-stderr use_library $kind threads m.h5 scene.yml
+        echo "$stderr"
+        [ "$status" -eq 0 ]
+    done
+}
+
+@test "make uninstall leaves nothing" {
+    cp -a "$prefix/.." copy
+    touch copy/usr/bin/other
+    make -C "$root" -s uninstall VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/copy" PREFIX=/usr
+    [ "$(find copy ! -type d)" = copy/usr/bin/other ]
+    [ ! -e copy/usr/share/ehdrom ]
+}

@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Somebody else's program on the installed library, for library.bats: the same text as C11 and as C++17.
+ *
+ *     use_library solve MODEL SCENE [KEY VALUE]...   solution and fields, dimensionless
+ *     use_library set MODEL LOCALE                   the same contact by settings, in SI and dimensionless
+ *     use_library march MODEL SCENE STEP NUM         steps under a sine of the load, each tried twice
+ *     use_library wrong MODEL SCENE                  what is refused, and how it is said
+ *     use_library threads MODEL SCENE                four threads, one contact each */
+#include <ehdrom.h>
+
+#include <errno.h>
+#include <locale.h>
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CHECK(condition)                                                                           \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            fprintf(stderr, "use_library.c:%d: expected %s\n", __LINE__, #condition);              \
+            exit(1);                                                                               \
+        }                                                                                          \
+    } while (0)
+
+/* Passes an outcome on; the program ends with the text of an error. */
+static ehdrom_status taken(ehdrom_status status, const ehdrom_contact *contact) {
+    if (EHDROM_FAILED(status)) {
+        fprintf(stderr, "%s\n", ehdrom_contact_error(contact));
+        exit(status);
+    }
+    return status;
+}
+
+static ehdrom_model *open_model(const char *path) {
+    ehdrom_model *model;
+    ehdrom_status status = ehdrom_model_open(&model, path, NULL);
+
+    if (status) {
+        fprintf(stderr, "%s\n", ehdrom_model_error(model));
+        exit(status);
+    }
+    return model;
+}
+
+/* Of a model of the tests, which was not checked. */
+static ehdrom_contact *new_contact(const ehdrom_model *model, const char *scene) {
+    ehdrom_contact *contact;
+
+    CHECK(!ehdrom_contact_create(&contact, model));
+    CHECK(!ehdrom_contact_set_accuracy(contact, HUGE_VAL));
+    if (scene) taken(ehdrom_contact_read(contact, scene), contact);
+    return contact;
+}
+
+static void show(const char *name, double value) {
+    printf("%s %.17g\n", name, value);
+}
+
+static void show_result(const ehdrom_result *result) {
+    show("status", result->status);
+    show("time", result->time);
+    show("load", result->load);
+    show("rigid_approach", result->approach);
+    show("central_film_thickness", result->central_film_thickness);
+    show("minimum_film_thickness", result->minimum_film_thickness);
+    show("central_pressure", result->central_pressure);
+    show("peak_pressure", result->peak_pressure);
+    show("exit_position", result->exit_position);
+    show("half_width", result->half_width);
+    show("newton_iterations", (double)result->iterations);
+}
+
+/* The largest pressure of the fields. */
+static double largest(ehdrom_contact *contact, const ehdrom_model *model, double *first_x) {
+    ehdrom_model_info info = EHDROM_MODEL_INFO_INIT;
+
+    CHECK(!ehdrom_model_describe(model, &info));
+    const size_t count = info.num_x * info.num_y;
+    double *pressure = (double *)malloc(count * sizeof(double));
+    double *film = (double *)malloc(count * sizeof(double));
+    double *x = (double *)malloc(info.num_x * sizeof(double));
+    double most = 0;
+    CHECK(pressure && film && x);
+    CHECK(!ehdrom_fields(contact, pressure, film));
+    CHECK(!ehdrom_fields(contact, pressure, NULL));
+    CHECK(!ehdrom_axes(contact, x, NULL));
+    for (size_t k = 0; k < count; k++)
+        if (pressure[k] > most) most = pressure[k];
+    *first_x = x[0];
+    free(pressure);
+    free(film);
+    free(x);
+    return most;
+}
+
+static void solve(int argc, char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contact = new_contact(model, argv[3]);
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    double first_x;
+
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    for (int i = 4; i + 1 < argc; i += 2)
+        CHECK(!ehdrom_contact_set(contact, argv[i], argv[i + 1]));
+    ehdrom_status status = ehdrom_solve(contact, &result);
+    taken(status, contact);
+    show_result(&result);
+    show("largest", largest(contact, model, &first_x));
+    show("first_x", first_x);
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+    exit(status);
+}
+
+static int near(double found, double expected) {
+    return fabs(found / expected - 1) < 1e-12;
+}
+
+static void set(char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contact = new_contact(model, NULL);
+    ehdrom_result si = EHDROM_RESULT_INIT, pure = EHDROM_RESULT_INIT;
+    ehdrom_scales scales = EHDROM_SCALES_INIT;
+    double x_si, x_pure;
+
+    // where a comma stands for the point
+    CHECK(setlocale(LC_ALL, argv[3]));
+    CHECK(!ehdrom_contact_set(contact, "lubricant.viscosity.law", "barus"));
+    CHECK(!ehdrom_contact_set(contact, "lubricant.viscosity.alpha", "2.0e-8"));
+    CHECK(!ehdrom_contact_set(contact, "lubricant.density.law", "dowson-higginson"));
+    CHECK(!ehdrom_contact_set_number(contact, "physical.load", 20e3));
+    CHECK(!ehdrom_contact_set_number(contact, "physical.radius", 0.01));
+    CHECK(!ehdrom_contact_set_number(contact, "physical.speed", 0.0376));
+    CHECK(!ehdrom_contact_set_number(contact, "physical.modulus", 220e9));
+    CHECK(!ehdrom_contact_set_number(contact, "physical.viscosity", 0.02));
+    CHECK(!ehdrom_solve(contact, &si));
+    const double largest_si = largest(contact, model, &x_si);
+    CHECK(strcmp(setlocale(LC_ALL, NULL), argv[3]) == 0);
+    CHECK(!ehdrom_contact_scales(contact, &scales));
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    CHECK(!ehdrom_solve(contact, &pure));
+    const double largest_pure = largest(contact, model, &x_pure);
+    CHECK(near(si.central_film_thickness, pure.central_film_thickness * scales.film));
+    CHECK(near(si.approach, pure.approach * scales.film));
+    CHECK(near(si.central_pressure, pure.central_pressure * scales.hertz_pressure));
+    CHECK(near(si.exit_position, pure.exit_position * scales.half_width));
+    CHECK(near(si.load, pure.load * 20e3) && near(scales.load, 20e3));
+    CHECK(near(largest_si, largest_pure * scales.hertz_pressure));
+    CHECK(near(x_si, x_pure * scales.half_width));
+    // Hertz: a = sqrt(8 w R/(pi E')), p_H = 2 w/(pi a)
+    CHECK(near(scales.half_width, sqrt(8 * 20e3 * 0.01 / (3.14159265358979323846 * 220e9))));
+    CHECK(near(scales.hertz_pressure, 2 * 20e3 / (3.14159265358979323846 * scales.half_width)));
+    CHECK(near(scales.time, scales.half_width / 0.0376));
+    show_result(&pure);
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+}
+
+static void march(char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contact = new_contact(model, argv[3]), *other = new_contact(model, argv[3]);
+    ehdrom_result result = EHDROM_RESULT_INIT, again = EHDROM_RESULT_INIT;
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
+    const double step = atof(argv[4]);
+    const int num = atoi(argv[5]);
+    size_t count = 0;
+    double *saved;
+
+    CHECK(ehdrom_step(contact, NULL, step, &result) == EHDROM_INTERNAL);
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    CHECK(!ehdrom_contact_set_units(other, EHDROM_DIMENSIONLESS));
+    CHECK(taken(ehdrom_start(contact, NULL, &result), contact) != EHDROM_NOT_CONVERGED);
+    CHECK(ehdrom_accept(contact) == EHDROM_INTERNAL);
+    CHECK(!ehdrom_state_size(contact, &count));
+    saved = (double *)malloc(count * sizeof(double));
+    CHECK(saved);
+    for (int i = 1; i <= num; i++) {
+        const double trial = step / 2;
+        conditions.given = EHDROM_LOAD;
+        conditions.load = 1 + 0.1 * sin(2 * 3.14159265358979323846 * (result.time + trial));
+        CHECK(taken(ehdrom_step(contact, &conditions, trial, &again), contact) !=
+              EHDROM_NOT_CONVERGED);
+        conditions.load = 1 + 0.1 * sin(2 * 3.14159265358979323846 * i * step);
+        CHECK(taken(ehdrom_step(contact, &conditions, step, &result), contact) !=
+              EHDROM_NOT_CONVERGED);
+        if (i == num) CHECK(!ehdrom_state_save(contact, saved, count));
+        CHECK(!ehdrom_accept(contact));
+    }
+    // another contact goes on from the state before the last step, and comes to the same bits
+    CHECK(ehdrom_state_restore(other, saved, count - 1) == EHDROM_DATA);
+    CHECK(!ehdrom_state_restore(other, saved, count));
+    CHECK(taken(ehdrom_step(other, &conditions, step, &again), other) != EHDROM_NOT_CONVERGED);
+    CHECK(again.central_film_thickness == result.central_film_thickness);
+    CHECK(again.approach == result.approach && again.peak_pressure == result.peak_pressure);
+    CHECK(!ehdrom_accept(other));
+    double first_x;
+    const double most = largest(contact, model, &first_x);
+    CHECK(most == largest(other, model, &first_x));
+    show_result(&result);
+    show("largest", most);
+    saved[2] += 1;
+    CHECK(ehdrom_state_restore(other, saved, count) == EHDROM_DATA);
+    CHECK(ehdrom_step(other, &conditions, step, &again) == EHDROM_INTERNAL);
+    free(saved);
+    ehdrom_contact_free(contact);
+    ehdrom_contact_free(other);
+    ehdrom_model_close(model);
+}
+
+static void wrong(char **argv) {
+    ehdrom_model *none, *model = open_model(argv[2]);
+    ehdrom_contact *contact, *orphan;
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
+    ehdrom_model_options options = EHDROM_MODEL_OPTIONS_INIT;
+
+    CHECK(ehdrom_model_open(&none, "missing.h5", NULL) == EHDROM_NOINPUT);
+    printf("%s\n", ehdrom_model_error(none));
+    CHECK(ehdrom_contact_create(&orphan, none) == EHDROM_INTERNAL);
+    CHECK(ehdrom_solve(orphan, &result) == EHDROM_INTERNAL);
+    ehdrom_contact_free(orphan);
+    ehdrom_model_close(none);
+    CHECK(ehdrom_model_open(&none, argv[3], NULL) == EHDROM_DATA);
+    printf("%s\n", ehdrom_model_error(none));
+    ehdrom_model_close(none);
+    options.rows = 100000;
+    CHECK(ehdrom_model_open(&none, argv[2], &options) == EHDROM_DATA);
+    ehdrom_model_close(none);
+    options.rows = 0;
+    options.stationary = 1;
+    CHECK(!ehdrom_model_open(&none, argv[2], &options));
+    contact = new_contact(none, argv[3]);
+    CHECK(ehdrom_start(contact, NULL, &result) == EHDROM_INTERNAL);
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(none);
+
+    contact = new_contact(model, argv[3]);
+    CHECK(ehdrom_contact_set(contact, "physical.lod", "1") == EHDROM_DATA);
+    printf("%s\n", ehdrom_contact_error(contact));
+    CHECK(ehdrom_contact_set_number(contact, "physical.load", NAN) == EHDROM_DATA);
+    printf("%s\n", ehdrom_contact_error(contact));
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA); // M and L are not SI
+    printf("%s\n", ehdrom_contact_error(contact));
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    CHECK(!ehdrom_solve(contact, &result) && !ehdrom_contact_error(contact)[0]);
+    CHECK(ehdrom_fields(contact, NULL, NULL) == EHDROM_OK);
+    result.size = 0;
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
+    result.size = offsetof(ehdrom_result, approach); // of a caller that knows less
+    result.approach = 17;
+    CHECK(!ehdrom_solve(contact, &result) && result.approach == 17 && result.load > 0.9);
+    result.size = sizeof result;
+    CHECK(!ehdrom_contact_set(contact, "grid.step", "0.07"));
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
+    CHECK(!ehdrom_contact_set(contact, "grid.step", NULL));
+    CHECK(ehdrom_fields(contact, NULL, NULL) == EHDROM_INTERNAL);
+    conditions.given = EHDROM_LOAD | EHDROM_APPROACH;
+    CHECK(ehdrom_start(contact, &conditions, &result) == EHDROM_DATA);
+    conditions.given = EHDROM_LOAD;
+    conditions.load = NAN;
+    CHECK(ehdrom_start(contact, &conditions, &result) == EHDROM_DATA);
+    conditions.given = 1U << 20;
+    CHECK(ehdrom_start(contact, &conditions, &result) == EHDROM_DATA);
+    // the model was never checked
+    CHECK(!ehdrom_contact_set_accuracy(contact, 0.01));
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_UNTRUSTED && !result.trusted);
+    printf("%s\n", ehdrom_contact_error(contact));
+    ehdrom_contact_free(contact);
+    ehdrom_contact_free(NULL);
+    ehdrom_model_close(model);
+    ehdrom_model_close(NULL);
+}
+
+// ---- threads
+
+typedef struct worker {
+    const char *path, *scene;
+    const ehdrom_model *model;
+    ehdrom_result results[20];
+} worker;
+
+static void *work(void *argument) {
+    worker *self = (worker *)argument;
+    ehdrom_model *own = open_model(self->path); // in several threads at a time
+    ehdrom_contact *contact = new_contact(self->model, self->scene);
+
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    for (int i = 0; i < 20; i++) {
+        ehdrom_result *result = &self->results[i];
+        result->size = sizeof *result;
+        CHECK(!ehdrom_contact_set_number(contact, "moes.M", 9 + 0.2 * i));
+        CHECK(!ehdrom_solve(contact, result));
+    }
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(own);
+    return NULL;
+}
+
+/* Threads of this process. */
+static int num_threads(void) {
+    char line[256];
+    int count = 0;
+    FILE *file = fopen("/proc/self/status", "r");
+
+    CHECK(file);
+    while (fgets(line, sizeof line, file))
+        if (strncmp(line, "Threads:", 8) == 0) count = atoi(line + 8);
+    fclose(file);
+    return count;
+}
+
+static void threads(char **argv) {
+    static worker workers[5];
+    pthread_t ids[5];
+    struct sigaction before, after;
+    ehdrom_model *model = open_model(argv[2]);
+
+    CHECK(!sigaction(SIGINT, NULL, &before));
+    for (int i = 0; i < 5; i++) {
+        workers[i].path = argv[2];
+        workers[i].scene = argv[3];
+        workers[i].model = model;
+    }
+    work(&workers[4]);
+    CHECK(num_threads() == 1); // nothing here begins one
+    for (int i = 0; i < 4; i++)
+        CHECK(!pthread_create(&ids[i], NULL, work, &workers[i]));
+    for (int i = 0; i < 4; i++)
+        CHECK(!pthread_join(ids[i], NULL));
+    for (int i = 0; i < 4; i++)
+        for (int k = 0; k < 20; k++)
+            CHECK(workers[i].results[k].central_film_thickness ==
+                  workers[4].results[k].central_film_thickness);
+    CHECK(!sigaction(SIGINT, NULL, &after) && before.sa_handler == after.sa_handler);
+    ehdrom_model_close(model);
+}
+
+int main(int argc, char **argv) {
+    if (argc < 4) return 64;
+    CHECK(strcmp(ehdrom_version(), EHDROM_VERSION) == 0);
+    if (strcmp(argv[1], "solve") == 0) solve(argc, argv);
+    if (strcmp(argv[1], "set") == 0) set(argv);
+    if (strcmp(argv[1], "march") == 0 && argc == 6) march(argv);
+    if (strcmp(argv[1], "wrong") == 0) wrong(argv);
+    if (strcmp(argv[1], "threads") == 0) threads(argv);
+    return 0;
+}
