@@ -50,7 +50,7 @@ typedef enum artefact_values {
 /* What makes SI units of a dimensionless number: the first of these attributes that a file has, in
  * the units of its row, and where the number is in a frame of its own, that frame's too. */
 typedef struct artefact_scale {
-    const char *attributes[2]; // "film_unit"
+    const char *attributes[2]; // "film_unit"; NULL: the frame has the units
     const char *frame;         // field along one axis, relative to the attribute; NULL: none
 } artefact_scale;
 
@@ -95,7 +95,7 @@ typedef struct artefact_schema {
 } artefact_schema;
 
 extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_residuals,
-    schema_model;
+    schema_model, schema_cases;
 extern const artefact_schema *const artefact_schemas[]; // all of them, NULL at the end
 
 typedef struct artefact artefact;

@@ -15,9 +15,10 @@ static const char *type_text(artefact_type type) {
 /* What makes SI units of it, behind the meaning. */
 static void print_scale(const artefact_scale *scale, FILE *stream) {
     if (scale) {
-        fprintf(stream, "; in SI units times `%s`", scale->attributes[0]);
+        const char *first = scale->attributes[0];
+        fprintf(stream, "; in SI units times `%s`", first ? first : scale->frame);
         if (scale->attributes[1]) fprintf(stream, " or `%s`", scale->attributes[1]);
-        if (scale->frame) fprintf(stream, " and `%s`", scale->frame);
+        if (first && scale->frame) fprintf(stream, " and `%s`", scale->frame);
     }
     fprintf(stream, " |\n");
 }

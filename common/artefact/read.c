@@ -611,6 +611,11 @@ ehd_status artefact_get_scale(double *factor, const char **units, artefact *file
                               const artefact_scale *scale, ehd_error *error) {
     const char *name = scale->attributes[0];
 
+    if (!name) {
+        *factor = 1;
+        *units = find_field(file, scale->frame)->units;
+        return EHD_OK;
+    }
     if (!artefact_has(file, name) && scale->attributes[1]) name = scale->attributes[1];
     if (!artefact_has(file, name))
         return ehd_fail(error, EHD_DATA,

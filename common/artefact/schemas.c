@@ -804,5 +804,69 @@ const artefact_schema schema_model = {"ehdrom-model",
                                       model_fields,
                                       model_attributes};
 
+// ---- cases
+
+static const artefact_scale film_of_case = {{NULL, NULL}, "film_unit"},
+                            length_of_case = {{NULL, NULL}, "half_width"},
+                            pressure_of_case = {{NULL, NULL}, "hertz_pressure"};
+
+static const artefact_axis cases_axes[] = {
+    AXIS("case", "1", MAX_STATES, "index of the row of the table that the scene comes from"), {0}};
+
+static const artefact_field cases_fields[] = {
+    INTEGER("status", NEED_ALWAYS, VALUES_ANY, "0 converged, 1 not converged, 4 not to be trusted",
+            "case"),
+    REAL("moes_M", "1", NEED_OWN, VALUES_POSITIVE, "Moes load number M", "case"),
+    REAL("moes_L", "1", NEED_OWN, VALUES_NOT_NEGATIVE, "Moes material number L", "case"),
+    REAL("alpha_p_H", "1", NEED_OWN, VALUES_NOT_NEGATIVE,
+         "pressure-viscosity coefficient times Hertz pressure", "case"),
+    REAL("hertz_pressure", "Pa", NEED_OWN, VALUES_NOT_NEGATIVE, "Hertz pressure", "case"),
+    REAL(
+        "half_width", "m", NEED_OPTIONAL, VALUES_ANY,
+        "half width a of the dry contact; this and the next five NaN where a scene is not given in "
+        "SI units, and not there where none is",
+        "case"),
+    REAL("film_unit", "m", NEED_OPTIONAL, VALUES_ANY,
+         "a^2/R, which H = 1 and an approach of 1 stand for", "case"),
+    REAL("line_load", "N m-1", NEED_OPTIONAL, VALUES_ANY, "load of a line contact", "case"),
+    REAL("point_load", "N", NEED_OPTIONAL, VALUES_ANY, "load of a point contact", "case"),
+    REAL("radius", "m", NEED_OPTIONAL, VALUES_ANY, "reduced radius R", "case"),
+    REAL("speed", "m s-1", NEED_OPTIONAL, VALUES_ANY, "mean speed of both surfaces", "case"),
+    SCALED("central_film_thickness", film_of_case, NEED_OWN, VALUES_ANY,
+           "film thickness H at X = 0 (Y = 0); this and all that follow up to the indicated "
+           "deviations NaN where the scene did not converge",
+           "case"),
+    SCALED("minimum_film_thickness", film_of_case, NEED_OWN, VALUES_ANY,
+           "smallest film thickness H", "case"),
+    SCALED("central_pressure", pressure_of_case, NEED_OWN, VALUES_ANY,
+           "pressure P at X = 0 (Y = 0)", "case"),
+    SCALED("peak_pressure", pressure_of_case, NEED_OWN, VALUES_ANY,
+           "largest pressure P at the nodes that the solution looks at", "case"),
+    SCALED("rigid_approach", film_of_case, NEED_OWN, VALUES_ANY, "rigid approach H0", "case"),
+    SCALED("exit_position", length_of_case, NEED_OWN, VALUES_ANY,
+           "X at which the pressure ends, at Y = 0", "case"),
+    REAL("indicated_deviation", "1", NEED_OWN, VALUES_ANY,
+         "indicated relative deviation of the central film thickness from the full model; NaN "
+         "where it cannot be told",
+         "case"),
+    REAL("indicated_deviation_minimum", "1", NEED_OWN, VALUES_ANY,
+         "the same of the minimum film thickness", "case"),
+    INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "iterations that the solution took", "case"),
+    REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
+         "norm of the residual when the iteration ended", "case"),
+    REAL("solve_seconds", "s", NEED_OWN, VALUES_ANY, "time of the solution", "case"),
+    {0}};
+
+static const artefact_attribute cases_attributes[] = {GRID_ATTRIBUTES("line or point", NULL), {0}};
+
+const artefact_schema schema_cases = {"ehdrom-cases",
+                                      1,
+                                      0,
+                                      "Solutions of many elastohydrodynamic contacts",
+                                      cases_axes,
+                                      cases_fields,
+                                      cases_attributes};
+
 const artefact_schema *const artefact_schemas[] = {
-    &schema_result, &schema_snapshots, &schema_basis, &schema_residuals, &schema_model, NULL};
+    &schema_result, &schema_snapshots, &schema_basis, &schema_residuals,
+    &schema_model,  &schema_cases,     NULL};

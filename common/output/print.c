@@ -33,7 +33,7 @@ typedef struct entries {
 
 // ---- text
 
-static void print_text(const char *text, FILE *stream) {
+void print_csv_text(const char *text, FILE *stream) {
     if (!text[strcspn(text, ",\"\r\n")]) {
         fputs(text, stream);
         return;
@@ -46,7 +46,7 @@ static void print_text(const char *text, FILE *stream) {
     fputc('"', stream);
 }
 
-static void print_real(double value, FILE *stream) {
+void print_csv_real(double value, FILE *stream) {
     char shown[NUMBER_TEXT];
 
     if (!isnan(value)) number_show(shown, value);
@@ -317,12 +317,12 @@ static double factor_at(const column *one, const entries *all,
 static void print_value(const column *one, const entries *all, size_t place,
                         const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
     if (one->text) {
-        print_text(one->text, stream);
+        print_csv_text(one->text, stream);
     } else if (one->integers) {
         fprintf(stream, "%" PRId64, one->integers[place]);
     } else {
         const size_t at = one->field ? place : index[axis_place(all->axes, all->rank, one->name)];
-        print_real(one->reals[at] * factor_at(one, all, index), stream);
+        print_csv_real(one->reals[at] * factor_at(one, all, index), stream);
     }
 }
 
@@ -342,7 +342,7 @@ static bool has_units(const char *units) {
 static void print_header(const column *columns, size_t num_columns, FILE *stream) {
     for (size_t i = 0; i < num_columns; i++) {
         if (i > 0) fputc(',', stream);
-        print_text(columns[i].name, stream);
+        print_csv_text(columns[i].name, stream);
         if (has_units(columns[i].si.units)) fprintf(stream, " [%s]", columns[i].si.units);
     }
     fputc('\n', stream);
@@ -427,7 +427,7 @@ static void describe(description *self, const char *name, size_t rank, const cha
     if (!self->status && self->si)
         self->status = si_units_read(&units, self->file, name, false, self->error);
     if (self->status) return;
-    print_text(name, self->stream);
+    print_csv_text(name, self->stream);
     fprintf(self->stream, ",%s,", units.units);
     for (size_t k = 0; k < rank; k++)
         fprintf(self->stream, "%s%zu", k > 0 ? " " : "", artefact_length(self->file, axes[k]));
@@ -435,7 +435,7 @@ static void describe(description *self, const char *name, size_t rank, const cha
     for (size_t k = 0; k < rank; k++)
         fprintf(self->stream, "%s%s", k > 0 ? " " : "", axes[k]);
     fputc(',', self->stream);
-    print_text(long_name, self->stream);
+    print_csv_text(long_name, self->stream);
     fputc('\n', self->stream);
 }
 

@@ -9,6 +9,11 @@
 #include <stddef.h>
 #include <stdio.h>
 
+/* Prints one field of a line of CSV: a text, in quotes where needed, or a number as its shortest text
+ * that reads back the same, NaN as "nan". */
+void print_csv_text(const char *text, FILE *stream);
+void print_csv_real(double value, FILE *stream);
+
 /* Prints entries of an open file as CSV, of at least one name: a header with the names, then a line
  * for each entry of the datasets named. These must have the same axes, and axes named must be among
  * them; an attribute is the same in each line. Numbers read back as the same bits (NaN is "nan"),

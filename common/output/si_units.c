@@ -44,8 +44,9 @@ ehd_status si_units_check(const artefact *file, ehd_error *error) {
 
     for (const artefact_field *field = kind->fields; field->name; field++)
         if (field->scale) return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: found %s, expected a kind of file that has SI units: %s",
-                    artefact_path(file), kind->name, schema_result.name);
+    return ehd_fail(error, EHD_DATA,
+                    "%s: found %s, expected a kind of file that has SI units: %s or %s",
+                    artefact_path(file), kind->name, schema_result.name, schema_cases.name);
 }
 
 static ehd_status read_frame(si_units *self, artefact *file, const char *name, const char *frame,
@@ -55,7 +56,7 @@ static ehd_status read_frame(si_units *self, artefact *file, const char *name, c
     if (!artefact_has(file, frame))
         return ehd_fail(
             error, EHD_DATA,
-            "%s: %s: found no %s, expected it for SI units, as in results of this version",
+            "%s: %s: found no %s, expected it for SI units, as of a contact that is given in them",
             artefact_path(file), name, frame);
     self->frame_axis = field->axes[0];
     self->num_frames = artefact_length(file, field->axes[0]);

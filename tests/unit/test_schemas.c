@@ -132,11 +132,15 @@ static void check_scale(const artefact_schema *schema, const char *name, const c
         if (!of->name || strcmp(of->units, "1") == 0)
             fail_msg("%s: %s: no scale %s", schema->name, name, scale->attributes[i]);
     }
+    if (!scale->attributes[0] && !scale->frame)
+        fail_msg("%s: %s: an empty scale", schema->name, name);
     const artefact_field *frame = schema->fields;
     while (frame->name && scale->frame && strcmp(frame->name, scale->frame) != 0)
         frame++;
     if (!frame->name || (scale->frame && frame->axes[1]))
         fail_msg("%s: %s: no frame %s along one axis", schema->name, name, scale->frame);
+    if (!scale->attributes[0] && strcmp(frame->units, "1") == 0)
+        fail_msg("%s: %s: no units of %s", schema->name, name, scale->frame);
 }
 
 static void tables_make_sense(void **state) {
