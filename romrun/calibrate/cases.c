@@ -2,6 +2,7 @@
 #include "romrun/calibrate/cases.h"
 
 #include "common/output/grid_file.h"
+#include "common/program/arena.h"
 #include "common/settings/scene_contact.h"
 #include "common/training/pool.h"
 #include "romrun/calibrate/reduced_result.h"
@@ -23,6 +24,7 @@ typedef struct batch {
     const cases_task *task;
     const case_list *list;
     sized_model models[NUM_SIZES];
+    ehd_contact *contacts; // [cases], made before any is solved
     case_row *rows;
     size_t num_done;
     progress progress;
@@ -144,15 +146,14 @@ static ehd_status solve(void *shared, void *made, size_t point, size_t parent, e
     const batch *self = shared;
     const worker *own = made;
     case_row *row = &self->rows[point];
-    ehd_contact contact;
     bool trusted = false;
-    ehd_status status = make_contact(&contact, self, point, error);
+    ehd_status status = EHD_OK;
 
     (void)parent;
     row->solve_seconds = NAN;
     for (int m = 0; m < NUM_SIZES && !trusted && !status; m++)
         if (own->solvers[m]) {
-            status = solve_with(row, &trusted, self, own, m, &contact, error);
+            status = solve_with(row, &trusted, self, own, m, &self->contacts[point], error);
             if (status == EHD_DATA) case_list_fail(self->list, point, error);
         }
     return status;
@@ -169,13 +170,15 @@ static ehd_status finish(void *shared, void *made, size_t point, size_t parent, 
 // ---- all
 
 /* A row that is no contact is refused before others are solved. */
-static ehd_status check(const batch *self, ehd_error *error) {
+static ehd_status make_contacts(batch *self, ehd_error *error) {
     const size_t count = case_list_count(self->list);
     ehd_status status = EHD_OK;
-    ehd_contact contact;
 
+    self->contacts = array_new(count, 1, sizeof *self->contacts);
+    if (!self->contacts)
+        return ehd_fail(error, EHD_MEMORY, "--cases: found no memory for %zu scenes", count);
     for (size_t i = 0; i < count && !status; i++)
-        status = make_contact(&contact, self, i, error);
+        status = make_contact(&self->contacts[i], self, i, error);
     return status;
 }
 
@@ -211,7 +214,7 @@ ehd_status cases_solve(case_row *rows, const contact_kind **kind, ehd_grid *grid
     if (!status) {
         *kind = online_kind(self.models[0].model);
         *grid = *online_grid(self.models[0].model);
-        status = check(&self, error);
+        status = make_contacts(&self, error);
     }
     if (!status) {
         const double started = program_seconds();
@@ -223,6 +226,7 @@ ehd_status cases_solve(case_row *rows, const contact_kind **kind, ehd_grid *grid
     if (status == EHD_INTERRUPTED)
         ehd_fail(error, status, "--cases: interrupted after %zu of %zu", self.num_done, count);
     if (!status) summarize(summary, rows, count);
+    free(self.contacts);
     close_models(&self);
     return status;
 }

@@ -131,3 +131,46 @@ PYTHON
     refused 65 "s.h5: found ehdrom-snapshots, expected a kind of file that has SI units" fullrun --print s.h5 --si moes_M
     refused 64 "--si: found without --print" fullrun scene.yml --si
 }
+
+@test "--print: every dataset, axis and attribute of every kind of file, to the last bit" {
+    small_model
+    printf 'moes.M,moes.L\n10,3\n12,5\n' >cases.csv
+    romrun base.yml --cases cases.csv --model c.h5 -o table.h5 --quiet >/dev/null
+    romrun scene.yml --model c.h5 -o red.h5 --set output.fields=true --quiet >/dev/null
+    for file in s b r c red table; do
+        romrun --print $file.h5 >"$file-names.csv"
+        # those along the same axes together
+        /usr/bin/python3 - "$file" >groups <<'PYTHON'
+import csv, sys
+groups = {}
+for row in csv.DictReader(open(sys.argv[1] + "-names.csv")): groups.setdefault(row["axes"], []).append(row["name"])
+for names in groups.values(): print(*names)
+PYTHON
+        mkdir "$file"
+        while read -ra names; do
+            romrun --print $file.h5 "${names[@]}" >"$file/${names[0]}.csv"
+        done <groups
+    done
+    /usr/bin/python3 - <<'PYTHON'
+import csv, glob, h5py, numpy as np
+csv.field_size_limit(1 << 30)
+for path in "s", "b", "r", "c", "red", "table":
+    printed = {}
+    for group in glob.glob(path + "/*.csv"):
+        header, *rows = (row for row in csv.reader(open(group, newline="")) if row)
+        for column, name in enumerate(header): printed.setdefault(name, [row[column] for row in rows])
+        assert len(set(header)) == len(header)
+    with h5py.File(path + ".h5") as file:
+        names = [row["name"] for row in csv.DictReader(open(path + "-names.csv"))]
+        assert set(names) == set(file) | set(file.attrs), set(names) ^ (set(file) | set(file.attrs))
+        for name in names:
+            if name in file.attrs:
+                found, value = printed[name][0], file.attrs[name]
+                assert found == value.decode() if isinstance(value, bytes) else float(found) == value, name
+            elif file[name].attrs.get("CLASS") != b"DIMENSION_SCALE":
+                found, value = np.array(printed[name], float), file[name][...].ravel()
+                assert found.shape == value.shape and np.array_equal(found, value, equal_nan=True), (path, name)
+            else:
+                assert sorted(set(map(float, printed[name]))) == list(map(float, file[name][...])), (path, name)
+PYTHON
+}
