@@ -3,6 +3,7 @@
 
 #include <argp.h>
 #include <cblas.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <fftw3.h>
@@ -115,6 +116,32 @@ static const size_t BLAS_BUFFER = (size_t)32 << 22;
 // of OpenBLAS: one such buffer, kept for later calls when it is given back
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
+
+/* Debian's OpenBLAS without threads has no lock around its work space (it is built without
+ * USE_LOCKING): two threads that call it may be given the same buffer, and one in a thousand products
+ * is then wrong. These stand before its own, which they call one thread at a time; others are as they
+ * were. tests/unit/test_threads.c is wrong without. */
+static pthread_mutex_t buffer_lock = PTHREAD_MUTEX_INITIALIZER;
+
+void *blas_memory_alloc(int unused) {
+    static void *(*take)(int);
+    void *buffer;
+
+    pthread_mutex_lock(&buffer_lock);
+    if (!take) *(void **)&take = dlsym(RTLD_NEXT, "blas_memory_alloc");
+    buffer = take(unused);
+    pthread_mutex_unlock(&buffer_lock);
+    return buffer;
+}
+
+void blas_memory_free(void *buffer) {
+    static void (*give)(void *);
+
+    pthread_mutex_lock(&buffer_lock);
+    if (!give) *(void **)&give = dlsym(RTLD_NEXT, "blas_memory_free");
+    give(buffer);
+    pthread_mutex_unlock(&buffer_lock);
+}
 
 /* Whether this much can be had now. */
 static bool has_room(size_t bytes) {
