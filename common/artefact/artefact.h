@@ -47,12 +47,20 @@ typedef enum artefact_values {
     VALUES_FILM_NODE    // nodes of the film, ascending
 } artefact_values;
 
+/* What makes SI units of a dimensionless number: the first of these attributes that a file has, in
+ * the units of its row, and where the number is in a frame of its own, that frame's too. */
+typedef struct artefact_scale {
+    const char *attributes[2]; // "film_unit"; NULL: the frame has the units
+    const char *frame;         // field along one axis, relative to the attribute; NULL: none
+} artefact_scale;
+
 typedef struct artefact_axis {
-    const char *name;      // "x", "state", "pressure_mode"
-    const char *units;     // "1"
-    const char *long_name; // index axes get 0, 1, 2, … as their scale
-    size_t max;            // longer ones are refused
-    bool optional;         // fields are on it only in a file that has it
+    const char *name;            // "x", "state", "pressure_mode"
+    const char *units;           // "1"
+    const char *long_name;       // index axes get 0, 1, 2, … as their scale
+    size_t max;                  // longer ones are refused
+    bool optional;               // fields are on it only in a file that has it
+    const artefact_scale *scale; // NULL: without dimension, or in SI units; as in fields
 } artefact_axis;
 
 typedef struct artefact_field {
@@ -64,6 +72,7 @@ typedef struct artefact_field {
     artefact_need need;
     artefact_values values;
     bool by_entry; // along the first axis: most entries need not be there
+    const artefact_scale *scale;
 } artefact_field;
 
 typedef struct artefact_attribute {
@@ -73,6 +82,7 @@ typedef struct artefact_attribute {
     const char *long_name;
     artefact_need need;
     artefact_values values;
+    const artefact_scale *scale;
 } artefact_attribute;
 
 typedef struct artefact_schema {
@@ -85,7 +95,7 @@ typedef struct artefact_schema {
 } artefact_schema;
 
 extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_residuals,
-    schema_model;
+    schema_model, schema_cases;
 extern const artefact_schema *const artefact_schemas[]; // all of them, NULL at the end
 
 typedef struct artefact artefact;
@@ -284,6 +294,14 @@ ehd_status artefact_get_text(artefact *file, const char *attribute, char **text,
 /* Any attribute of the root as text, numbers with as many digits as they have; free(). */
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
                                    ehd_error *error);
+/* The factor of a scale that has no frame, or beside it, and the units of what it makes. EHD_DATA: the
+ * file has no such attribute, as of a contact that was not given in SI units. */
+ehd_status artefact_get_scale(
+    // output:
+    double *factor, const char **units,
+    // input:
+    artefact *file, const artefact_scale *scale, ehd_error *error);
+
 /* Visits the names of all attributes of the root, also of those that no schema knows. */
 void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
                                void *data);

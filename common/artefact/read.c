@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -604,6 +605,27 @@ static ehd_status get_number(artefact *file, const char *attribute, H5T_class_t 
 ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
                              ehd_error *error) {
     return get_number(file, attribute, H5T_FLOAT, value, error);
+}
+
+ehd_status artefact_get_scale(double *factor, const char **units, artefact *file,
+                              const artefact_scale *scale, ehd_error *error) {
+    const char *name = scale->attributes[0];
+
+    if (!name) {
+        *factor = 1;
+        *units = find_field(file, scale->frame)->units;
+        return EHD_OK;
+    }
+    if (!artefact_has(file, name) && scale->attributes[1]) name = scale->attributes[1];
+    if (!artefact_has(file, name))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found no attribute %s, expected that of a contact in SI units",
+                        shown_name(file), scale->attributes[0]);
+    *units = find_attribute(file, name)->units;
+    const ehd_status status = artefact_get_real(file, name, factor, error);
+    if (status || (*factor > 0 && isfinite(*factor))) return status;
+    return ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected a number above 0 for SI units",
+                    shown_name(file), name, *factor);
 }
 
 ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,

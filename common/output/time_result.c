@@ -26,6 +26,8 @@ static const struct {
     SCALAR(rigid_approach, rigid_approach),
     SCALAR(load, load),
     SCALAR(contact_half_width, contact_half_width),
+    SCALAR(frame_hertz_pressure, frame_hertz_pressure),
+    SCALAR(frame_film_unit, frame_film_unit),
     SCALAR(residual_norm, residual),
     SCALAR(time_step, step),
     SCALAR(time_effect, effect),

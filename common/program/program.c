@@ -3,6 +3,7 @@
 
 #include <argp.h>
 #include <cblas.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <fftw3.h>
@@ -115,6 +116,32 @@ static const size_t BLAS_BUFFER = (size_t)32 << 22;
 // of OpenBLAS: one such buffer, kept for later calls when it is given back
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
+
+/* Debian's OpenBLAS without threads has no lock around its work space (it is built without
+ * USE_LOCKING): two threads that call it may be given the same buffer, and one in a thousand products
+ * is then wrong. These stand before its own, which they call one thread at a time; others are as they
+ * were. tests/unit/test_threads.c is wrong without. */
+static pthread_mutex_t buffer_lock = PTHREAD_MUTEX_INITIALIZER;
+
+void *blas_memory_alloc(int unused) {
+    static void *(*take)(int);
+    void *buffer;
+
+    pthread_mutex_lock(&buffer_lock);
+    if (!take) *(void **)&take = dlsym(RTLD_NEXT, "blas_memory_alloc");
+    buffer = take(unused);
+    pthread_mutex_unlock(&buffer_lock);
+    return buffer;
+}
+
+void blas_memory_free(void *buffer) {
+    static void (*give)(void *);
+
+    pthread_mutex_lock(&buffer_lock);
+    if (!give) *(void **)&give = dlsym(RTLD_NEXT, "blas_memory_free");
+    give(buffer);
+    pthread_mutex_unlock(&buffer_lock);
+}
 
 /* Whether this much can be had now. */
 static bool has_room(size_t bytes) {
@@ -263,7 +290,7 @@ void program_warn(const program *self, const char *format, ...) {
 
 // ---- the command line
 
-enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT };
+enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT, KEY_SI, KEY_VTK };
 
 static const struct argp_option common_options[] = {
     {.doc = "Common to all programs:", .group = 10},
@@ -287,6 +314,19 @@ static const struct argp_option common_options[] = {
             "along several axes are led by the axes that are not named, and an empty line follows "
             "when the axis before the last goes on (two for the one before that), as splot and "
             "index of gnuplot expect. FILE may be a NAME.partial",
+     .group = 10},
+    {.name = "si",
+     .key = KEY_SI,
+     .doc =
+         "With --print of a result in SI units: lengths, films, pressures, loads and times, with "
+         "the unit behind each name",
+     .group = 10},
+    {.name = "vtk",
+     .key = KEY_VTK,
+     .arg = "RESULT.h5",
+     .doc = "Only write the fields of a result, in metres and pascals, for ParaView: -o NAME.vti, "
+            "or of "
+            "several times NAME.pvd and beside it NAME_0000.vti and so on",
      .group = 10},
     {.name = "quiet", .key = 'q', .doc = "No progress and no notes", .group = 10},
     {.name = "verbose", .key = 'v', .doc = "Also details", .group = 10},
@@ -411,6 +451,11 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         return set_file(&self->check, "--check", argument, state);
     case KEY_PRINT:
         return set_file(&self->print, "--print", argument, state);
+    case KEY_VTK:
+        return set_file(&self->vtk, "--vtk", argument, state);
+    case KEY_SI:
+        self->si = true;
+        return 0;
     case 'o':
         return set_file(&self->output, "--output", argument, state);
     case 'f':
@@ -462,13 +507,18 @@ static ehd_status check_arguments(const program *self, const program_options *op
                                   ehd_error *error) {
     if (self->check && self->print)
         return ehd_fail(error, EHD_USAGE, "--print: found --check too, expected one of them");
+    if (self->vtk && (self->check || self->print))
+        return ehd_fail(error, EHD_USAGE, "--vtk: found --%s too, expected one of them",
+                        self->check ? "check" : "print");
     if (self->print) return EHD_OK;
-    const bool enough = self->check || self->num_arguments >= options->min_arguments;
-    if (!enough || self->num_arguments > options->max_arguments)
+    if (self->si)
+        return ehd_fail(error, EHD_USAGE, "--si: found without --print, expected with it");
+    const bool enough = self->check || self->vtk || self->num_arguments >= options->min_arguments;
+    if (!enough || self->num_arguments > (self->vtk ? 0 : options->max_arguments))
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
                         self->num_arguments, self->num_arguments == 1 ? "" : "s",
-                        options->arguments_doc ? options->arguments_doc : "none");
-    if (options->needs_output && !self->check && !self->output)
+                        options->arguments_doc && !self->vtk ? options->arguments_doc : "none");
+    if ((options->needs_output || self->vtk) && !self->check && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
     return EHD_OK;
 }
