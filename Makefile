@@ -102,31 +102,28 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
 # ---- Flags
 
-# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
-# threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
-# (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
+# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. It is to be the
+# one with threads, of which it begins none (common/program/openblas.c).
 MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
-# pkg-config, and where that OpenBLAS is, are asked like the compiler above.
-SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
-PKG_CONFIG = PKG_CONFIG_PATH="$(SERIAL:%=%/pkgconfig:)$$PKG_CONFIG_PATH" pkg-config
-PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell $(PKG_CONFIG) --cflags $(MODULES))))$(PKG_CFLAGS)
-PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(MODULES))))$(PKG_LIBS)
-SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
-    -Wl$(,)--push-state$(,)--no-as-needed -lblas -llapack -Wl$(,)--pop-state)
+# pkg-config, and what else may have to be installed, are asked like the compiler above.
+PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
+PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
 , := ,
 
-# Of LAPACKE the library takes the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
-LIBRARY_MODULES := $(filter-out lapacke,$(MODULES))
-LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) \
+# The library has an OpenBLAS of its own within it, where it is used alone and begins no threads in somebody else's
+# process, and what that and LAPACKE take of Fortran's run time.
+LIBRARY_MODULES := $(filter-out openblas lapacke,$(MODULES))
+LIBRARY_BLAS     = $(eval LIBRARY_BLAS := -l:liblapacke.a $$(shell pkg-config --libs-only-L openblas) \
+                   -l:libopenblas.a -l:libgfortran.a -l:libquadmath.a)$(LIBRARY_BLAS)
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(LIBRARY_MODULES))) \
                    -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
-LIBRARY_RPATH    = $(SERIAL:%=-Wl$(,)-rpath$(,)%)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
-ALL_LIBS      = $(SERIAL_LIBS) $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
+ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lm $(LDLIBS)
 
 # Shown by --version and kept in every result.
 REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
@@ -248,7 +245,7 @@ uninstall: ## remove what install has written there
 $(PC_FILE): $(BUILD)/flags FORCE
 	@mkdir -p $(@D) && printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' \
 	    'Name: ehdrom' 'Version: $(VERSION)' 'Description: Reduced-order elastohydrodynamic lubrication' \
-	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_RPATH) $(LIBRARY_LIBS) -pthread' > $@
+	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_LIBS) -pthread' > $@
 
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
@@ -287,7 +284,7 @@ print-%:
 
 # ---- What has to be installed
 
-PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-pthread-dev libgfortran-12-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf python3-cffi python3-scipy valgrind
@@ -358,7 +355,7 @@ exported = $(shell sed -n 's/^ *\(ehdrom_[a-z_]*\);/\1/p' $(LIBRARY_EXPORTS))
 $(SHARED_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -shared $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(LIBRARY_OBJECTS) \
 	    -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) -Wl,--gc-sections -Wl,-z,defs,-z,relro \
-	    $(LIBRARY_RPATH) -l:liblapacke.a $(LIBRARY_LIBS)
+	    $(LIBRARY_BLAS) $(LIBRARY_LIBS)
 
 $(HEADER): romrun/library/ehdrom.h
 	@mkdir -p $(@D) && cp $< $@
@@ -369,7 +366,7 @@ $(LIBRARY_LINKS): $(SHARED_LIBRARY)
 $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)mkdir -p $(@D) && rm -f $@ && \
 	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
-	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
+	        $(LIBRARY_OBJECTS) $(LIBRARY_BLAS) && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
 link = mkdir -p $(@D) && $(CC) $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o %.a,$^)
 

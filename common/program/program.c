@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/program/program.h"
 
+#include "common/program/openblas.h"
+
 #include <argp.h>
 #include <cblas.h>
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <fftw3.h>
@@ -116,32 +117,6 @@ static const size_t BLAS_BUFFER = (size_t)32 << 22;
 // of OpenBLAS: one such buffer, kept for later calls when it is given back
 void *blas_memory_alloc(int unused);
 void blas_memory_free(void *buffer);
-
-/* Debian's OpenBLAS without threads has no lock around its work space (it is built without
- * USE_LOCKING): two threads that call it may be given the same buffer, and one in a thousand products
- * is then wrong. These stand before its own, which they call one thread at a time; others are as they
- * were. tests/unit/test_threads.c is wrong without. */
-static pthread_mutex_t buffer_lock = PTHREAD_MUTEX_INITIALIZER;
-
-void *blas_memory_alloc(int unused) {
-    static void *(*take)(int);
-    void *buffer;
-
-    pthread_mutex_lock(&buffer_lock);
-    if (!take) *(void **)&take = dlsym(RTLD_NEXT, "blas_memory_alloc");
-    buffer = take(unused);
-    pthread_mutex_unlock(&buffer_lock);
-    return buffer;
-}
-
-void blas_memory_free(void *buffer) {
-    static void (*give)(void *);
-
-    pthread_mutex_lock(&buffer_lock);
-    if (!give) *(void **)&give = dlsym(RTLD_NEXT, "blas_memory_free");
-    give(buffer);
-    pthread_mutex_unlock(&buffer_lock);
-}
 
 /* Whether this much can be had now. */
 static bool has_room(size_t bytes) {
@@ -584,7 +559,7 @@ void program_start(program *self, int argc, char **argv, const program_options *
     set_signals();
     self->stage = stage_here();
     set_last_resort();
-    openblas_set_num_threads(1); // more only slow down small matrices
+    openblas_one_thread();
 
     ehd_status status = parse_arguments(self, options, &done, &error);
     const bool no_buffer = !status && !done && program_take_buffers(1) < 1;
