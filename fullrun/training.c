@@ -31,6 +31,11 @@ static ehd_status keep_point(training *self, size_t point, const double *pressur
     size_t num_nodes = self->set->grid.num_nodes;
     trained_point *kept = &self->points[point];
 
+    if (kept->done) { // told twice, by a file of somebody else's
+        self->num_done--;
+        self->num_failed -= kept->pressure == NULL;
+        free(kept->pressure);
+    }
     *kept = (trained_point){.done = true,
                             .status = pressure ? EHD_OK : EHD_NOT_CONVERGED,
                             .rigid_approach = rigid_approach,

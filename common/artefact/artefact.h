@@ -176,8 +176,9 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* After artefact_resume of a training: whether the arrays of one of its states are whole; else EHD_DATA.
- * Of those that a killed run had not finished they need not be, and artefact_resume does not look. */
+/* After artefact_resume of a training: whether one of its states is whole and its numbers are what they
+ * may be; else EHD_DATA. Of those that a killed run had not finished they need not be, and artefact_resume
+ * does not look. */
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* After artefact_resume: whether a file that the run reads beside its settings is what it was when

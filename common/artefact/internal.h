@@ -126,6 +126,9 @@ ehd_status check_real(const artefact *file, const char *name, artefact_values va
                       ehd_error *error);
 ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
                          int64_t found, ehd_error *error);
+/* Whether numbers of a field are in its range. EHD_DATA. */
+ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
+                         size_t count, ehd_error *error);
 ehd_status check_values(const artefact *file, const artefact_field *field, size_t first,
                         size_t count, const void *data, ehd_error *error);
 /* Reads file->outcomes. */
@@ -210,6 +213,9 @@ void drop_copy(artefact *file);
 const char *written_name(const artefact *file);
 /* On disk; EHD_IO. */
 ehd_status sync_file(const artefact *file, ehd_error *error);
+
+/* Whether a field has an entry for each of what a writer finishes one after the other. */
+bool is_finished_by_entry(const artefact *file, const artefact_field *field);
 
 /* Whether a killed writer may have torn entries of a field that it had not finished: arrays, by the axis
  * along which it finished one after the other. Numbers lie within a page. */

@@ -133,13 +133,17 @@ static const struct {
 } resumable[] = {{&schema_snapshots, "status", 0, "solved points"},
                  {&schema_result, "restart_entries", 1, "a restart slot"}};
 
-bool is_kept_apart(const artefact *file, const artefact_field *field) {
+bool is_finished_by_entry(const artefact *file, const artefact_field *field) {
     for (size_t i = 0; i < sizeof resumable / sizeof *resumable; i++) {
         if (resumable[i].schema != file->schema) continue;
         const artefact_field *finished = find_field(file, resumable[i].dataset);
-        return field->axes[1] && strcmp(field->axes[0], finished->axes[0]) == 0;
+        return strcmp(field->axes[0], finished->axes[0]) == 0;
     }
     return false;
+}
+
+bool is_kept_apart(const artefact *file, const artefact_field *field) {
+    return field->axes[1] && is_finished_by_entry(file, field);
 }
 
 /* Whether an entry of the dataset is at least `min`. One by one, because a killed writer leaves the

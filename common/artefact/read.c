@@ -691,6 +691,7 @@ static ehd_status read_entry(artefact *file, const artefact_field *field, size_t
         status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
                           shown_name(file), field->name);
     if (!status) status = read_slice(file, field, entry, 1, numbers, NULL, error);
+    if (!status) status = check_numbers(file, field, numbers, entry_size(file, field), error);
     free(numbers);
     return status;
 }
@@ -699,7 +700,7 @@ ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error) 
     ehd_status status = EHD_OK;
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
-        if (is_kept_apart(file, field) && field_exists(file, field))
+        if (is_finished_by_entry(file, field) && field_exists(file, field))
             status = read_entry(file, field, entry, error);
     }
     return status;
