@@ -57,7 +57,9 @@ static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_er
         numbers[i] = (double)(first + i);
     ehd_status status = artefact_put_axis_part(file, "state", first, count, numbers, error);
     free(numbers);
-    return status ? status : artefact_flush(file, error);
+    if (!status) status = artefact_flush(file, error);
+    if (!status) artefact_save(file);
+    return status;
 }
 
 ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
@@ -252,7 +254,7 @@ static ehd_status copy_state(artefact *to, size_t to_state, artefact *from, size
         if (field->axes[0] && strcmp(field->axes[0], "state") == 0 &&
             strcmp(field->name, outcome_field) != 0 && artefact_has(to, field->name))
             status = copy_entry(to, to_state, from, from_state, field, error);
-    if (!status) status = artefact_flush(to, error);
+    if (!status) status = artefact_sync(to, error);
     if (!status)
         status = artefact_put_integers_part(to, outcome_field, to_state, 1, &outcome, error);
     return status ? status : artefact_flush(to, error);

@@ -171,10 +171,12 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
             artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
     if (!status)
         status = artefact_put_part(file, "residual_norm", point, 1, &solution->residual, error);
-    // last, because it says that the rest is there, of which only a flush makes sure
-    if (!status) status = artefact_flush(file, error);
+    // last, because it says that the rest is there, on the disk
+    if (!status) status = artefact_sync(file, error);
     if (!status) status = artefact_put_integers_part(file, "status", point, 1, &outcome, error);
-    return status ? status : artefact_flush(file, error);
+    if (!status) status = artefact_flush(file, error);
+    if (!status) artefact_save(file);
+    return status;
 }
 
 // ---- trajectories

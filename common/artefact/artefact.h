@@ -167,13 +167,21 @@ ehd_status artefact_put_text(artefact *file, const char *attribute, const char *
  * the calls, so a `status` put last is never there before what it speaks of. */
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
+/* The same, and what was written is on the disk before anything that follows, also where the power is
+ * cut. EHD_IO. */
+ehd_status artefact_sync(artefact *file, ehd_error *error);
+/* After artefact_flush of a file with a growing axis, else without effect: what HDF5 knows of its data
+ * changes with each entry, and a power cut between two of these calls tears it. Keeps a copy as it is now, PATH.saved,
+ * from which artefact_resume goes on, once as much time has passed since the last one as fifty of
+ * them take; artefact_begin_streaming makes the first. A copy that fails is none. */
+void artefact_save(artefact *file);
 
 /* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it
  * when needed. Does nothing when the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
-/* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which
- * can also be read. EHD_NOINPUT when there is none, or one that was interrupted before it began to
+/* Opens PATH.partial of an earlier run (where the machine has been started since, PATH.saved if
+ * there is one), streaming again, with its axes and declared fields, which can also be read. EHD_NOINPUT when there is none, or one that was interrupted before it began to
  * stream, with nothing in it; EHD_DATA when it is damaged, or its schema or settings
  * (scene_text_matches) differ; EHD_CANTCREATE when PATH exists and program->force is not set, or
  * another process is writing. A file with a growing axis is not streaming yet, and what is on the

@@ -20,10 +20,12 @@ typedef struct dataset_shape {
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
-    char *path;         // the final name
-    char *partial;      // the name while it is written; NULL when reading
-    char *copy;         // the name of the copy of it that is changed while it is not streaming
-    bool on_copy;       // that is what is open
+    char *path;    // the final name
+    char *partial; // the name while it is written; NULL when reading
+    char *copy;    // the name of the copy of it that is changed while it is not streaming
+    bool on_copy;  // that is what is open
+    char *saved;   // the name of a copy of some time ago
+    double saved_at, save_seconds; // when that was made, by program_seconds, and what it took
     char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
     char *digests;      // content_sha256 of a file being read; NULL: not to be checked
     bool *checked;      // [number of the schema's fields] read by parts, and their digest checked
@@ -203,7 +205,8 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
 bool has_begun(const artefact *file);
 
 /* What an interrupted run left is not changed in place but while it is streaming, since a kill would
- * leave neither the old nor the new. use_copy makes a copy under a name of its own, for HDF5 to open;
+ * leave neither the old nor the new. use_copy makes a copy under a name of its own, for HDF5 to
+ * open, where the machine has been started since it was written, and there is one, of PATH.saved;
  * keep_copy gives it the name of the original, once it is streaming; drop_copy removes it. EHD_IO,
  * EHD_MEMORY, EHD_CANTCREATE. */
 ehd_status use_copy(artefact *file, ehd_error *error);

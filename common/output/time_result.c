@@ -199,10 +199,12 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     size_t slot = found[1] < found[0] ? 1 : 0; // the older one
     status = artefact_put_integers_part(file, "restart_entries", slot, 1, &invalid, error);
     if (!status) status = artefact_put_part(file, "restart", slot, 1, restart, error);
-    // only a flush makes sure that it is there before the number that says so
-    if (!status) status = artefact_flush(file, error);
+    // on the disk before the number that says so
+    if (!status) status = artefact_sync(file, error);
     if (!status)
         status = artefact_put_integers_part(file, "restart_entries", slot, 1, &valid, error);
+    if (!status) status = artefact_sync(file, error);
+    if (!status) artefact_save(file);
     return status;
 }
 

@@ -14,6 +14,14 @@ load sweeps
     sweep reduced write kill -n 5
 }
 
+# Only pages that were synced are on the disk for sure, of the others any earlier state.
+@test "a power cut loses nothing that was finished" {
+    sweep snapgen write power -e 25
+    sweep adaptive write power -e 97
+    sweep moving write power -e 53
+    sweep reduced sync power
+}
+
 @test "a disk that is full, or fails, is said in one line" {
     sweep fullrun write fail -e 9
     sweep snapgen write last -e 29
