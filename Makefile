@@ -112,31 +112,28 @@ EXAMPLES     := $(patsubst %/Makefile,%,$(wildcard scenes/examples/*/Makefile))
 
 # ---- Flags
 
-# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. The one without
-# threads is wanted: the other starts a thread for each core, which waits without end where memory is limited
-# (tests/fault/fault.bats). UMFPACK asks for libblas and liblapack, which are therefore named from the same folder.
+# OpenBLAS comes first because it serves BLAS, CBLAS and LAPACK to all others, and instead of gslcblas. It is to be the
+# one with threads, of which it begins none (common/program/openblas.c).
 MODULES := openblas lapacke gsl fftw3 hdf5-serial yaml-0.1 nettle
 
-# pkg-config, and where that OpenBLAS is, are asked like the compiler above.
-SERIAL     = $(eval SERIAL := $$(firstword $$(shell ls -d /usr/lib/*/openblas-serial 2>/dev/null)))$(SERIAL)
-PKG_CONFIG = PKG_CONFIG_PATH="$(SERIAL:%=%/pkgconfig:)$$PKG_CONFIG_PATH" pkg-config
-PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell $(PKG_CONFIG) --cflags $(MODULES))))$(PKG_CFLAGS)
-PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(MODULES))))$(PKG_LIBS)
-SERIAL_LIBS = $(if $(SERIAL),-L$(SERIAL) -Wl$(,)-rpath$(,)$(SERIAL) \
-    -Wl$(,)--push-state$(,)--no-as-needed -lblas -llapack -Wl$(,)--pop-state)
+# pkg-config, and what else may have to be installed, are asked like the compiler above.
+PKG_CFLAGS = $(eval PKG_CFLAGS := $$(patsubst -I%,-isystem %,$$(shell pkg-config --cflags $(MODULES))))$(PKG_CFLAGS)
+PKG_LIBS   = $(eval PKG_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(MODULES))))$(PKG_LIBS)
 , := ,
 
-# Of LAPACKE the library takes the few functions that it calls, since the shared one brings BLAS and LAPACK once more.
-LIBRARY_MODULES := $(filter-out lapacke,$(MODULES))
-LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell $(PKG_CONFIG) --libs $(LIBRARY_MODULES))) \
+# The library has an OpenBLAS of its own within it, where it is used alone and begins no threads in somebody else's
+# process, and what that and LAPACKE take of Fortran's run time.
+LIBRARY_MODULES := $(filter-out openblas lapacke,$(MODULES))
+LIBRARY_BLAS     = $(eval LIBRARY_BLAS := -l:liblapacke.a $$(shell pkg-config --libs-only-L openblas) \
+                   -l:libopenblas.a -l:libgfortran.a -l:libquadmath.a)$(LIBRARY_BLAS)
+LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(LIBRARY_MODULES))) \
                    -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
-LIBRARY_RPATH    = $(SERIAL:%=-Wl$(,)-rpath$(,)%)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
 ALL_CFLAGS    = -std=c17 -pthread $(WARNINGS) $(MARCH:%=-march=%) $(CFLAGS)
 ALL_LDFLAGS   = -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
-ALL_LIBS      = $(SERIAL_LIBS) $(PKG_LIBS) -lumfpack -lhdf5_hl -lminizip -lm $(LDLIBS)
+ALL_LIBS      = $(PKG_LIBS) -lumfpack -lhdf5_hl -lminizip -lm $(LDLIBS)
 
 # Shown by --version and kept in every result.
 REVISION := $(shell GIT_OPTIONAL_LOCKS=0 git -c safe.directory="*" describe --always --dirty 2>/dev/null || echo unknown)
@@ -262,7 +259,7 @@ uninstall: ## remove what install has written there
 $(PC_FILE): $(BUILD)/flags FORCE
 	@mkdir -p $(@D) && printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include' 'libdir=$${prefix}/lib' '' \
 	    'Name: ehdrom' 'Version: $(VERSION)' 'Description: Reduced-order elastohydrodynamic lubrication' \
-	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_RPATH) $(LIBRARY_LIBS) -pthread' > $@
+	    'Cflags: -I$${includedir}' 'Libs: -L$${libdir} -lehdrom' 'Libs.private: $(LIBRARY_LIBS) -pthread' > $@
 
 ALL_C := $(SOURCES) $(FAULT_SOURCES) $(sort $(wildcard scenes/*.c scenes/*/*.c scenes/*/*/*.c))
 
@@ -301,7 +298,7 @@ print-%:
 
 # ---- What has to be installed
 
-PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-serial-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
+PACKAGES := gcc g++ libc6-dev pkg-config libopenblas-pthread-dev libgfortran-12-dev liblapacke-dev libsuitesparse-dev libhdf5-dev \
             hdf5-tools libgsl-dev libfftw3-dev libyaml-dev nettle-dev libminizip-dev libcmocka-dev bats cmake \
             help2man netcdf-bin python3-numpy python3-matplotlib python3-xarray python3-h5py python3-netcdf4 \
             python3-h5netcdf python3-cffi python3-scipy valgrind libxml2-utils qemu-user
@@ -372,7 +369,7 @@ exported = $(shell sed -n 's/^ *\(ehdrom_[a-z_]*\);/\1/p' $(LIBRARY_EXPORTS))
 $(SHARED_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -shared $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(LIBRARY_OBJECTS) \
 	    -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) -Wl,--gc-sections -Wl,-z,defs,-z,relro \
-	    $(LIBRARY_RPATH) -l:liblapacke.a $(LIBRARY_LIBS)
+	    $(LIBRARY_BLAS) $(LIBRARY_LIBS)
 
 $(HEADER): romrun/library/ehdrom.h
 	@mkdir -p $(@D) && cp $< $@
@@ -383,7 +380,7 @@ $(LIBRARY_LINKS): $(SHARED_LIBRARY)
 $(STATIC_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
 	$(call quiet,AR  ,$@)mkdir -p $(@D) && rm -f $@ && \
 	    $(CC) -r -nostdlib -o $(@D)/ehdrom.o -Wl,--gc-sections $(patsubst %,-Wl$(,)-u$(,)%,$(exported)) \
-	        $(LIBRARY_OBJECTS) -l:liblapacke.a && \
+	        $(LIBRARY_OBJECTS) $(LIBRARY_BLAS) && \
 	    objcopy $(addprefix --keep-global-symbol=,$(exported)) $(@D)/ehdrom.o && $(AR) rcs $@ $(@D)/ehdrom.o
 # The library once for any x86-64 and once for x86-64-v3, each one object with names of its own (romrun/fmu/processor.c),
 # and all that it needs but libc and libm. FFTW, GSL: see romrun/fmu/README.md.
@@ -411,8 +408,8 @@ $(FMU_CORES): romrun/fmu/processor.c $(FMU)/objects
 	objcopy $(addprefix --keep-global-symbol=,$(fmu_calls)) $@ && \
 	objcopy $(foreach name,$(fmu_calls),--redefine-sym $(name)=$(name)_$(basename $(@F))) $@
 
-FMU_LIBS = $(SERIAL)/libopenblas.a -Wl,-Bstatic -lgsl -lfftw3 -lyaml -lnettle -lgfortran -lquadmath -Wl,-Bdynamic -lm
-$(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU_CORES) romrun/fmu/fmi.map
+FMU_LIBS = -Wl,-Bstatic $(shell pkg-config --libs openblas) -lgsl -lfftw3 -lyaml -lnettle -lgfortran -lquadmath -Wl,-Bdynamic -lm
+$(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU)/any/common/program/openblas.o $(FMU_CORES) romrun/fmu/fmi.map
 	$(call quiet,LINK,$@)$(CC) -shared -static-libgcc -s -o $@ $(filter %.o,$^) $(FMU_LIBS) \
 	    -Wl,--version-script=romrun/fmu/fmi.map -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs,-z,relro,-z,noexecstack
 
@@ -420,7 +417,7 @@ $(BUILD)/lib/ehdrom/fmu.so: $(FMU)/fmu.so
 	@mkdir -p $(@D) && ln -f $< $@
 
 # Of all that is linked, as Debian keeps them.
-FMU_LICENCES := libopenblas0-serial liblapacke libgfortran5 libquadmath0 libgsl27 libfftw3-double3 libyaml-0-2 libnettle8
+FMU_LICENCES := libopenblas0-pthread liblapacke libgfortran5 libquadmath0 libgsl27 libfftw3-double3 libyaml-0-2 libnettle8
 $(BUILD)/lib/ehdrom/licenses: LICENSE $(FMU)/flags
 	@rm -rf $@ && mkdir -p $@ && cp LICENSE $@/ehdrom.txt
 	@for package in $(FMU_LICENCES); do \

@@ -3,6 +3,7 @@
 #include "common/artefact/artefact.h"
 #include "common/output/check.h"
 #include "common/output/print.h"
+#include "common/output/vtk.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "deimselect/checked_model.h"
@@ -252,6 +253,7 @@ int main(int argc, char **argv) {
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self, training_readers);
     if (self.print) return output_print(&self);
+    if (self.vtk) return output_vtk(&self);
     ehd_status status = check_usage(&own, &error);
     if (!status) status = run(&self, &own, &error);
     return program_finish(&self, status, &error);

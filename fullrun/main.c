@@ -6,6 +6,7 @@
 #include "common/output/print.h"
 #include "common/output/result.h"
 #include "common/output/time_run.h"
+#include "common/output/vtk.h"
 #include "common/physics/grid_choice.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
@@ -514,6 +515,7 @@ int main(int argc, char **argv) {
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self, NULL);
     if (self.print) return output_print(&self);
+    if (self.vtk) return output_vtk(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -31,6 +31,11 @@ static ehd_status keep_point(training *self, size_t point, const double *pressur
     size_t num_nodes = self->set->grid.num_nodes;
     trained_point *kept = &self->points[point];
 
+    if (kept->done) { // told twice, by a file of somebody else's
+        self->num_done--;
+        self->num_failed -= kept->pressure == NULL;
+        free(kept->pressure);
+    }
     *kept = (trained_point){.done = true,
                             .status = pressure ? EHD_OK : EHD_NOT_CONVERGED,
                             .rigid_approach = rigid_approach,
@@ -194,9 +199,11 @@ ehd_status training_run(training *self, size_t num_workers, ehd_error *error) {
                             .done = done,
                             .num_workers = num_workers,
                             .shared = self,
+                            .worker_bytes = full_solver_bytes(&self->set->grid),
                             .begin = begin_worker,
                             .end = end_worker,
                             .start = show_point,
+                            .repeatable = true,
                             .solve = solve_point,
                             .finish = finish_point};
     progress_start(&self->progress, self->program, num_left);

@@ -2,6 +2,7 @@
 /* podbuild: bases of training solutions. */
 #include "common/output/check.h"
 #include "common/output/print.h"
+#include "common/output/vtk.h"
 #include "common/program/program.h"
 #include "common/training/training_set.h"
 #include "podbuild/bases.h"
@@ -204,6 +205,7 @@ int main(int argc, char **argv) {
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self, training_readers);
     if (self.print) return output_print(&self);
+    if (self.vtk) return output_vtk(&self);
     own.bases.deformation.discarded_energy = own.bases.pressure.discarded_energy;
     if (own.weight->needs_contacts != (own.plan != NULL))
         return program_finish(&self,

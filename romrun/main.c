@@ -6,14 +6,17 @@
 #include "common/output/result.h"
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
+#include "common/output/vtk.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "fullrun/resolution.h"
 #include "romrun/calibrate/accuracy.h"
 #include "romrun/calibrate/against.h"
 #include "romrun/calibrate/calibrate.h"
+#include "romrun/calibrate/cases.h"
 #include "romrun/calibrate/fallback.h"
 #include "romrun/calibrate/fallback_march.h"
+#include "romrun/calibrate/reduced_result.h"
 #include "romrun/calibrate/verify.h"
 #include "romrun/fmu/export.h"
 #include "romrun/model/readers.h"
@@ -38,6 +41,7 @@ typedef struct romrun_options {
     bool allow_untrusted, resume, verify;
     size_t repeats;        // of the solution; its median time is reported
     const char *calibrate; // plan; NULL: none
+    const char *cases;     // table of scenes; NULL: one scene
     bool trade;
     bool fmu;             // export it
     size_t fmi;           // 2 or 3; 0: not given
@@ -75,7 +79,10 @@ static const program_option own_options[] = {
      OPTION_FLAG(resume)},
     {"calibrate", 0, "PLAN.yml", "Measure deviations and time of many sizes of the model on the scenes of a "
      "plan, none of them trained on, and write the model with the table to -o", OPTION_TEXT(calibrate)},
-    {"jobs", 'j', "N", "Full solutions at a time with --calibrate; as many as there are processors by default",
+    {"cases", 0, "CASES.csv", "Solve many scenes: a column for each setting that varies, a row for each of them, to one "
+     "table, -o TABLE.csv or TABLE.h5, or on stdout; exit with the code of the worst (stationary)", OPTION_TEXT(cases)},
+    {"jobs", 'j', "N", "Full solutions at a time with --calibrate, scenes with --cases; as many as there are processors "
+     "by default",
      OPTION_COUNT(num_jobs, 1, 4096)},
     {"fmu", 0, NULL, "Write the scene's contact as an FMU for co-simulation, to run inside other programs, to -o",
      OPTION_FLAG(fmu)},
@@ -115,30 +122,6 @@ static ehd_status solve(online_result *result, online_solver *solver, const ehd_
     }
     free(runs);
     return status;
-}
-
-static run_result make_result(const online_result *solution, const double *pressure,
-                              const double *film) {
-    run_result result = {.pressure = pressure,
-                         .film = film,
-                         .central_film_thickness = solution->scalars.central_film_thickness,
-                         .minimum_film_thickness = solution->scalars.minimum_film_thickness,
-                         .central_pressure = solution->scalars.central_pressure,
-                         .rigid_approach = solution->scalars.rigid_approach,
-                         .exit_position = solution->scalars.exit_position,
-                         .load = solution->scalars.load,
-                         .newton_iterations = solution->iterations,
-                         .residual = solution->residual,
-                         .indicated_deviation = solution->indicated,
-                         .indicated_deviation_minimum = solution->indicated_minimum,
-                         .status = solution->status,
-                         .seconds = solution->seconds,
-                         .seconds_rows = solution->seconds_rows,
-                         .seconds_linear = solution->seconds_linear,
-                         .seconds_exit = solution->seconds_exit};
-
-    snprintf(result.reason, sizeof result.reason, "%s", solution->reason);
-    return result;
 }
 
 /* Exit code and message of the outcome. */
@@ -221,7 +204,7 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
                               const ehd_contact *contact, ehd_error *error) {
     ehd_status status = attempt_at(self, &options->sizes, options, contact, error);
     if (status || options->fallback.pressure_modes == 0) return status;
-    run_result result = make_result(&self->solution, NULL, NULL);
+    run_result result = reduced_result(&self->solution);
     accuracy_judge(&result, options->accuracy);
     if (!result.status && accuracy_limits_any(&options->limits)) {
         self->others = online_indicate(self->solver, contact);
@@ -302,7 +285,9 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
         if (!status)
             online_judge_pressure(&done->solution, self->contact, self->pressure, grid->num_nodes);
     }
-    self->result = make_result(&done->solution, self->pressure, self->film);
+    self->result = reduced_result(&done->solution);
+    self->result.pressure = self->pressure;
+    self->result.film = self->film;
     self->result.exits = self->exits;
     if (with_effects) {
         self->effects = online_effects(done->model, self->contact);
@@ -310,16 +295,11 @@ static ehd_status fill_result(stationary_run *self, bool with_fields, bool with_
     }
     done->others = online_indicate(done->solver, self->contact);
     self->result.indicated = done->others.deviation;
-    accuracy_judge(&self->result, self->options->accuracy);
     const online_properties model = online_describe(done->model);
     const char *unchecked = online_unchecked(&model, false);
-    if (unchecked && !self->result.status) {
-        self->result.status = EHD_UNTRUSTED;
-        snprintf(self->result.reason, sizeof self->result.reason, "%s", unchecked);
-    }
+    reduced_result_judge(&self->result, unchecked, self->options->accuracy, &self->options->limits);
     if (unchecked && self->options->allow_untrusted)
         program_note(self->caller, "%s: found %s", self->options->model, unchecked);
-    accuracy_judge_others(&self->result, &self->options->limits);
     return status;
 }
 
@@ -563,8 +543,14 @@ static ehd_status check_usage(const program *self, const romrun_options *options
     if (falls_back(options) && options->allow_untrusted)
         return ehd_fail(error, EHD_USAGE,
                         "--fallback: found full with --allow-untrusted, expected one of them");
-    if (options->num_jobs > 0 && !options->calibrate)
-        return ehd_fail(error, EHD_USAGE, "--jobs: found without --calibrate, expected with it");
+    if (options->num_jobs > 0 && !options->calibrate && !options->cases)
+        return ehd_fail(error, EHD_USAGE,
+                        "--jobs: found without --calibrate or --cases, expected with one of them");
+    if (options->cases && (!solves || options->verify || options->against || options->fall_back ||
+                           options->resume || options->repeats > 1))
+        return ehd_fail(error, EHD_USAGE,
+                        "--cases: found with --verify, --against, --fallback, --repeat, --resume, "
+                        "--calibrate or --trade, expected none of them");
     if (!solves && ((sized && !options->exported) || options->verify || options->accuracy > 0 ||
                     options->against || options->fall_back || options->allow_untrusted ||
                     options->resume || options->repeats > 1))
@@ -628,6 +614,13 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
     return EHD_OK;
 }
 
+/* Said with a result: a foreign writer may leave the digest out, and so does a program of before. */
+static void note_content(const program *self, const char *model) {
+    if (online_is_flat(model) || artefact_content(model) != content_without_digest) return;
+    program_note(self, "%s: found %s of its content, so that a change of it would not be noticed",
+                 model, content_without_digest);
+}
+
 /* An FMU of one scene. */
 static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
     ehd_contact contact;
@@ -667,6 +660,80 @@ static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *err
     return status;
 }
 
+// ---- many scenes
+
+/* Exit code and message of the worst. */
+static ehd_status judge_cases(const cases_summary *found, const romrun_options *options,
+                              const case_list *list, ehd_error *error) {
+    const bool unsolved = found->num_unsolved > 0;
+
+    if (!unsolved && (found->num_untrusted == 0 || options->allow_untrusted)) return EHD_OK;
+    ehd_fail(error, EHD_NOT_CONVERGED,
+             "found %zu of %zu scenes not converged and %zu not to be trusted, the first %s here, "
+             "expected none",
+             found->num_unsolved, case_list_count(list), found->num_untrusted,
+             unsolved ? "not converged" : "not to be trusted");
+    case_list_fail(list, found->first, error);
+    return unsolved ? EHD_NOT_CONVERGED : EHD_UNTRUSTED;
+}
+
+static void show_cases(const cases_summary *found, const program *self, const case_list *list) {
+    const size_t count = case_list_count(list);
+    const size_t bad = found->num_unsolved + found->num_untrusted;
+
+    if (!self->output) return; // the table is there
+    printf("%-24s%zu: %zu good, %zu not to be trusted, %zu not converged\n", "cases", count,
+           count - bad, found->num_untrusted, found->num_unsolved);
+    printf("%-24s%.4g s, %.3g ms a case\n", "solution", found->seconds,
+           found->seconds * 1e3 / (double)count);
+}
+
+static ehd_status solve_cases(const case_list *list, const program *self,
+                              const romrun_options *options, ehd_error *error) {
+    const char *const inputs[] = {self->arguments[0], options->cases, options->model, NULL};
+    const cases_task task = {.caller = self,
+                             .model = options->model,
+                             .sizes = options->sizes,
+                             .most_accurate = options->fallback,
+                             .accuracy = options->accuracy,
+                             .limits = &options->limits,
+                             .num_jobs =
+                                 options->num_jobs ? options->num_jobs : pool_default_workers()};
+    case_row *rows = calloc(case_list_count(list), sizeof *rows);
+    char *scene_lines = case_list_settings(list), *text = NULL;
+    const contact_kind *kind;
+    cases_summary found;
+    ehd_grid grid;
+    ehd_status status = rows && scene_lines
+                            ? text_with_sizes(&text, scene_lines, options, error)
+                            : ehd_fail(error, EHD_MEMORY, "%s: found no memory for %zu scenes",
+                                       options->cases, case_list_count(list));
+
+    if (!status) status = cases_solve(rows, &kind, &grid, &found, list, &task, error);
+    if (!status) status = case_table_write(rows, list, kind, &grid, self, text, inputs, error);
+    if (!status) show_cases(&found, self, list);
+    if (!status) status = judge_cases(&found, options, list, error);
+    free(scene_lines);
+    free(text);
+    free(rows);
+    return status;
+}
+
+static ehd_status run_cases(const program *self, const romrun_options *given_options,
+                            ehd_error *error) {
+    romrun_options options = *given_options;
+    case_list *list = NULL;
+    ehd_status status = case_table_check(self, error);
+
+    if (!status)
+        status = case_list_read(&list, self->arguments[0], options.cases, self->overrides,
+                                self->num_overrides, error);
+    if (!status && options.accuracy > 0) status = choose_sizes(&options, self, false, error);
+    if (!status) status = solve_cases(list, self, &options, error);
+    case_list_free(list);
+    return status;
+}
+
 /* One scene. */
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
@@ -685,6 +752,8 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     if (!status)
         status = transient ? run_transient(self, &options, &contact, &given, scene_lines, error)
                            : run_stationary(self, &options, &contact, &given, scene_lines, error);
+    if (!status || status == EHD_NOT_CONVERGED || status == EHD_UNTRUSTED)
+        note_content(self, options.model);
     free(scene_lines);
     return status;
 }
@@ -699,7 +768,8 @@ static ehd_status run(const program *self, const romrun_options *options, ehd_er
     if (options->calibrate)
         return calibrate(self, options->calibrate, options->model,
                          options->num_jobs ? options->num_jobs : pool_default_workers(), error);
-    return options->fmu ? export_fmu(self, options, error) : run_scene(self, options, error);
+    if (options->fmu) return export_fmu(self, options, error);
+    return options->cases ? run_cases(self, options, error) : run_scene(self, options, error);
 }
 
 int main(int argc, char **argv) {
@@ -709,6 +779,7 @@ int main(int argc, char **argv) {
         .own = &own,
         // as many lines as help2man takes: argp breaks those of more than 79 columns
         .arguments_doc = "SCENE.yml --model MODEL.h5 [-o RESULT.h5]\n"
+                         "SCENE.yml --cases CASES.csv --model MODEL.h5\n"
                          "--fmu SCENE.yml --model MODEL.h5 -o CONTACT.fmu\n"
                          "--calibrate PLAN.yml --model MODEL.h5 -o NEW.h5\n"
                          "--trade --model NEW.h5\n"
@@ -724,6 +795,7 @@ int main(int argc, char **argv) {
         return program_finish(&self, check_flat(self.check, &error), &error);
     if (self.check) return output_check(&self, model_readers);
     if (self.print) return output_print(&self);
+    if (self.vtk) return output_vtk(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

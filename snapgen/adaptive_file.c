@@ -57,7 +57,9 @@ static ehd_status put_numbers(artefact *file, size_t first, size_t count, ehd_er
         numbers[i] = (double)(first + i);
     ehd_status status = artefact_put_axis_part(file, "state", first, count, numbers, error);
     free(numbers);
-    return status ? status : artefact_flush(file, error);
+    if (!status) status = artefact_flush(file, error);
+    if (!status) artefact_save(file);
+    return status;
 }
 
 ehd_status adaptive_file_add(artefact *file, const training_set *set, const adaptive_state *states,
@@ -116,6 +118,19 @@ static ehd_status restore_state(training *points, double (*films)[NUM_FILMS], ar
     return !status && !whole && !of_last_round ? EHD_DATA : status;
 }
 
+/* Each point is chosen once. */
+static ehd_status check_distinct(const adaptive_state *states, size_t count, const char *path,
+                                 ehd_error *error) {
+    for (size_t i = 1; i < count; i++)
+        for (size_t k = 0; k < i; k++)
+            if (states[k].point == states[i].point)
+                return ehd_fail(error, EHD_DATA,
+                                "%s: training_point: found %zu as states %zu and %zu, expected it "
+                                "once",
+                                path, states[i].point, k, i);
+    return EHD_OK;
+}
+
 /* The states that were chosen, and those of them that are done. */
 static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS], training *points,
                               artefact *file, size_t count, ehd_error *error) {
@@ -124,6 +139,7 @@ static ehd_status read_states(adaptive_state *states, double (*films)[NUM_FILMS]
 
     for (size_t i = 0; i < count && !status; i++)
         status = read_choice(&states[i], file, i, num_points, error);
+    if (!status) status = check_distinct(states, count, artefact_path(file), error);
     for (size_t i = 0; i < count && !status; i++)
         status = restore_state(points, films, file, &states[i], i,
                                states[i].round == states[count - 1].round, error);
@@ -151,6 +167,10 @@ ehd_status adaptive_file_resume(artefact **file, adaptive_state *states, size_t 
     // a disk that fails may have left the length without the numbers
     if (!status && count > 0) status = put_numbers(*file, 0, count, error);
     if (!status) status = read_states(states, films, points, *file, count, error);
+    // of what is solved again the contact may have been what was not whole
+    for (size_t i = 0; i < count && !status; i++)
+        if (!points->points[states[i].point].done)
+            status = snapshots_put_contact(*file, i, &set->contacts[states[i].point], error);
     *num_states = count;
     if (status) artefact_close(file);
     return status;
@@ -234,7 +254,7 @@ static ehd_status copy_state(artefact *to, size_t to_state, artefact *from, size
         if (field->axes[0] && strcmp(field->axes[0], "state") == 0 &&
             strcmp(field->name, outcome_field) != 0 && artefact_has(to, field->name))
             status = copy_entry(to, to_state, from, from_state, field, error);
-    if (!status) status = artefact_flush(to, error);
+    if (!status) status = artefact_sync(to, error);
     if (!status)
         status = artefact_put_integers_part(to, outcome_field, to_state, 1, &outcome, error);
     return status ? status : artefact_flush(to, error);

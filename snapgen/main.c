@@ -3,6 +3,7 @@
 #include "common/output/check.h"
 #include "common/output/grid_file.h"
 #include "common/output/print.h"
+#include "common/output/vtk.h"
 #include "common/program/program.h"
 #include "common/settings/scene.h"
 #include "common/training/pool.h"
@@ -350,6 +351,7 @@ int main(int argc, char **argv) {
     program_start(&self, argc, argv, &options);
     if (self.check) return output_check(&self, training_readers);
     if (self.print) return output_print(&self);
+    if (self.vtk) return output_vtk(&self);
     ehd_status status = run(&self, &own, &error);
     return program_finish(&self, status, &error);
 }

@@ -171,10 +171,12 @@ ehd_status snapshots_store(void *sink, const training_set *set, size_t point,
             artefact_put_integers_part(file, "newton_iterations", point, 1, &iterations, error);
     if (!status)
         status = artefact_put_part(file, "residual_norm", point, 1, &solution->residual, error);
-    // last, because it says that the rest is there, of which only a flush makes sure
-    if (!status) status = artefact_flush(file, error);
+    // last, because it says that the rest is there, on the disk
+    if (!status) status = artefact_sync(file, error);
     if (!status) status = artefact_put_integers_part(file, "status", point, 1, &outcome, error);
-    return status ? status : artefact_flush(file, error);
+    if (!status) status = artefact_flush(file, error);
+    if (!status) artefact_save(file);
+    return status;
 }
 
 // ---- trajectories
@@ -286,10 +288,31 @@ static ehd_status restore(training *points, size_t point, artefact *file, size_t
     return status;
 }
 
+/* Whether a state is of the contact that the plan has there. */
+static ehd_status check_contact(artefact *file, size_t state, const ehd_contact *contact,
+                                ehd_error *error) {
+    const struct {
+        const char *name;
+        double expected;
+    } numbers[] = {{"moes_M", contact->moes_M}, {"alpha_p_H", contact->alpha_p_H}};
+
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        double found;
+        ehd_status status = artefact_get_part(file, numbers[i].name, state, 1, &found, error);
+        if (status) return status;
+        if (!(fabs(found - numbers[i].expected) <= 1e-12 * numbers[i].expected))
+            return ehd_fail(error, EHD_DATA, "%s: %s: found %.10g of state %zu, expected %.10g",
+                            artefact_path(file), numbers[i].name, found, state,
+                            numbers[i].expected);
+    }
+    return EHD_OK;
+}
+
 ehd_status snapshots_restore(bool *whole, training *points, size_t point, artefact *file,
                              size_t state, int64_t outcome, ehd_error *error) {
     ehd_status status = outcome == 0 ? artefact_check_entry(file, state, error) : EHD_OK;
 
+    if (!status) status = check_contact(file, state, &points->set->contacts[point], error);
     if (!status) status = restore(points, point, file, state, outcome, error);
     *whole = !status;
     return status == EHD_DATA ? EHD_OK : status;
@@ -298,14 +321,16 @@ ehd_status snapshots_restore(bool *whole, training *points, size_t point, artefa
 static ehd_status restore_points(training *points, artefact *file, ehd_error *error) {
     const training_set *set = points->set;
     int64_t *outcomes = malloc(num_states(set) * sizeof *outcomes);
-    bool whole; // a point that is not is solved again
+    bool whole = true; // a point that is not is solved again
     ehd_status status = EHD_OK;
 
     if (!outcomes) status = ehd_fail(error, EHD_MEMORY, "%s: found no memory", artefact_path(file));
     if (!status) status = artefact_get_integers(file, "status", outcomes, error);
-    for (size_t i = 0; i < set->num_points && !status; i++)
-        if (outcomes[i] >= 0)
-            status = snapshots_restore(&whole, points, i, file, i, outcomes[i], error);
+    for (size_t i = 0; i < set->num_points && !status; i++) {
+        if (outcomes[i] < 0) continue;
+        status = snapshots_restore(&whole, points, i, file, i, outcomes[i], error);
+        if (!status && !whole) status = snapshots_put_contact(file, i, &set->contacts[i], error);
+    }
     free(outcomes);
     return status;
 }

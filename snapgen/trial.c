@@ -153,6 +153,7 @@ ehd_status trial_judge(trial_verdict *verdicts, const reduced_model *model,
                             .shared = &shared,
                             .begin = begin_judge,
                             .end = end_judge,
+                            .repeatable = true,
                             .solve = judge_contact};
     ehd_status status = pool_run(&work, error);
     free(done);

@@ -26,6 +26,7 @@ void artefact_delete(artefact *file) {
     drop_copy(file);
     if (file->lock >= 0) close(file->lock);
     free(file->copy);
+    free(file->saved);
     free(file->held);
     free(file->shapes);
     free(file->outcomes);
@@ -46,7 +47,10 @@ void artefact_close(artefact **file) {
         (*file)->partial = NULL;
     }
     // removed before the close lets go of the writer's lock
-    if (unfinished) unlink(unfinished);
+    if (unfinished) {
+        unlink(unfinished);
+        unlink((*file)->saved);
+    }
     free(unfinished);
     artefact_delete(*file);
     *file = NULL;

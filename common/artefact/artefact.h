@@ -47,12 +47,20 @@ typedef enum artefact_values {
     VALUES_FILM_NODE    // nodes of the film, ascending
 } artefact_values;
 
+/* What makes SI units of a dimensionless number: the first of these attributes that a file has, in
+ * the units of its row, and where the number is in a frame of its own, that frame's too. */
+typedef struct artefact_scale {
+    const char *attributes[2]; // "film_unit"; NULL: the frame has the units
+    const char *frame;         // field along one axis, relative to the attribute; NULL: none
+} artefact_scale;
+
 typedef struct artefact_axis {
-    const char *name;      // "x", "state", "pressure_mode"
-    const char *units;     // "1"
-    const char *long_name; // index axes get 0, 1, 2, … as their scale
-    size_t max;            // longer ones are refused
-    bool optional;         // fields are on it only in a file that has it
+    const char *name;            // "x", "state", "pressure_mode"
+    const char *units;           // "1"
+    const char *long_name;       // index axes get 0, 1, 2, … as their scale
+    size_t max;                  // longer ones are refused
+    bool optional;               // fields are on it only in a file that has it
+    const artefact_scale *scale; // NULL: without dimension, or in SI units; as in fields
 } artefact_axis;
 
 typedef struct artefact_field {
@@ -64,6 +72,7 @@ typedef struct artefact_field {
     artefact_need need;
     artefact_values values;
     bool by_entry; // along the first axis: most entries need not be there
+    const artefact_scale *scale;
 } artefact_field;
 
 typedef struct artefact_attribute {
@@ -73,6 +82,7 @@ typedef struct artefact_attribute {
     const char *long_name;
     artefact_need need;
     artefact_values values;
+    const artefact_scale *scale;
 } artefact_attribute;
 
 typedef struct artefact_schema {
@@ -85,7 +95,7 @@ typedef struct artefact_schema {
 } artefact_schema;
 
 extern const artefact_schema schema_result, schema_snapshots, schema_basis, schema_residuals,
-    schema_model;
+    schema_model, schema_cases;
 extern const artefact_schema *const artefact_schemas[]; // all of them, NULL at the end
 
 typedef struct artefact artefact;
@@ -157,13 +167,21 @@ ehd_status artefact_put_text(artefact *file, const char *attribute, const char *
  * the calls, so a `status` put last is never there before what it speaks of. */
 ehd_status artefact_begin_streaming(artefact *file, ehd_error *error);
 ehd_status artefact_flush(artefact *file, ehd_error *error);
+/* The same, and what was written is on the disk before anything that follows, also where the power is
+ * cut. EHD_IO. */
+ehd_status artefact_sync(artefact *file, ehd_error *error);
+/* After artefact_flush of a file with a growing axis, else without effect: what HDF5 knows of its data
+ * changes with each entry, and a power cut between two of these calls tears it. Keeps a copy as it is now, PATH.saved,
+ * from which artefact_resume goes on, once as much time has passed since the last one as fifty of
+ * them take; artefact_begin_streaming makes the first. A copy that fails is none. */
+void artefact_save(artefact *file);
 
 /* Back to ordinary writing, for attributes that are only known at the end. artefact_finish does it
  * when needed. Does nothing when the file is not streaming. */
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error);
 
-/* Opens PATH.partial of an earlier run, streaming again, with its axes and declared fields, which
- * can also be read. EHD_NOINPUT when there is none, or one that was interrupted before it began to
+/* Opens PATH.partial of an earlier run (where the machine has been started since, PATH.saved if
+ * there is one), streaming again, with its axes and declared fields, which can also be read. EHD_NOINPUT when there is none, or one that was interrupted before it began to
  * stream, with nothing in it; EHD_DATA when it is damaged, or its schema or settings
  * (scene_text_matches) differ; EHD_CANTCREATE when PATH exists and program->force is not set, or
  * another process is writing. A file with a growing axis is not streaming yet, and what is on the
@@ -176,8 +194,9 @@ ehd_status artefact_resume(
     const char *path, const artefact_schema *schema, const program *program,
     const char *settings_text, ehd_error *error);
 
-/* After artefact_resume of a training: whether the arrays of one of its states are whole; else EHD_DATA.
- * Of those that a killed run had not finished they need not be, and artefact_resume does not look. */
+/* After artefact_resume of a training: whether one of its states is whole and its numbers are what they
+ * may be; else EHD_DATA. Of those that a killed run had not finished they need not be, and artefact_resume
+ * does not look. */
 ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error);
 
 /* After artefact_resume: whether a file that the run reads beside its settings is what it was when
@@ -248,6 +267,11 @@ const char *artefact_path(const artefact *file);
 /* SHA-256 of the opened file, 64 hexadecimal digits; computed at the first call. */
 ehd_status artefact_identity(artefact *file, char identity[65], ehd_error *error);
 
+/* What is known of the content of a file: "digest checked", "digest not checked" where that is switched
+ * off, or content_without_digest; NULL when it is none of ours. */
+const char *artefact_content(const char *path);
+extern const char *const content_without_digest;
+
 bool artefact_has(const artefact *file, const char *field_or_attribute);
 /* Length of an axis; 0 when the file does not have it. */
 size_t artefact_length(const artefact *file, const char *axis);
@@ -278,6 +302,14 @@ ehd_status artefact_get_text(artefact *file, const char *attribute, char **text,
 /* Any attribute of the root as text, numbers with as many digits as they have; free(). */
 ehd_status artefact_show_attribute(artefact *file, const char *attribute, char **text,
                                    ehd_error *error);
+/* The factor of a scale that has no frame, or beside it, and the units of what it makes. EHD_DATA: the
+ * file has no such attribute, as of a contact that was not given in SI units. */
+ehd_status artefact_get_scale(
+    // output:
+    double *factor, const char **units,
+    // input:
+    artefact *file, const artefact_scale *scale, ehd_error *error);
+
 /* Visits the names of all attributes of the root, also of those that no schema knows. */
 void artefact_visit_attributes(const artefact *file, void (*visit)(const char *name, void *data),
                                void *data);

@@ -195,9 +195,11 @@ ehd_status learn_digests(artefact *file, ehd_error *error) {
     return status;
 }
 
+const char *const content_without_digest = "no digest";
+
 const char *digest_outcome(hid_t file) {
     if (!hdf5_has_attribute(file, "schema_name")) return NULL;
-    if (!hdf5_has_attribute(file, attribute_name)) return "no digest";
+    if (!hdf5_has_attribute(file, attribute_name)) return content_without_digest;
     return is_wanted() ? "digest checked" : "digest not checked";
 }
 

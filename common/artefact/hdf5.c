@@ -164,6 +164,8 @@ static void switch_on(hid_t access, const char *name) {
 enum { READ_ATTEMPTS = 25 };
 
 hid_t hdf5_open(const char *path, unsigned flags, bool clear_flags) {
+    has_unknown = false; // of another file, of which nobody asked
+    errno = 0;
     struct stat about;
     if (stat(path, &about) == 0 && !S_ISREG(about.st_mode)) return -1; // a pipe would wait
     hid_t access = access_properties();

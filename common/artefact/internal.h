@@ -20,10 +20,12 @@ typedef struct dataset_shape {
 struct artefact {
     hid_t id; // of the HDF5 file; negative when it is not open
     const artefact_schema *schema;
-    char *path;         // the final name
-    char *partial;      // the name while it is written; NULL when reading
-    char *copy;         // the name of the copy of it that is changed while it is not streaming
-    bool on_copy;       // that is what is open
+    char *path;    // the final name
+    char *partial; // the name while it is written; NULL when reading
+    char *copy;    // the name of the copy of it that is changed while it is not streaming
+    bool on_copy;  // that is what is open
+    char *saved;   // the name of a copy of some time ago
+    double saved_at, save_seconds; // when that was made, by program_seconds, and what it took
     char *history_line; // of the run that resumed the file, added at the end; NULL otherwise
     char *digests;      // content_sha256 of a file being read; NULL: not to be checked
     bool *checked;      // [number of the schema's fields] read by parts, and their digest checked
@@ -126,6 +128,9 @@ ehd_status check_real(const artefact *file, const char *name, artefact_values va
                       ehd_error *error);
 ehd_status check_integer(const artefact *file, const char *name, artefact_values values,
                          int64_t found, ehd_error *error);
+/* Whether numbers of a field are in its range. EHD_DATA. */
+ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
+                         size_t count, ehd_error *error);
 ehd_status check_values(const artefact *file, const artefact_field *field, size_t first,
                         size_t count, const void *data, ehd_error *error);
 /* Reads file->outcomes. */
@@ -200,7 +205,8 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
 bool has_begun(const artefact *file);
 
 /* What an interrupted run left is not changed in place but while it is streaming, since a kill would
- * leave neither the old nor the new. use_copy makes a copy under a name of its own, for HDF5 to open;
+ * leave neither the old nor the new. use_copy makes a copy under a name of its own, for HDF5 to
+ * open, where the machine has been started since it was written, and there is one, of PATH.saved;
  * keep_copy gives it the name of the original, once it is streaming; drop_copy removes it. EHD_IO,
  * EHD_MEMORY, EHD_CANTCREATE. */
 ehd_status use_copy(artefact *file, ehd_error *error);
@@ -210,6 +216,9 @@ void drop_copy(artefact *file);
 const char *written_name(const artefact *file);
 /* On disk; EHD_IO. */
 ehd_status sync_file(const artefact *file, ehd_error *error);
+
+/* Whether a field has an entry for each of what a writer finishes one after the other. */
+bool is_finished_by_entry(const artefact *file, const artefact_field *field);
 
 /* Whether a killed writer may have torn entries of a field that it had not finished: arrays, by the axis
  * along which it finished one after the other. Numbers lie within a page. */

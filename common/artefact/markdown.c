@@ -12,11 +12,23 @@ static const char *type_text(artefact_type type) {
     return texts[type];
 }
 
+/* What makes SI units of it, behind the meaning. */
+static void print_scale(const artefact_scale *scale, FILE *stream) {
+    if (scale) {
+        const char *first = scale->attributes[0];
+        fprintf(stream, "; in SI units times `%s`", first ? first : scale->frame);
+        if (scale->attributes[1]) fprintf(stream, " or `%s`", scale->attributes[1]);
+        if (first && scale->frame) fprintf(stream, " and `%s`", scale->frame);
+    }
+    fprintf(stream, " |\n");
+}
+
 static void print_axes(const artefact_axis *axis, FILE *stream) {
     fprintf(stream, "| axis | units | at most | meaning |\n|---|---|---|---|\n");
     for (; axis->name; axis++) {
-        fprintf(stream, "| `%s` | %s | %zu | %s |\n", axis->name, axis->units, axis->max,
+        fprintf(stream, "| `%s` | %s | %zu | %s", axis->name, axis->units, axis->max,
                 axis->long_name);
+        print_scale(axis->scale, stream);
     }
 }
 
@@ -35,8 +47,9 @@ static void print_fields(const artefact_schema *schema, FILE *stream) {
     for (const artefact_field *field = schema->fields; field->name; field++) {
         fprintf(stream, "| `%s` | ", field->name);
         print_field_axes(schema, field, stream);
-        fprintf(stream, " | %s | %s | %s | %s | %s |\n", type_text(field->type), field->units,
+        fprintf(stream, " | %s | %s | %s | %s | %s", type_text(field->type), field->units,
                 values_text(field->values), need_text(field->need), field->long_name);
+        print_scale(field->scale, stream);
     }
 }
 
@@ -44,8 +57,9 @@ static void print_attributes(const artefact_attribute *entry, FILE *stream) {
     fprintf(stream, "| attribute | type | units | values | written by | meaning |\n"
                     "|---|---|---|---|---|---|\n");
     for (; entry->name; entry++) {
-        fprintf(stream, "| `%s` | %s | %s | %s | %s | %s |\n", entry->name, type_text(entry->type),
+        fprintf(stream, "| `%s` | %s | %s | %s | %s | %s", entry->name, type_text(entry->type),
                 entry->units, values_text(entry->values), need_text(entry->need), entry->long_name);
+        print_scale(entry->scale, stream);
     }
 }
 

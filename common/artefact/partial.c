@@ -5,9 +5,11 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <libgen.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 /* The final name must be free, or a regular file that may be replaced. */
@@ -87,16 +89,58 @@ static bool copy_bytes(int to, int from) {
     return copied == 0;
 }
 
+/* Whether what was written may not be on the disk: the machine has been started since. */
+static bool is_from_before(int file) {
+    struct timespec now, running;
+    struct stat about;
+
+    if (fstat(file, &about) != 0 || clock_gettime(CLOCK_REALTIME, &now) != 0 ||
+        clock_gettime(CLOCK_BOOTTIME, &running) != 0)
+        return false;
+    return about.st_mtim.tv_sec < now.tv_sec - running.tv_sec;
+}
+
 ehd_status use_copy(artefact *file, ehd_error *error) {
+    const int saved = is_from_before(file->lock)
+                          ? open(file->saved, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)
+                          : -1;
+    const int from = saved >= 0 ? saved : file->lock;
     ehd_status status = open_locked(&file->copy_lock, file->copy, O_CREAT, error);
-    if (status != EHD_OK) return status;
-    file->on_copy = true;
-    if (ftruncate(file->copy_lock, 0) != 0 || !copy_bytes(file->copy_lock, file->lock)) {
+
+    file->on_copy = status == EHD_OK;
+    if (file->on_copy &&
+        (ftruncate(file->copy_lock, 0) != 0 || !copy_bytes(file->copy_lock, from))) {
         status = ehd_fail(error, EHD_IO, "%s: found %s, expected a copy of %s", file->copy,
-                          strerror(errno), file->partial);
+                          strerror(errno), saved >= 0 ? file->saved : file->partial);
         drop_copy(file);
     }
+    if (saved >= 0) close(saved);
     return status;
+}
+
+/* The file has its name, and what it has is on disk, so nothing is said where that fails: a power cut
+ * may then take back the name, but nothing of the content. */
+static void sync_folder(const artefact *file) {
+    char name[PATH_MAX];
+    snprintf(name, sizeof name, "%s", file->path);
+    const int folder = open(dirname(name), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder < 0) return;
+    fsync(folder);
+    close(folder);
+}
+
+void artefact_save(artefact *file) {
+    enum { TIMES = 50 };
+    const double now = program_seconds();
+    if (!file->growing || now - file->saved_at < TIMES * file->save_seconds) return;
+
+    const int to = open(file->copy, O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const bool copied = to >= 0 && copy_bytes(to, file->lock) && fsync(to) == 0;
+    if (to >= 0) close(to);
+    if (!copied || rename(file->copy, file->saved) != 0) unlink(file->copy);
+    sync_folder(file);
+    file->saved_at = program_seconds();
+    file->save_seconds = file->saved_at - now;
 }
 
 void drop_copy(artefact *file) {
@@ -133,13 +177,17 @@ static const struct {
 } resumable[] = {{&schema_snapshots, "status", 0, "solved points"},
                  {&schema_result, "restart_entries", 1, "a restart slot"}};
 
-bool is_kept_apart(const artefact *file, const artefact_field *field) {
+bool is_finished_by_entry(const artefact *file, const artefact_field *field) {
     for (size_t i = 0; i < sizeof resumable / sizeof *resumable; i++) {
         if (resumable[i].schema != file->schema) continue;
         const artefact_field *finished = find_field(file, resumable[i].dataset);
-        return field->axes[1] && strcmp(field->axes[0], finished->axes[0]) == 0;
+        return strcmp(field->axes[0], finished->axes[0]) == 0;
     }
     return false;
+}
+
+bool is_kept_apart(const artefact *file, const artefact_field *field) {
+    return field->axes[1] && is_finished_by_entry(file, field);
 }
 
 /* Whether an entry of the dataset is at least `min`. One by one, because a killed writer leaves the
@@ -191,7 +239,8 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     if (!file) goto no_memory;
     if (asprintf(&file->partial, "%s.partial", path) < 0) file->partial = NULL;
     if (asprintf(&file->copy, "%s.finishing", path) < 0) file->copy = NULL;
-    if (!file->partial || !file->copy) goto no_memory;
+    if (asprintf(&file->saved, "%s.saved", path) < 0) file->saved = NULL;
+    if (!file->partial || !file->copy || !file->saved) goto no_memory;
     size_t num_axes = 0;
     while (schema->axes[num_axes].name)
         num_axes++;
@@ -208,6 +257,7 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     if (status == EHD_OK) status = open_locked(&file->lock, file->partial, flags, error);
     if (status == EHD_OK && flags & O_CREAT) status = check_unfinished(file, error);
     if (status == EHD_OK) unlink(file->copy); // of a run that was killed
+    if (status == EHD_OK && flags & O_CREAT) unlink(file->saved);
     if (status != EHD_OK) {
         artefact_delete(file);
         return status;
@@ -220,18 +270,6 @@ no_memory:
     return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
 }
 
-/* The file has its name, and what it has is on disk, so nothing is said where that fails: a power cut
- * may then take back the name, but nothing of the content. */
-static void sync_folder(const artefact *file) {
-    char *name = strdup(file->path);
-    const int folder = name ? open(dirname(name), O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    if (folder >= 0) {
-        fsync(folder);
-        close(folder);
-    }
-    free(name);
-}
-
 ehd_status give_final_name(artefact *file, ehd_error *error) {
     ehd_status status = sync_file(file, error);
     if (status == EHD_OK) status = check_final_name(file, error);
@@ -242,6 +280,7 @@ ehd_status give_final_name(artefact *file, ehd_error *error) {
     }
     sync_folder(file);
     if (file->on_copy) unlink(file->partial);
+    unlink(file->saved);
     file->on_copy = false;
     return EHD_OK;
 }

@@ -176,13 +176,17 @@ static char *history_of_inputs(const char *const *inputs) {
     return all;
 }
 
-/* What is known of the content of an input, NULL when it is no artefact. */
 static const char *content_of(const char *path) {
     const hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
     if (file < 0) return NULL;
     const char *outcome = digest_outcome(file);
     H5Fclose(file);
     return outcome;
+}
+
+const char *artefact_content(const char *path) {
+    hdf5_start();
+    return content_of(path);
 }
 
 // ---- into the file

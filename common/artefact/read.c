@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -606,6 +607,27 @@ ehd_status artefact_get_real(artefact *file, const char *attribute, double *valu
     return get_number(file, attribute, H5T_FLOAT, value, error);
 }
 
+ehd_status artefact_get_scale(double *factor, const char **units, artefact *file,
+                              const artefact_scale *scale, ehd_error *error) {
+    const char *name = scale->attributes[0];
+
+    if (!name) {
+        *factor = 1;
+        *units = find_field(file, scale->frame)->units;
+        return EHD_OK;
+    }
+    if (!artefact_has(file, name) && scale->attributes[1]) name = scale->attributes[1];
+    if (!artefact_has(file, name))
+        return ehd_fail(error, EHD_DATA,
+                        "%s: found no attribute %s, expected that of a contact in SI units",
+                        shown_name(file), scale->attributes[0]);
+    *units = find_attribute(file, name)->units;
+    const ehd_status status = artefact_get_real(file, name, factor, error);
+    if (status || (*factor > 0 && isfinite(*factor))) return status;
+    return ehd_fail(error, EHD_DATA, "%s: %s: found %g, expected a number above 0 for SI units",
+                    shown_name(file), name, *factor);
+}
+
 ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,
                                 ehd_error *error) {
     return get_number(file, attribute, H5T_INTEGER, value, error);
@@ -691,6 +713,7 @@ static ehd_status read_entry(artefact *file, const artefact_field *field, size_t
         status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
                           shown_name(file), field->name);
     if (!status) status = read_slice(file, field, entry, 1, numbers, NULL, error);
+    if (!status) status = check_numbers(file, field, numbers, entry_size(file, field), error);
     free(numbers);
     return status;
 }
@@ -699,7 +722,7 @@ ehd_status artefact_check_entry(artefact *file, size_t entry, ehd_error *error) 
     ehd_status status = EHD_OK;
     for (const artefact_field *field = file->schema->fields; field->name && status == EHD_OK;
          field++) {
-        if (is_kept_apart(file, field) && field_exists(file, field))
+        if (is_finished_by_entry(file, field) && field_exists(file, field))
             status = read_entry(file, field, entry, error);
     }
     return status;

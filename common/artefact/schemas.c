@@ -4,16 +4,22 @@
 #include "common/artefact/artefact.h"
 
 #define AXIS(name, units, max, long_name)                                                          \
-    { name, units, long_name, max, false }
+    { name, units, long_name, max, false, NULL }
 #define REAL(name, units, need, values, long_name, ...)                                            \
-    { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need, values, false }
+    { name, ARTEFACT_REAL, {__VA_ARGS__}, units, long_name, need, values, false, NULL }
+// a real number without dimension that a scale gives one
+#define SCALED(name, scale, need, values, long_name, ...)                                          \
+    { name, ARTEFACT_REAL, {__VA_ARGS__}, "1", long_name, need, values, false, &(scale) }
 #define INTEGER(name, need, values, long_name, ...)                                                \
-    { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need, values, false }
+    { name, ARTEFACT_INTEGER, {__VA_ARGS__}, "1", long_name, need, values, false, NULL }
 #define ATTRIBUTE(name, type, units, need, values, long_name)                                      \
-    { name, type, units, long_name, need, values }
+    { name, type, units, long_name, need, values, NULL }
 // of a result in time, which is read entry by entry
-#define ENTRIES(name, long_name)                                                                   \
-    { name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true }
+#define ENTRIES(name, scale, long_name)                                                            \
+    {                                                                                              \
+        name, ARTEFACT_REAL, {"time", "y", "x"}, "1", long_name, NEED_OPTIONAL, VALUES_ANY, true,  \
+            &(scale)                                                                               \
+    }
 
 /* No axis is longer: what a file makes a program take is bounded by them, and products of two with
  * the size of a number fit. Numbers of nodes and rows have to fit what LAPACK counts with. */
@@ -40,7 +46,7 @@ enum {
         "y", "1",                                                                                  \
             "lines of inner nodes across the sliding direction, in Hertz contact half widths of "  \
             "the reference; of a point contact",                                                   \
-            MAX_Y, true                                                                            \
+            MAX_Y, true, NULL                                                                      \
     }
 #define FILM_X_AXIS                                                                                \
     AXIS("film_x", "1", MAX_X + 2, "nodes of the film: x and one boundary node at either end")
@@ -49,7 +55,7 @@ enum {
         "film_y", "1",                                                                             \
             "lines of the film: y and the boundary lines beside it, of which a half domain has "   \
             "one; of a point contact",                                                             \
-            MAX_Y + 2, true                                                                        \
+            MAX_Y + 2, true, NULL                                                                  \
     }
 #define STATE_AXIS AXIS("state", "1", MAX_STATES, "index of the training solution")
 #define PRESSURE_MODE_AXIS                                                                         \
@@ -57,11 +63,12 @@ enum {
 #define DEFORMATION_MODE_AXIS                                                                      \
     AXIS("deformation_mode", "1", MAX_MODES, "index of the deformation mode, strongest first")
 
-#define GRID_ATTRIBUTES(kinds)                                                                     \
+// `scale` of its lengths, or NULL
+#define GRID_ATTRIBUTES(kinds, scale)                                                              \
     ATTRIBUTE("contact", ARTEFACT_TEXT, "1", NEED_ALWAYS, VALUES_ANY, "kind of contact: " kinds),  \
-        ATTRIBUTE("x_min", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_FINITE, "first node of x"),     \
-        ATTRIBUTE("step", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,                        \
-                  "distance between the nodes of x"),                                              \
+        {"x_min", ARTEFACT_REAL, "1", "first node of x", NEED_ALWAYS, VALUES_FINITE, scale},       \
+        {"step",      ARTEFACT_REAL,   "1",  "distance between the nodes of x",                    \
+         NEED_ALWAYS, VALUES_POSITIVE, scale},                                                     \
         ATTRIBUTE("discretization", ARTEFACT_TEXT, "1", NEED_OPTIONAL, VALUES_ANY,                 \
                   "of the equations on the grid: accurate or published; published where missing"), \
         ATTRIBUTE(                                                                                 \
@@ -142,40 +149,61 @@ enum {
 
 // ---- result
 
+// what makes SI units of the numbers of a result; fields and their places are in the frame of their
+// time, all others in that of the reference
+static const artefact_scale time_scale = {{"time_unit", NULL}, NULL},
+                            length_scale = {{"half_width", NULL}, NULL},
+                            film_scale = {{"film_unit", NULL}, NULL},
+                            pressure_scale = {{"hertz_pressure", NULL}, NULL},
+                            load_scale = {{"line_load", "point_load"}, NULL},
+                            place_in_frame = {{"half_width", NULL}, "contact_half_width"},
+                            film_in_frame = {{"film_unit", NULL}, "frame_film_unit"},
+                            pressure_in_frame = {{"hertz_pressure", NULL}, "frame_hertz_pressure"};
+
 static const artefact_axis result_axes[] = {
-    AXIS("time", "1", MAX_TIMES, "dimensionless time T of the entries; 0 when stationary"),
-    Y_AXIS,
+    {"time", "1", "dimensionless time T of the entries; 0 when stationary", MAX_TIMES, false,
+     &time_scale},
+    {"y", "1",
+     "lines of inner nodes across the sliding direction, in Hertz contact half widths of the "
+     "frame; "
+     "of a point contact",
+     MAX_Y, true, &place_in_frame},
     {"exit", "1",
      "index of the exit, the farthest downstream first; where the entrainment reverses", MAX_FEW,
-     true},
-    X_AXIS,
+     true, NULL},
+    {"x", "1", "inner nodes along the sliding direction, in Hertz contact half widths of the frame",
+     MAX_X, false, &place_in_frame},
     AXIS("restart_slot", "1", MAX_FEW, "index of the restart slot"),
     AXIS("restart_entry", "1", MAX_RESTART, "index of the number in a restart slot"),
     {0}};
 
 static const artefact_field result_fields[] = {
-    ENTRIES("pressure", "pressure P, in Hertz pressures of the current frame"),
-    ENTRIES("film_thickness", "film thickness H in the current frame"),
-    REAL("central_film_thickness", "1", NEED_ALWAYS, VALUES_ANY,
-         "film thickness H at X = 0 (Y = 0) in the reference frame", "time"),
-    REAL("minimum_film_thickness", "1", NEED_ALWAYS, VALUES_ANY,
-         "smallest film thickness H in the reference frame: interpolated, with discretization = "
-         "published at a node",
-         "time"),
-    REAL("central_pressure", "1", NEED_OWN, VALUES_ANY,
-         "pressure P at X = 0 (Y = 0) in the reference frame", "time"),
-    REAL("rigid_approach", "1", NEED_ALWAYS, VALUES_ANY, "rigid approach H0 in the reference frame",
-         "time"),
-    REAL("load", "1", NEED_OWN, VALUES_ANY, "load relative to the reference load", "time"),
-    REAL("contact_half_width", "1", NEED_OWN, VALUES_ANY,
-         "half width that scales the frame, relative to the reference; where the approach is "
-         "given, of the expected load",
-         "time"),
-    REAL("exit_position", "1", NEED_OWN, VALUES_ANY,
-         "X at which the pressure ends, where the entrainment reverses of each of its intervals; "
-         "NaN "
-         "where there is none",
-         "time", "y", "exit"),
+    ENTRIES("pressure", pressure_in_frame, "pressure P, in Hertz pressures of the current frame"),
+    ENTRIES("film_thickness", film_in_frame, "film thickness H in the current frame"),
+    SCALED("central_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
+           "film thickness H at X = 0 (Y = 0) in the reference frame", "time"),
+    SCALED("minimum_film_thickness", film_scale, NEED_ALWAYS, VALUES_ANY,
+           "smallest film thickness H in the reference frame: interpolated, with discretization = "
+           "published at a node",
+           "time"),
+    SCALED("central_pressure", pressure_scale, NEED_OWN, VALUES_ANY,
+           "pressure P at X = 0 (Y = 0) in the reference frame", "time"),
+    SCALED("rigid_approach", film_scale, NEED_ALWAYS, VALUES_ANY,
+           "rigid approach H0 in the reference frame", "time"),
+    SCALED("load", load_scale, NEED_OWN, VALUES_ANY, "load relative to the reference load", "time"),
+    SCALED("contact_half_width", length_scale, NEED_OWN, VALUES_ANY,
+           "half width that scales the frame, relative to the reference; where the approach is "
+           "given, of the expected load",
+           "time"),
+    SCALED("frame_hertz_pressure", pressure_scale, NEED_OPTIONAL, VALUES_ANY,
+           "Hertz pressure that scales the frame, relative to the reference", "time"),
+    SCALED("frame_film_unit", film_scale, NEED_OPTIONAL, VALUES_ANY,
+           "a^2/R that scales the frame, relative to the reference", "time"),
+    SCALED("exit_position", length_scale, NEED_OWN, VALUES_ANY,
+           "X at which the pressure ends, where the entrainment reverses of each of its intervals; "
+           "NaN "
+           "where there is none",
+           "time", "y", "exit"),
     INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "Newton iterations that the entry took",
             "time"),
     REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
@@ -188,16 +216,17 @@ static const artefact_field result_fields[] = {
          "the same of the minimum film thickness", "time"),
     REAL("indicated_deviation_central_pressure", "1", NEED_OPTIONAL, VALUES_ANY,
          "the same of the central pressure; stationary", "time"),
-    REAL("indicated_deviation_exit_position", "1", NEED_OPTIONAL, VALUES_ANY,
-         "indicated deviation of the exit position, in half widths; stationary lines whose exit "
-         "lies "
-         "within a node",
-         "time"),
+    SCALED("indicated_deviation_exit_position", length_scale, NEED_OPTIONAL, VALUES_ANY,
+           "indicated deviation of the exit position, in half widths; stationary lines whose exit "
+           "lies "
+           "within a node",
+           "time"),
     REAL("indicated_deviation_load", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated deviation of the load, over the reference; stationary", "time"),
-    REAL("indicated_deviation_pressure", "1", NEED_OPTIONAL, VALUES_ANY,
-         "indicated largest deviation of the pressure at any node, in Hertz pressures; stationary",
-         "time"),
+    SCALED(
+        "indicated_deviation_pressure", pressure_scale, NEED_OPTIONAL, VALUES_ANY,
+        "indicated largest deviation of the pressure at any node, in Hertz pressures; stationary",
+        "time"),
     REAL("indicated_deviation_film", "1", NEED_OPTIONAL, VALUES_ANY,
          "indicated largest deviation of the film thickness at any node with pressure, over the "
          "central film thickness; stationary",
@@ -209,8 +238,8 @@ static const artefact_field result_fields[] = {
         "1 solved by the full model, since the reduced one was not good enough, 0 by the reduced "
         "one; only with romrun --fallback full",
         "time"),
-    REAL("time_step", "1", NEED_OPTIONAL, VALUES_ANY,
-         "step in T that led to the entry, 0 at the start; only when transient", "time"),
+    SCALED("time_step", time_scale, NEED_OPTIONAL, VALUES_ANY,
+           "step in T that led to the entry, 0 at the start; only when transient", "time"),
     REAL("time_effect", "1", NEED_OPTIONAL, VALUES_ANY,
          "estimated relative change of the central film by ever smaller steps in time; NaN where "
          "it cannot be told; only when transient",
@@ -226,7 +255,7 @@ static const artefact_field result_fields[] = {
     {0}};
 
 static const artefact_attribute result_attributes[] = {
-    GRID_ATTRIBUTES("line or point"),
+    GRID_ATTRIBUTES("line or point", &length_scale),
     ATTRIBUTE("hertz_pressure", ARTEFACT_REAL, "Pa", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "Hertz pressure of the reference"),
     ATTRIBUTE("moes_M", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_POSITIVE,
@@ -236,10 +265,16 @@ static const artefact_attribute result_attributes[] = {
     ATTRIBUTE("alpha_p_H", ARTEFACT_REAL, "1", NEED_ALWAYS, VALUES_NOT_NEGATIVE,
               "pressure-viscosity coefficient times Hertz pressure"),
     ATTRIBUTE("half_width", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
-              "half width a of the reference, which X = 1 stands for; this and the next of a "
+              "half width a of the reference, which X = 1 stands for; this and the next four of a "
               "contact given in SI units"),
     ATTRIBUTE("film_unit", ARTEFACT_REAL, "m", NEED_OPTIONAL, VALUES_POSITIVE,
               "a^2/R of the reference, which H = 1 and an approach of 1 stand for"),
+    ATTRIBUTE("time_unit", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_POSITIVE,
+              "a/u of the reference, u the mean of both surfaces' speeds, which T = 1 stands for"),
+    ATTRIBUTE("line_load", ARTEFACT_REAL, "N m-1", NEED_OPTIONAL, VALUES_POSITIVE,
+              "load of the reference, which a load of 1 stands for; of a line contact"),
+    ATTRIBUTE("point_load", ARTEFACT_REAL, "N", NEED_OPTIONAL, VALUES_POSITIVE,
+              "the same of a point contact"),
     ATTRIBUTE("solve_seconds", ARTEFACT_REAL, "s", NEED_OWN, VALUES_ANY,
               "time of the solution, without reading and writing"),
     ATTRIBUTE("solve_seconds_rows", ARTEFACT_REAL, "s", NEED_OPTIONAL, VALUES_ANY,
@@ -289,9 +324,13 @@ static const artefact_attribute result_attributes[] = {
               "Newton iterations of all time steps, rejected ones too"),
     {0}};
 
-const artefact_schema schema_result = {
-    "ehdrom-result",  1, 9, "Solution of an elastohydrodynamic contact", result_axes, result_fields,
-    result_attributes};
+const artefact_schema schema_result = {"ehdrom-result",
+                                       1,
+                                       10,
+                                       "Solution of an elastohydrodynamic contact",
+                                       result_axes,
+                                       result_fields,
+                                       result_attributes};
 
 // ---- snapshots
 
@@ -388,7 +427,7 @@ static const artefact_field snapshots_fields[] = {
     {0}};
 
 static const artefact_attribute snapshots_attributes[] = {
-    GRID_ATTRIBUTES("line or point"),
+    GRID_ATTRIBUTES("line or point", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     ATTRIBUTE("compressed_snapshots", ARTEFACT_INTEGER, "1", NEED_OPTIONAL, VALUES_COUNT,
@@ -437,7 +476,7 @@ static const artefact_field basis_fields[] = {
     {0}};
 
 static const artefact_attribute basis_attributes[] = {
-    GRID_ATTRIBUTES("line or point"),
+    GRID_ATTRIBUTES("line or point", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
@@ -491,7 +530,7 @@ static const artefact_field residuals_fields[] = {
     {0}};
 
 static const artefact_attribute residuals_attributes[] = {
-    GRID_ATTRIBUTES("line or point"),
+    GRID_ATTRIBUTES("line or point", NULL),
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
     BASIS_ATTRIBUTE,
@@ -721,7 +760,7 @@ static const artefact_field model_fields[] = {
     {0}};
 
 static const artefact_attribute model_attributes[] = {
-    GRID_ATTRIBUTES("line or point"),
+    GRID_ATTRIBUTES("line or point", NULL),
     TRANSPORT_ATTRIBUTE,
     HALF_ATTRIBUTE,
     DEFORMATION_ATTRIBUTE,
@@ -765,5 +804,69 @@ const artefact_schema schema_model = {"ehdrom-model",
                                       model_fields,
                                       model_attributes};
 
+// ---- cases
+
+static const artefact_scale film_of_case = {{NULL, NULL}, "film_unit"},
+                            length_of_case = {{NULL, NULL}, "half_width"},
+                            pressure_of_case = {{NULL, NULL}, "hertz_pressure"};
+
+static const artefact_axis cases_axes[] = {
+    AXIS("case", "1", MAX_STATES, "index of the row of the table that the scene comes from"), {0}};
+
+static const artefact_field cases_fields[] = {
+    INTEGER("status", NEED_ALWAYS, VALUES_ANY, "0 converged, 1 not converged, 4 not to be trusted",
+            "case"),
+    REAL("moes_M", "1", NEED_OWN, VALUES_POSITIVE, "Moes load number M", "case"),
+    REAL("moes_L", "1", NEED_OWN, VALUES_NOT_NEGATIVE, "Moes material number L", "case"),
+    REAL("alpha_p_H", "1", NEED_OWN, VALUES_NOT_NEGATIVE,
+         "pressure-viscosity coefficient times Hertz pressure", "case"),
+    REAL("hertz_pressure", "Pa", NEED_OWN, VALUES_NOT_NEGATIVE, "Hertz pressure", "case"),
+    REAL(
+        "half_width", "m", NEED_OPTIONAL, VALUES_ANY,
+        "half width a of the dry contact; this and the next five NaN where a scene is not given in "
+        "SI units, and not there where none is",
+        "case"),
+    REAL("film_unit", "m", NEED_OPTIONAL, VALUES_ANY,
+         "a^2/R, which H = 1 and an approach of 1 stand for", "case"),
+    REAL("line_load", "N m-1", NEED_OPTIONAL, VALUES_ANY, "load of a line contact", "case"),
+    REAL("point_load", "N", NEED_OPTIONAL, VALUES_ANY, "load of a point contact", "case"),
+    REAL("radius", "m", NEED_OPTIONAL, VALUES_ANY, "reduced radius R", "case"),
+    REAL("speed", "m s-1", NEED_OPTIONAL, VALUES_ANY, "mean speed of both surfaces", "case"),
+    SCALED("central_film_thickness", film_of_case, NEED_OWN, VALUES_ANY,
+           "film thickness H at X = 0 (Y = 0); this and all that follow up to the indicated "
+           "deviations NaN where the scene did not converge",
+           "case"),
+    SCALED("minimum_film_thickness", film_of_case, NEED_OWN, VALUES_ANY,
+           "smallest film thickness H", "case"),
+    SCALED("central_pressure", pressure_of_case, NEED_OWN, VALUES_ANY,
+           "pressure P at X = 0 (Y = 0)", "case"),
+    SCALED("peak_pressure", pressure_of_case, NEED_OWN, VALUES_ANY,
+           "largest pressure P at the nodes that the solution looks at", "case"),
+    SCALED("rigid_approach", film_of_case, NEED_OWN, VALUES_ANY, "rigid approach H0", "case"),
+    SCALED("exit_position", length_of_case, NEED_OWN, VALUES_ANY,
+           "X at which the pressure ends, at Y = 0", "case"),
+    REAL("indicated_deviation", "1", NEED_OWN, VALUES_ANY,
+         "indicated relative deviation of the central film thickness from the full model; NaN "
+         "where it cannot be told",
+         "case"),
+    REAL("indicated_deviation_minimum", "1", NEED_OWN, VALUES_ANY,
+         "the same of the minimum film thickness", "case"),
+    INTEGER("newton_iterations", NEED_OWN, VALUES_ANY, "iterations that the solution took", "case"),
+    REAL("residual_norm", "1", NEED_OWN, VALUES_ANY,
+         "norm of the residual when the iteration ended", "case"),
+    REAL("solve_seconds", "s", NEED_OWN, VALUES_ANY, "time of the solution", "case"),
+    {0}};
+
+static const artefact_attribute cases_attributes[] = {GRID_ATTRIBUTES("line or point", NULL), {0}};
+
+const artefact_schema schema_cases = {"ehdrom-cases",
+                                      1,
+                                      0,
+                                      "Solutions of many elastohydrodynamic contacts",
+                                      cases_axes,
+                                      cases_fields,
+                                      cases_attributes};
+
 const artefact_schema *const artefact_schemas[] = {
-    &schema_result, &schema_snapshots, &schema_basis, &schema_residuals, &schema_model, NULL};
+    &schema_result, &schema_snapshots, &schema_basis, &schema_residuals,
+    &schema_model,  &schema_cases,     NULL};

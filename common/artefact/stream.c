@@ -48,6 +48,7 @@ ehd_status artefact_begin_streaming(artefact *file, ehd_error *error) {
     if (status != EHD_OK) return status;
     file->streaming = true;
     file->keep = true;
+    artefact_save(file);
     return EHD_OK;
 }
 
@@ -55,6 +56,11 @@ ehd_status artefact_flush(artefact *file, ehd_error *error) {
     hdf5_start();
     if (H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0) return hdf5_write_failed(file, "file", error);
     return EHD_OK;
+}
+
+ehd_status artefact_sync(artefact *file, ehd_error *error) {
+    const ehd_status status = artefact_flush(file, error);
+    return status == EHD_OK ? sync_file(file, error) : status;
 }
 
 ehd_status artefact_end_streaming(artefact *file, ehd_error *error) {

@@ -10,6 +10,11 @@
 /* As of a history that turns a contact's load for months. */
 enum { TABLE_MAX_ROWS = 100000000 };
 
+static ehd_status status_of(const hdf5_reason *reason) {
+    if (reason->memory) return EHD_MEMORY;
+    return reason->system ? EHD_IO : EHD_DATA;
+}
+
 /* Entries of a dataset of numbers along one axis; negative for any other. */
 static hssize_t count_entries(hid_t dataset) {
     const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
@@ -44,7 +49,7 @@ static ehd_status read_entries(double **values, size_t *count, hid_t dataset, co
     if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) >= 0)
         return EHD_OK;
     const hdf5_reason reason = hdf5_last_reason();
-    return ehd_fail(error, reason.system ? EHD_IO : EHD_DATA,
+    return ehd_fail(error, status_of(&reason),
                     "%s: %s: found a read failure (%s), expected whole data", path, name,
                     reason.text);
 }
@@ -82,8 +87,8 @@ static ehd_status open_table(hid_t *file, const char *path, ehd_error *error) {
     *file = hdf5_open(path, H5F_ACC_RDONLY, false);
     if (*file >= 0) return EHD_OK;
     const hdf5_reason reason = hdf5_last_reason();
-    return ehd_fail(error, reason.system ? EHD_IO : EHD_DATA,
-                    "%s: found no whole HDF5 file (%s), expected one", path, reason.text);
+    return ehd_fail(error, status_of(&reason), "%s: found no whole HDF5 file (%s), expected one",
+                    path, reason.text);
 }
 
 bool artefact_is_table(const char *path) {

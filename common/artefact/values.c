@@ -169,30 +169,38 @@ static bool is_solved(const artefact *file, const artefact_field *field, size_t 
            file->outcomes[entry] == 0;
 }
 
+ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
+                         size_t count, ehd_error *error) {
+    const artefact_values values = field->values;
+    const double low = ranges[values].low, high = ranges[values].high;
+    const double *reals = numbers;
+    const int64_t *integers = numbers, least = ranges[values].least;
+    const int64_t most = largest(file, values);
+    ehd_status status = EHD_OK;
+
+    for (size_t i = 0; i < count && !status && values != VALUES_ANY; i++)
+        if (field->type == ARTEFACT_INTEGER) {
+            if (!(integers[i] >= least && integers[i] <= most))
+                status = integer_misfits(file, field->name, integers[i], values, error);
+        } else if (!(reals[i] >= low && reals[i] <= high)) {
+            status = check_real(file, field->name, values, reals[i], error);
+        }
+    return status;
+}
+
 ehd_status check_values(const artefact *file, const artefact_field *field, size_t first,
                         size_t count, const void *data, ehd_error *error) {
     const artefact_values values = field->values;
-    const double low = ranges[values].low, high = ranges[values].high;
-    const double *reals = data;
-    const int64_t *integers = data, least = ranges[values].least;
     ehd_status status = EHD_OK;
 
     // of a file that is being written, entries are there before their numbers
     if (values == VALUES_ANY || file->growing || file->partial) return EHD_OK;
     const size_t each = entry_size(file, field);
-    const int64_t most = largest(file, values);
-    for (size_t e = 0; e < count && !status; e++) {
-        if (!is_solved(file, field, first + e)) continue;
-        for (size_t i = e * each; i < (e + 1) * each && !status; i++)
-            if (field->type == ARTEFACT_INTEGER) {
-                if (!(integers[i] >= least && integers[i] <= most))
-                    status = integer_misfits(file, field->name, integers[i], values, error);
-            } else if (!(reals[i] >= low && reals[i] <= high)) {
-                status = check_real(file, field->name, values, reals[i], error);
-            }
-    }
+    for (size_t e = 0; e < count && !status; e++)
+        if (is_solved(file, field, first + e)) // reals and integers are of one size
+            status = check_numbers(file, field, (const int64_t *)data + e * each, each, error);
     if (status || field->type != ARTEFACT_INTEGER) return status;
-    return check_order(file, field->name, values, integers, count * each, error);
+    return check_order(file, field->name, values, data, count * each, error);
 }
 
 ehd_status learn_outcomes(artefact *file, ehd_error *error) {

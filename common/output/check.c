@@ -66,8 +66,9 @@ static ehd_status read_as_input(const output_reader *readers, const char *path, 
 
     if (!status) kind = artefact_kind(file);
     if (!status)
-        status = kind == &schema_result ? look_at_result(&contact, &num_times, file, error)
-                                        : read_grid(file, error);
+        status = kind == &schema_result  ? look_at_result(&contact, &num_times, file, error)
+                 : kind == &schema_cases ? EHD_OK
+                                         : read_grid(file, error);
     artefact_close(&file);
     if (status) return status;
     return kind == &schema_result ? read_result(path, contact, num_times, error)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/output/print.h"
 
+#include "common/output/si_units.h"
 #include "common/program/arena.h"
 
 #include <inttypes.h>
@@ -19,6 +20,8 @@ typedef struct column {
     double *reals;     // of a slice of the entries of a field, or of the whole axis
     int64_t *integers; // the same of a field of integers
     char *text;        // of an attribute
+    si_units si;       // without units: dimensionless
+    size_t frame_axis; // its place among those of the entries
 } column;
 
 /* The entries that the lines stand for. */
@@ -30,7 +33,7 @@ typedef struct entries {
 
 // ---- text
 
-static void print_text(const char *text, FILE *stream) {
+void print_csv_text(const char *text, FILE *stream) {
     if (!text[strcspn(text, ",\"\r\n")]) {
         fputs(text, stream);
         return;
@@ -43,7 +46,7 @@ static void print_text(const char *text, FILE *stream) {
     fputc('"', stream);
 }
 
-static void print_real(double value, FILE *stream) {
+void print_csv_real(double value, FILE *stream) {
     char shown[NUMBER_TEXT];
 
     if (!isnan(value)) number_show(shown, value);
@@ -114,7 +117,7 @@ static void compare_name(const char *name, void *data) {
 static ehd_status find_column(column *found, artefact *file, const char *name, ehd_error *error) {
     name_search attribute = {.name = name};
 
-    *found = (column){.name = name, .field = find_field(file, name)};
+    *found = (column){.name = name, .field = find_field(file, name), .si = {.factor = 1}};
     if (found->field) {
         found->rank = artefact_axes(found->axes, file, found->field);
         return EHD_OK;
@@ -187,17 +190,60 @@ static size_t add_leading_axes(column *columns, size_t num_columns, const entrie
             named = named || strcmp(columns[i].name, all->axes[k]) == 0;
         if (named) continue;
         memmove(&columns[num_leading + 1], &columns[num_leading], num_columns * sizeof *columns);
-        columns[num_leading++] = (column){.name = all->axes[k], .axes = {all->axes[k]}, .rank = 1};
+        columns[num_leading++] =
+            (column){.name = all->axes[k], .axes = {all->axes[k]}, .rank = 1, .si = {.factor = 1}};
     }
     return num_columns + num_leading;
 }
 
-// ---- reading
+// ---- SI units
 
 static ehd_status no_memory(const artefact *file, ehd_error *error) {
     return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more",
                     artefact_path(file));
 }
+
+/* A frame is along an axis of the entries, or has one entry. */
+static ehd_status find_frame(column *one, const artefact *file, const entries *all,
+                             ehd_error *error) {
+    const char *axis = one->si.frame_axis;
+
+    if (!one->si.frame) return EHD_OK;
+    one->frame_axis = axis_place(all->axes, all->rank, axis);
+    if (one->frame_axis < all->rank || one->si.num_frames == 1) return EHD_OK;
+    return ehd_fail(error, EHD_DATA,
+                    "%s: %s: found a unit that varies with %s, expected a dataset along %s beside "
+                    "it",
+                    artefact_path(file), one->name, axis, axis);
+}
+
+static ehd_status show_attribute(column *one, artefact *file, ehd_error *error) {
+    char shown[NUMBER_TEXT];
+    double value;
+    ehd_status status = artefact_get_real(file, one->name, &value, error);
+    if (status) return status;
+
+    number_show(shown, value * one->si.factor);
+    free(one->text);
+    one->text = strdup(shown);
+    return one->text ? EHD_OK : no_memory(file, error);
+}
+
+/* Scale and units of each column. */
+static ehd_status find_units(column *columns, size_t num_columns, artefact *file,
+                             const entries *all, ehd_error *error) {
+    ehd_status status = si_units_check(file, error);
+
+    for (size_t i = 0; i < num_columns && !status; i++) {
+        column *one = &columns[i];
+        status = si_units_read(&one->si, file, one->name, true, error);
+        if (!status) status = find_frame(one, file, all, error);
+        if (!status && one->text && one->si.factor != 1) status = show_attribute(one, file, error);
+    }
+    return status;
+}
+
+// ---- reading
 
 static ehd_status read_axis(column *axis, artefact *file, ehd_error *error) {
     const size_t length = artefact_length(file, axis->name);
@@ -261,17 +307,23 @@ static void print_gap(const entries *all, const size_t index[ARTEFACT_MAX_RANK],
         fputc('\n', stream);
 }
 
+/* What makes SI units of an entry. */
+static double factor_at(const column *one, const entries *all,
+                        const size_t index[ARTEFACT_MAX_RANK]) {
+    return si_units_at(&one->si, one->frame_axis < all->rank ? index[one->frame_axis] : 0);
+}
+
 /* `place` of a field's entry in its slice, `index` along the axes. */
 static void print_value(const column *one, const entries *all, size_t place,
                         const size_t index[ARTEFACT_MAX_RANK], FILE *stream) {
-    if (one->text)
-        print_text(one->text, stream);
-    else if (one->integers)
+    if (one->text) {
+        print_csv_text(one->text, stream);
+    } else if (one->integers) {
         fprintf(stream, "%" PRId64, one->integers[place]);
-    else if (one->field)
-        print_real(one->reals[place], stream);
-    else
-        print_real(one->reals[index[axis_place(all->axes, all->rank, one->name)]], stream);
+    } else {
+        const size_t at = one->field ? place : index[axis_place(all->axes, all->rank, one->name)];
+        print_csv_real(one->reals[at] * factor_at(one, all, index), stream);
+    }
 }
 
 static void print_line(const column *columns, size_t num_columns, const entries *all, size_t place,
@@ -283,10 +335,15 @@ static void print_line(const column *columns, size_t num_columns, const entries 
     fputc('\n', stream);
 }
 
+static bool has_units(const char *units) {
+    return units && *units && strcmp(units, "1") != 0;
+}
+
 static void print_header(const column *columns, size_t num_columns, FILE *stream) {
     for (size_t i = 0; i < num_columns; i++) {
         if (i > 0) fputc(',', stream);
-        print_text(columns[i].name, stream);
+        print_csv_text(columns[i].name, stream);
+        if (has_units(columns[i].si.units)) fprintf(stream, " [%s]", columns[i].si.units);
     }
     fputc('\n', stream);
 }
@@ -327,8 +384,8 @@ static ehd_status print_lines(column *columns, size_t num_columns, artefact *fil
     return status;
 }
 
-ehd_status print_entries(artefact *file, const char *const *names, size_t num_names, FILE *stream,
-                         ehd_error *error) {
+ehd_status print_entries(artefact *file, const char *const *names, size_t num_names, bool si,
+                         FILE *stream, ehd_error *error) {
     entries all = {.rank = 0};
     ehd_status status = EHD_OK;
     column *columns = calloc(num_names + ARTEFACT_MAX_RANK, sizeof *columns);
@@ -340,12 +397,14 @@ ehd_status print_entries(artefact *file, const char *const *names, size_t num_na
     if (!status) status = find_entries(&all, file, columns, num_names, error);
     if (!status) {
         num_columns = add_leading_axes(columns, num_names, &all);
-        status = print_lines(columns, num_columns, file, &all, stream, error);
+        if (si) status = find_units(columns, num_columns, file, &all, error);
     }
+    if (!status) status = print_lines(columns, num_columns, file, &all, stream, error);
     for (size_t i = 0; i < num_columns; i++) {
         free(columns[i].text);
         free(columns[i].reals);
         free(columns[i].integers);
+        si_units_free(&columns[i].si);
     }
     free(columns);
     return status;
@@ -353,52 +412,58 @@ ehd_status print_entries(artefact *file, const char *const *names, size_t num_na
 
 // ---- what there is
 
-static void print_description(const char *name, const char *units, size_t rank,
-                              const char *const *axes, const artefact *file, const char *long_name,
-                              FILE *stream) {
-    print_text(name, stream);
-    fprintf(stream, ",%s,", units);
+typedef struct description {
+    artefact *file;
+    FILE *stream;
+    bool si;
+    ehd_status status; // the first failure
+    ehd_error *error;
+} description;
+
+static void describe(description *self, const char *name, size_t rank, const char *const *axes,
+                     const char *long_name) {
+    si_units units = {.units = si_units_plain(self->file, name)};
+
+    if (!self->status && self->si)
+        self->status = si_units_read(&units, self->file, name, false, self->error);
+    if (self->status) return;
+    print_csv_text(name, self->stream);
+    fprintf(self->stream, ",%s,", units.units);
     for (size_t k = 0; k < rank; k++)
-        fprintf(stream, "%s%zu", k > 0 ? " " : "", artefact_length(file, axes[k]));
-    fputc(',', stream);
+        fprintf(self->stream, "%s%zu", k > 0 ? " " : "", artefact_length(self->file, axes[k]));
+    fputc(',', self->stream);
     for (size_t k = 0; k < rank; k++)
-        fprintf(stream, "%s%s", k > 0 ? " " : "", axes[k]);
-    fputc(',', stream);
-    print_text(long_name, stream);
-    fputc('\n', stream);
+        fprintf(self->stream, "%s%s", k > 0 ? " " : "", axes[k]);
+    fputc(',', self->stream);
+    print_csv_text(long_name, self->stream);
+    fputc('\n', self->stream);
 }
 
-typedef struct description_target {
-    const artefact *file;
-    FILE *stream;
-} description_target;
-
 static void describe_attribute(const char *name, void *data) {
-    const description_target *target = data;
-    const artefact_attribute *known = artefact_kind(target->file)->attributes;
+    description *self = data;
+    const artefact_attribute *known = artefact_kind(self->file)->attributes;
 
     while (known->name && strcmp(known->name, name) != 0)
         known++;
-    print_description(name, known->name ? known->units : "", 0, NULL, target->file,
-                      known->name ? known->long_name : "", target->stream);
+    describe(self, name, 0, NULL, known->name ? known->long_name : "");
 }
 
-void print_names(const artefact *file, FILE *stream) {
+ehd_status print_names(artefact *file, bool si, FILE *stream, ehd_error *error) {
     const artefact_schema *schema = artefact_kind(file);
-    description_target target = {file, stream};
+    description self = {.file = file, .stream = stream, .si = si, .error = error};
 
-    fputs("name,units,lengths,axes,description\n", stream);
+    if (si) self.status = si_units_check(file, error);
+    if (!self.status) fputs("name,units,lengths,axes,description\n", stream);
     for (const artefact_axis *axis = schema->axes; axis->name; axis++)
         if (find_axis(file, axis->name))
-            print_description(axis->name, axis->units, 1, &axis->name, file, axis->long_name,
-                              stream);
+            describe(&self, axis->name, 1, &axis->name, axis->long_name);
     for (const artefact_field *field = schema->fields; field->name; field++) {
         const char *axes[ARTEFACT_MAX_RANK];
         if (!find_field(file, field->name)) continue;
-        const size_t rank = artefact_axes(axes, file, field);
-        print_description(field->name, field->units, rank, axes, file, field->long_name, stream);
+        describe(&self, field->name, artefact_axes(axes, file, field), axes, field->long_name);
     }
-    artefact_visit_attributes(file, describe_attribute, &target);
+    artefact_visit_attributes(file, describe_attribute, &self);
+    return self.status;
 }
 
 int output_print(program *self) {
@@ -407,9 +472,10 @@ int output_print(program *self) {
     ehd_status status = artefact_open_unfinished(&file, self->print, artefact_schemas, &error);
 
     if (!status && self->num_arguments > 0)
-        status = print_entries(file, self->arguments, self->num_arguments, stdout, &error);
+        status =
+            print_entries(file, self->arguments, self->num_arguments, self->si, stdout, &error);
     else if (!status)
-        print_names(file, stdout);
+        status = print_names(file, self->si, stdout, &error);
     artefact_close(&file);
     return program_finish(self, status, &error);
 }

@@ -12,16 +12,21 @@
 // ---- writing
 
 ehd_status result_put_contact(artefact *file, const ehd_contact *contact, ehd_error *error) {
-    const double film_unit = contact_film_scale(contact); // NaN where no lengths are known
+    const struct {
+        const char *name;
+        double value; // NaN where the scene is not physical
+    } units[] = {{"half_width", contact->half_width},
+                 {"film_unit", contact_film_scale(contact)},
+                 {"time_unit", contact_time_scale(contact)},
+                 {contact->kind->dimensions > 1 ? "point_load" : "line_load", contact->load}};
     ehd_status status = grid_write_attributes(file, contact->kind, &contact->grid, error);
     if (!status) status = artefact_put_real(file, "hertz_pressure", contact->hertz_pressure, error);
     if (!status) status = artefact_put_real(file, "moes_M", contact->moes_M, error);
     if (!status) status = artefact_put_real(file, "moes_L", contact->moes_L, error);
     if (!status) status = artefact_put_real(file, "alpha_p_H", contact->alpha_p_H, error);
-    if (!status && isfinite(film_unit)) {
-        status = artefact_put_real(file, "half_width", contact->half_width, error);
-        if (!status) status = artefact_put_real(file, "film_unit", film_unit, error);
-    }
+    for (size_t i = 0; i < sizeof units / sizeof *units && !status; i++)
+        if (isfinite(units[i].value))
+            status = artefact_put_real(file, units[i].name, units[i].value, error);
     return status;
 }
 
@@ -88,6 +93,8 @@ static ehd_status put_scalars(artefact *file, const run_result *result, ehd_erro
                  {"rigid_approach", result->rigid_approach},
                  {"load", result->load},
                  {"contact_half_width", 1}, // the reference's own frame
+                 {"frame_hertz_pressure", 1},
+                 {"frame_film_unit", 1},
                  {"residual_norm", result->residual}};
     const double *exits = result->exits ? result->exits : &result->exit_position;
     const int64_t iterations = (int64_t)result->newton_iterations;

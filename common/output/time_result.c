@@ -26,6 +26,8 @@ static const struct {
     SCALAR(rigid_approach, rigid_approach),
     SCALAR(load, load),
     SCALAR(contact_half_width, contact_half_width),
+    SCALAR(frame_hertz_pressure, frame_hertz_pressure),
+    SCALAR(frame_film_unit, frame_film_unit),
     SCALAR(residual_norm, residual),
     SCALAR(time_step, step),
     SCALAR(time_effect, effect),
@@ -197,10 +199,12 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
     size_t slot = found[1] < found[0] ? 1 : 0; // the older one
     status = artefact_put_integers_part(file, "restart_entries", slot, 1, &invalid, error);
     if (!status) status = artefact_put_part(file, "restart", slot, 1, restart, error);
-    // only a flush makes sure that it is there before the number that says so
-    if (!status) status = artefact_flush(file, error);
+    // on the disk before the number that says so
+    if (!status) status = artefact_sync(file, error);
     if (!status)
         status = artefact_put_integers_part(file, "restart_entries", slot, 1, &valid, error);
+    if (!status) status = artefact_sync(file, error);
+    if (!status) artefact_save(file);
     return status;
 }
 

@@ -22,8 +22,10 @@ typedef struct time_entry {
     double central_pressure;
     double rigid_approach;
     double load;               // relative to the reference
-    double contact_half_width; // relative to the reference
-    const double *exits;       // [lines of the whole grid, GRID_EXITS] as of march_solver
+    double contact_half_width; // of the frame, relative to the reference; so are the next two
+    double frame_hertz_pressure;
+    double frame_film_unit; // a^2/R
+    const double *exits;    // [lines of the whole grid, GRID_EXITS] as of march_solver
     size_t newton_iterations;
     double residual;
     ehd_status status;                   // EHD_OK, EHD_NOT_CONVERGED or EHD_UNTRUSTED
@@ -106,6 +108,8 @@ typedef struct time_series {
     double *rigid_approach;
     double *load;
     double *contact_half_width;
+    double *frame_hertz_pressure;
+    double *frame_film_unit;
     double *exit_position; // the farthest downstream at Y = 0
     double *residual_norm;
     double *time_step;

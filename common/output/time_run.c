@@ -203,6 +203,8 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
                               .rigid_approach = scalars.rigid_approach,
                               .load = scalars.load,
                               .contact_half_width = step->frame.half_width,
+                              .frame_hertz_pressure = step->frame.hertz_pressure,
+                              .frame_film_unit = step->frame.film_scale,
                               .exits = take_exits(self, step, &scalars),
                               .newton_iterations = step->iterations,
                               .residual = step->residual,

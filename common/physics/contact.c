@@ -397,6 +397,7 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     contact->moes_L = contact->lubricant.alpha * given->modulus * pow(speed_number, 0.25);
     contact->load = given->load;
     contact->radius = given->radius;
+    contact->speed = given->speed;
     contact->half_width = contact->kind->half_width(given->load, given->radius, given->modulus);
     return EHD_OK;
 }
@@ -412,7 +413,8 @@ ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd
         .approach_length = isnan(given->approach_length) ? default_length : given->approach_length,
         .half_width = NAN,
         .radius = NAN,
-        .load = NAN};
+        .load = NAN,
+        .speed = NAN};
     ehd_status status = lubricant_init(&contact->lubricant, &given->lubricant, error);
     if (status) return status;
 
@@ -483,4 +485,8 @@ contact_closure contact_load_closure(const contact_kind *kind) {
 
 double contact_film_scale(const ehd_contact *contact) {
     return contact->half_width * contact->half_width / contact->radius;
+}
+
+double contact_time_scale(const ehd_contact *contact) {
+    return contact->half_width / contact->speed;
 }

@@ -199,6 +199,7 @@ typedef struct ehd_contact {
     double half_width;       // m, NaN unless the scene is physical
     double radius;           // m, NaN unless the scene is physical
     double load;             // N/m or N, NaN unless the scene is physical
+    double speed;            // m/s, mean of the two surfaces, NaN unless the scene is physical
 } ehd_contact;
 
 /* The scalars of a solution, in the contact's own frame. */
@@ -257,5 +258,8 @@ contact_closure contact_load_closure(const contact_kind *kind);
 
 /* Film scale a^2/R in m: physical film = H * film_scale. NaN unless the scene is physical. */
 double contact_film_scale(const ehd_contact *contact);
+
+/* Time scale a/u in s: physical time = T * time_scale. NaN unless the scene is physical. */
+double contact_time_scale(const ehd_contact *contact);
 
 #endif

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common/program/program.h"
 
+#include "common/program/openblas.h"
+
 #include <argp.h>
 #include <cblas.h>
 #include <errno.h>
@@ -263,7 +265,7 @@ void program_warn(const program *self, const char *format, ...) {
 
 // ---- the command line
 
-enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT };
+enum { KEY_HELP = 0x100, KEY_VERSION, KEY_SET, KEY_CHECK, KEY_PRINT, KEY_SI, KEY_VTK };
 
 static const struct argp_option common_options[] = {
     {.doc = "Common to all programs:", .group = 10},
@@ -287,6 +289,19 @@ static const struct argp_option common_options[] = {
             "along several axes are led by the axes that are not named, and an empty line follows "
             "when the axis before the last goes on (two for the one before that), as splot and "
             "index of gnuplot expect. FILE may be a NAME.partial",
+     .group = 10},
+    {.name = "si",
+     .key = KEY_SI,
+     .doc =
+         "With --print of a result in SI units: lengths, films, pressures, loads and times, with "
+         "the unit behind each name",
+     .group = 10},
+    {.name = "vtk",
+     .key = KEY_VTK,
+     .arg = "RESULT.h5",
+     .doc = "Only write the fields of a result, in metres and pascals, for ParaView: -o NAME.vti, "
+            "or of "
+            "several times NAME.pvd and beside it NAME_0000.vti and so on",
      .group = 10},
     {.name = "quiet", .key = 'q', .doc = "No progress and no notes", .group = 10},
     {.name = "verbose", .key = 'v', .doc = "Also details", .group = 10},
@@ -411,6 +426,11 @@ static error_t parse_common(int key, char *argument, struct argp_state *state) {
         return set_file(&self->check, "--check", argument, state);
     case KEY_PRINT:
         return set_file(&self->print, "--print", argument, state);
+    case KEY_VTK:
+        return set_file(&self->vtk, "--vtk", argument, state);
+    case KEY_SI:
+        self->si = true;
+        return 0;
     case 'o':
         return set_file(&self->output, "--output", argument, state);
     case 'f':
@@ -462,13 +482,18 @@ static ehd_status check_arguments(const program *self, const program_options *op
                                   ehd_error *error) {
     if (self->check && self->print)
         return ehd_fail(error, EHD_USAGE, "--print: found --check too, expected one of them");
+    if (self->vtk && (self->check || self->print))
+        return ehd_fail(error, EHD_USAGE, "--vtk: found --%s too, expected one of them",
+                        self->check ? "check" : "print");
     if (self->print) return EHD_OK;
-    const bool enough = self->check || self->num_arguments >= options->min_arguments;
-    if (!enough || self->num_arguments > options->max_arguments)
+    if (self->si)
+        return ehd_fail(error, EHD_USAGE, "--si: found without --print, expected with it");
+    const bool enough = self->check || self->vtk || self->num_arguments >= options->min_arguments;
+    if (!enough || self->num_arguments > (self->vtk ? 0 : options->max_arguments))
         return ehd_fail(error, EHD_USAGE, "command line: found %zu file%s, expected %s",
                         self->num_arguments, self->num_arguments == 1 ? "" : "s",
-                        options->arguments_doc ? options->arguments_doc : "none");
-    if (options->needs_output && !self->check && !self->output)
+                        options->arguments_doc && !self->vtk ? options->arguments_doc : "none");
+    if ((options->needs_output || self->vtk) && !self->check && !self->output)
         return ehd_fail(error, EHD_USAGE, "--output: found nothing, expected -o FILE");
     return EHD_OK;
 }
@@ -534,7 +559,7 @@ void program_start(program *self, int argc, char **argv, const program_options *
     set_signals();
     self->stage = stage_here();
     set_last_resort();
-    openblas_set_num_threads(1); // more only slow down small matrices
+    openblas_one_thread();
 
     ehd_status status = parse_arguments(self, options, &done, &error);
     const bool no_buffer = !status && !done && program_take_buffers(1) < 1;

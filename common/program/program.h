@@ -43,8 +43,8 @@ enum { MAX_OPTIONS = 24 };
 #define OPTION_REAL(member, min, max)  AS_REAL, offsetof(OWN_OPTIONS, member), min, max, NULL
 #define OPTION_READ(member, function)  AS_READ, offsetof(OWN_OPTIONS, member), 0, 0, function
 
-/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE -o
- * FILE. */
+/* Filled by the common options: --quiet --verbose --set --force --check FILE --print FILE
+ * --si --vtk FILE -o FILE. */
 typedef struct program {
     const char *name; // "fullrun"
     int argc;         // as main received them, for the history line
@@ -55,6 +55,8 @@ typedef struct program {
     const char *output;     // -o, --output; NULL when not given
     const char *check;      // --check FILE; NULL when not given
     const char *print;      // --print FILE, the arguments are names in it; NULL when not given
+    bool si;                // in SI units, with --print
+    const char *vtk;        // --vtk FILE, to `output`; NULL when not given
     const char **overrides; // --set key=value, in order; [num_overrides]
     size_t num_overrides;
     const char **arguments; // positional; [num_arguments]
@@ -72,7 +74,7 @@ typedef struct program_options {
     const char *doc;                     // what the program does
     void (*help_tail)(void);             // prints more help to stdout (settings table), may be NULL
     size_t min_arguments, max_arguments; // positional ones (any number with --print)
-    bool needs_output;                   // -o is demanded (not with --check, --print)
+    bool needs_output; // -o is demanded (not with --check, --print; always with --vtk)
 } program_options;
 
 /* Parses the command line. --help and --version print to stdout and exit with 0; misuse prints

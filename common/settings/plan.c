@@ -40,18 +40,6 @@ static ehd_status check_keys(const plan_reader *self, const tree_node *map, cons
 
 // ---- the base scene of a group
 
-static ehd_status read_scene_file(const plan_reader *self, scene_source *base, const char *path) {
-    char *text;
-    size_t length;
-    tree_node *root = NULL;
-    ehd_status status = tree_read_text(&text, &length, path, self->error);
-    if (!status) status = tree_parse(&root, text, length, path, self->error);
-    if (!status) status = source_apply_map(base, root, self->error);
-    tree_free(root);
-    free(text);
-    return status;
-}
-
 /* `scene_path` receives the name of the scene's file, if it is one; the base keeps a pointer to
  * it. */
 static ehd_status read_base(const plan_reader *self, scene_source *base, char **scene_path,
@@ -65,7 +53,7 @@ static ehd_status read_base(const plan_reader *self, scene_source *base, char **
         *scene_path = path_beside(self->path, node->value);
         if (!*scene_path) return place_no_memory(self->error, self->path);
         base->file = base->beside = *scene_path;
-        status = read_scene_file(self, base, *scene_path);
+        status = source_apply_file(base, *scene_path, self->error);
     } else {
         status = place_fail(self->error, place_in(self, node),
                             "scene: found %s, expected the name of a file or a map of settings",
@@ -118,21 +106,6 @@ static ehd_status fail_at_point(const plan_reader *self, const variation *varied
     return ehd_fail(self->error, status, "%s: point %s: %s", self->path, values, cause.text);
 }
 
-static ehd_status check_not_overridden(const plan_reader *self, const scene_source *base,
-                                       const variation *varied) {
-    for (size_t i = 0; i < varied->num_columns; i++)
-        if (source_is_overridden(base, varied->columns[i].row))
-            return place_fail(self->error, (place){"--set", 0},
-                              "%s: found a key that %s varies, expected another one",
-                              varied->columns[i].row->key, self->path);
-    for (size_t r = 0; r < varied->num_ranges; r++)
-        if (source_is_overridden(base, varied->ranges[r].row))
-            return place_fail(self->error, (place){"--set", 0},
-                              "%s: found a key that %s varies, expected another one",
-                              varied->ranges[r].row->key, self->path);
-    return EHD_OK;
-}
-
 static ehd_status add_points(const plan_reader *self, const scene_source *base,
                              const variation *varied, size_t group) {
     plan *of = self->plan;
@@ -169,7 +142,7 @@ static ehd_status read_group(const plan_reader *self, const tree_node *node, siz
                             "scene: found nothing, expected a file or a map of settings");
     if (!status) status = read_base(self, &base, &scene_path, scene_node);
     if (!status) status = variation_read(&varied, node, self->path, self->error);
-    if (!status) status = check_not_overridden(self, &base, &varied);
+    if (!status) status = variation_check_overrides(&varied, &base, self->path, self->error);
     if (varied.num_ranges > 0) self->plan->has_region = true;
     if (!status)
         status = read_where(self, tree_find(node, "where"), self->plan->where_bounds[group]);

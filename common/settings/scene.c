@@ -135,6 +135,18 @@ ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_erro
     return apply_below(source, map, "", error);
 }
 
+ehd_status source_apply_file(scene_source *source, const char *path, ehd_error *error) {
+    char *text;
+    size_t length;
+    tree_node *root = NULL;
+    ehd_status status = tree_read_text(&text, &length, path, error);
+    if (!status) status = tree_parse(&root, text, length, path, error);
+    if (!status) status = source_apply_map(source, root, error);
+    tree_free(root);
+    free(text);
+    return status;
+}
+
 static ehd_status apply_override(scene_source *source, const char *text, ehd_error *error) {
     const place where = {override_name, 0};
     char key[MAX_KEY], shown[SHOWN_TEXT];

@@ -30,6 +30,9 @@ ehd_status source_assign(
  * repeated or bad keys. */
 ehd_status source_apply_map(scene_source *source, const tree_node *map, ehd_error *error);
 
+/* The same of a file; also EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ehd_status source_apply_file(scene_source *source, const char *path, ehd_error *error);
+
 /* Sets "key=value" strings and unsets those without a value; a later one wins. */
 ehd_status source_apply_overrides(scene_source *source, const char *const *overrides,
                                   size_t num_overrides, ehd_error *error);

@@ -345,6 +345,26 @@ ehd_status variation_read(variation *self, const tree_node *group, const char *p
     return status ? status : read_histories(self, group, plan_path, error);
 }
 
+ehd_status variation_read_table(variation *self, const char *path, ehd_error *error) {
+    *self = (variation){0};
+    ehd_status status = csv_open(&self->points, path, error);
+    if (!status) status = read_csv_lines(self, error);
+    return status ? status : count_list(self, (place){path, 0}, error);
+}
+
+ehd_status variation_check_overrides(const variation *self, const scene_source *base,
+                                     const char *path, ehd_error *error) {
+    for (size_t i = 0; i < self->num_columns + self->num_ranges; i++) {
+        const setting *row =
+            i < self->num_columns ? self->columns[i].row : self->ranges[i - self->num_columns].row;
+        if (source_is_overridden(base, row))
+            return place_fail(error, (place){"--set", 0},
+                              "%s: found a key that %s varies, expected another one", row->key,
+                              path);
+    }
+    return EHD_OK;
+}
+
 // ---- points
 
 /* The index of a point's value in a column. */

@@ -50,6 +50,17 @@ ehd_status variation_read(
     // input:
     const tree_node *group, const char *plan_path, ehd_error *error);
 
+/* The same of a CSV file alone, a point a row. */
+ehd_status variation_read_table(
+    // output:
+    variation *self, // free with variation_free
+    // input:
+    const char *path, ehd_error *error);
+
+/* EHD_DATA where --set gives a setting that varies; `path` is where that is said. */
+ehd_status variation_check_overrides(const variation *self, const scene_source *base,
+                                     const char *path, ehd_error *error);
+
 /* Assigns the values of one point. EHD_DATA: a bad value. */
 ehd_status variation_apply(const variation *self, size_t point, scene_source *source,
                            ehd_error *error);

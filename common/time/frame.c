@@ -68,6 +68,7 @@ void frame_contact(ehd_contact *contact, const contact_frame *frame, const ehd_c
     contact->half_width *= width;
     contact->radius *= frame->radius;
     contact->load *= frame->load;
+    contact->speed *= frame->speed;
     contact->closure = isnan(frame->approach) ? contact_load_closure(contact->kind)
                                               : approach_closure(frame, reference);
 }

@@ -4,8 +4,10 @@
 #include "common/program/program.h"
 
 #include <pthread.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 typedef struct pool {
@@ -15,6 +17,7 @@ typedef struct pool {
     bool *taken;       // [num_points]
     bool *finished;    // [num_points]
     size_t num_left;   // points not taken
+    size_t num_active; // workers that have not ended
     ehd_status status; // the first failure
     ehd_error error;
 } pool;
@@ -65,8 +68,20 @@ static size_t take_point(pool *self) {
     return point;
 }
 
+/* Whether a worker that was refused memory leaves its work to others: those that are at it hold what it
+ * lacks. The last one says so. */
+static bool leaves_to_others(pool *self, ehd_status status) {
+    return status == EHD_MEMORY && !self->status && self->num_active > 1;
+}
+
+static void put_back(pool *self, size_t point) {
+    self->taken[point] = false;
+    self->num_left++;
+}
+
 /* Takes the lock away while the point is solved. */
-static ehd_status run_point(pool *self, void *worker, size_t point, ehd_error *error) {
+static ehd_status run_point(pool *self, void *worker, size_t point, bool *solved,
+                            ehd_error *error) {
     const pool_work *work = self->work;
     size_t parent = parent_of(self, point);
     ehd_status status =
@@ -76,6 +91,7 @@ static ehd_status run_point(pool *self, void *worker, size_t point, ehd_error *e
     pthread_mutex_unlock(&self->lock);
     status = work->solve(work->shared, worker, point, parent, error);
     pthread_mutex_lock(&self->lock);
+    *solved = !status;
     if (!status && work->finish) status = work->finish(work->shared, worker, point, parent, error);
     return status;
 }
@@ -90,13 +106,22 @@ static void *run_worker(void *argument) {
     ehd_status status = work->begin ? work->begin(&worker, work->shared, &error) : EHD_OK;
 
     pthread_mutex_lock(&self->lock);
-    if (status) fail(self, status, &error);
-    for (size_t point = take_point(self); point != NO_PARENT; point = take_point(self)) {
-        status = run_point(self, worker, point, &error);
+    bool leaves = leaves_to_others(self, status);
+    if (status && !leaves) fail(self, status, &error);
+    while (!leaves) {
+        const size_t point = take_point(self);
+        if (point == NO_PARENT) break;
+        bool solved = false;
+        status = run_point(self, worker, point, &solved, &error);
+        leaves = work->repeatable && !solved && leaves_to_others(self, status);
         self->finished[point] = !status;
-        if (status) fail(self, status, &error);
+        if (leaves)
+            put_back(self, point);
+        else if (status)
+            fail(self, status, &error);
         pthread_cond_broadcast(&self->changed);
     }
+    self->num_active--;
     pthread_cond_broadcast(&self->changed);
     pthread_mutex_unlock(&self->lock);
     if (work->end) work->end(worker);
@@ -107,20 +132,44 @@ static void *run_worker(void *argument) {
 static size_t start_threads(pthread_t *threads, size_t num_wanted, pool *self) {
     size_t started = 0;
 
+    pthread_mutex_lock(&self->lock); // none asks how many there are before that is known
     while (started < num_wanted && !pthread_create(&threads[started], NULL, run_worker, self))
         started++;
+    self->num_active = started > 0 ? started : 1;
+    pthread_mutex_unlock(&self->lock);
     return started;
+}
+
+/* For how many of so many threads there is memory: for what each asks for and the heap that
+ * glibc sets apart for it (HEAP_MAX_SIZE, 64-bit), besides the buffer of OpenBLAS. A limit of the address
+ * space (ulimit -v) counts all of it; 8 threads under one of 400 to 1000 MB found none after work. */
+static size_t workers_with_memory(size_t num_wanted, double worker_bytes) {
+    const double heap = 64 << 20;
+    size_t num = num_wanted;
+
+    while (num > 0) {
+        const double bytes = (double)num * (heap + worker_bytes);
+        void *room = bytes < (double)SIZE_MAX / 2
+                         ? mmap(NULL, (size_t)bytes, PROT_NONE,
+                                MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)
+                         : MAP_FAILED;
+        const size_t found = room == MAP_FAILED ? num - 1 : program_take_buffers(num);
+        if (room != MAP_FAILED) munmap(room, (size_t)bytes);
+        if (found == num) return num;
+        num = found;
+    }
+    return 0; // the caller's own thread, which has all of that
 }
 
 static void run_threads(pool *self) {
     size_t num_workers = self->work->num_workers;
     if (num_workers > self->num_left) num_workers = self->num_left;
-    num_workers = program_take_buffers(num_workers);
+    num_workers = workers_with_memory(num_workers, self->work->worker_bytes);
     pthread_t *threads = malloc((num_workers + 1) * sizeof *threads);
-    size_t started = threads ? start_threads(threads, num_workers, self) : 0;
+    size_t started = start_threads(threads, threads ? num_workers : 0, self);
 
     if (started == 0) run_worker(self);
-    for (size_t i = 0; i < started; i++)
+    for (size_t i = 0; threads && i < started; i++)
         pthread_join(threads[i], NULL);
     free(threads);
 }

@@ -20,16 +20,20 @@ typedef struct pool_work {
     const bool *done;   // [num_points], from an earlier run; NULL: none
     size_t num_workers; // threads at most
     void *shared;       // handed to all tasks
+    double worker_bytes; // memory that a thread needs for itself, where that is much; 0: little
     // what a thread needs for itself, such as a solver; NULL: nothing
     ehd_status (*begin)(void **worker, void *shared, ehd_error *error);
     void (*end)(void *worker);
+    bool repeatable;   // what solve leaves where it fails does not disturb another attempt
     pool_task *solve;  // several at a time; `finish` of the parent has returned
     pool_task *start;  // one at a time with `finish`, before solve: for progress; NULL: none
     pool_task *finish; // one at a time, such as writing to a file; NULL: none
 } pool_work;
 
 /* Returns EHD_OK when all points are finished; else the first error, after the points under way; or
- * EHD_INTERRUPTED with an empty text when a signal came. */
+ * EHD_INTERRUPTED with an empty text when a signal came. A thread that is refused memory, by `begin` or
+ * by a `solve` that is repeatable, ends and leaves its point to the others; where there are none,
+ * EHD_MEMORY. */
 ehd_status pool_run(const pool_work *work, ehd_error *error);
 
 /* Processors that are online, at least 1. */

@@ -107,7 +107,7 @@ static void load(fallback_march *self, const reduced_state *state) {
 /* Those kept at places of the central line, at the nodes of the dry contact. */
 static void spread_errors(fallback_march *self) {
     const ehd_grid *grid = &self->reference.grid;
-    film_errors errors = {.spline = NULL};
+    film_errors errors = {.kept = {0}};
 
     memcpy(errors.next, reduced_march_errors(self->reduced), sizeof errors.next);
     for (size_t k = 0; k < grid->num_nodes; k++)

@@ -5,6 +5,7 @@
 #include "common/physics/deflection.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,16 +35,16 @@ grid_position reduced_model_position(const reduced_model *model, size_t node) {
 
 size_t reduced_model_nearest_row(const reduced_model *model, size_t node, const double *influence) {
     const row_set *rows = &model->rows;
-    const ehd_grid *grid = &model->grid;
-    const double x = grid_x(grid, node), y = grid_y(grid, node);
-    double nearest = INFINITY;
-    size_t row = 0;
+    const grid_position here = reduced_model_position(model, node);
+    size_t nearest = SIZE_MAX, row = 0;
 
     for (size_t r = 0; r < rows->num_rows; r++) {
-        const double along = grid_x(grid, rows->node[r]) - x;
-        const double across = grid_y(grid, rows->node[r]) - y;
-        const double square = along * along + across * across;
-        if (square >= nearest || (influence && influence[r] == 0)) continue;
+        if (influence && influence[r] == 0) continue;
+        const grid_position at = reduced_model_position(model, rows->node[r]);
+        const size_t along = index_distance(at.column, here.column);
+        const size_t across = index_distance(at.line, here.line);
+        const size_t square = along * along + across * across;
+        if (square >= nearest) continue;
         nearest = square;
         row = r;
     }

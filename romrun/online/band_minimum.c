@@ -6,8 +6,7 @@
 enum { COARSE = 24 }; // strides of the coarse search
 
 typedef struct band {
-    double (*value)(const void *context, size_t node);
-    const void *context;
+    const band_values *values;
     size_t first, last;
 } band;
 
@@ -17,41 +16,43 @@ typedef struct candidate {
     double value;
 } candidate;
 
-/* Smallest value near a node, by ever shorter strides around the best one so far. */
-static candidate refine_minimum(const band *self, size_t best, size_t stride) {
-    double smallest = INFINITY;
+static double value_at(const band *self, size_t node) {
+    return self->values->at(self->values->context, node);
+}
 
+/* Smallest value near a node, by ever shorter strides around the best one so far. */
+static candidate refine_minimum(const band *self, candidate best, size_t stride) {
     while (stride > 1) {
         stride = (stride + 2) / 4;
         size_t reach = 4 * stride;
-        size_t from = best > self->first + reach ? best - reach : self->first;
-        size_t to = best + reach < self->last ? best + reach : self->last;
+        size_t from = best.node > self->first + reach ? best.node - reach : self->first;
+        size_t to = best.node + reach < self->last ? best.node + reach : self->last;
         for (size_t node = from; node <= to; node += stride) {
-            double value = self->value(self->context, node);
-            if (!(value < smallest)) continue;
-            smallest = value;
-            best = node;
+            double value = value_at(self, node);
+            if (value < best.value) best = (candidate){node, value};
         }
     }
-    return (candidate){best, smallest};
+    return best;
 }
 
-size_t band_minimum(double (*value)(const void *context, size_t node), const void *context,
-                    size_t first, size_t last) {
-    const band self = {value, context, first, last};
+double band_minimum(size_t *node, const band_values *values, size_t first, size_t last) {
+    const band self = {values, first, last};
     size_t stride = (last - first) / COARSE + 1, count = (last - first) / stride + 1;
-    double coarse[COARSE + 1];
-    candidate smallest = {first, INFINITY};
+    double coarse[COARSE + 1], smallest = INFINITY;
 
-    for (size_t i = 0; i < count; i++) {
-        coarse[i] = value(context, first + i * stride);
-        if (coarse[i] < smallest.value) smallest = (candidate){first + i * stride, coarse[i]};
-    }
+    *node = first;
+    for (size_t i = 0; i < count; i++)
+        coarse[i] = value_at(&self, first + i * stride);
     for (size_t i = 0; i < count; i++) {
         if ((i > 0 && coarse[i - 1] <= coarse[i]) || (i + 1 < count && coarse[i + 1] < coarse[i]))
             continue;
-        const candidate fine = refine_minimum(&self, first + i * stride, stride);
-        if (fine.value < smallest.value) smallest = fine;
+        const candidate start = {first + i * stride, coarse[i]};
+        const candidate fine = refine_minimum(&self, start, stride);
+        const double here =
+            values->around ? values->around(values->context, fine.node) : fine.value;
+        if (!(here < smallest)) continue;
+        smallest = here;
+        *node = fine.node;
     }
-    return smallest.node;
+    return smallest;
 }

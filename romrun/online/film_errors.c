@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/film_errors.h"
 
+#include "romrun/online/natural_spline.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -10,49 +12,56 @@ static double place(size_t i) {
 }
 
 static void fit(film_errors *self) {
-    double x[NUM_ERROR_PLACES];
+    double factor[NUM_ERROR_PLACES];
 
-    for (size_t i = 0; i < NUM_ERROR_PLACES; i++)
-        x[i] = place(i);
-    spline_fit(self->spline, x, self->kept);
+    spline_curvatures(self->curvature, factor, self->kept, NUM_ERROR_PLACES, 1, 1, false);
 }
 
-ehd_status film_errors_init(film_errors *self, ehd_error *error) {
-    self->spline = spline_create(NUM_ERROR_PLACES);
-    if (!self->spline) return ehd_fail(error, EHD_MEMORY, "errors of films: found no memory");
-    film_errors_set(self, NULL);
-    return EHD_OK;
+/* Places of the kept ones where the fluid was that is now at place i: first + stretch i. */
+typedef struct origins {
+    double first, stretch;
+} origins;
+
+static origins origins_in(const contact_frame *then, const contact_frame *now) {
+    const double half = (NUM_ERROR_PLACES - 1) / 2.0;
+    const double stretch = frame_stretch(now, then);
+
+    return (origins){half * (1 - stretch - frame_shift(now, then)), stretch};
 }
 
-void film_errors_free(film_errors *self) {
-    self->spline = spline_free(self->spline);
+/* Those kept, between places. */
+static double kept_at(const film_errors *self, double among) {
+    const spline_point at = spline_at(among, NUM_ERROR_PLACES);
+    const double *value = self->kept + at.node, *curvature = self->curvature + at.node;
+
+    return at.weight[0] * value[0] + at.weight[1] * curvature[0] + at.weight[2] * value[1] +
+           at.weight[3] * curvature[1];
 }
 
 void film_errors_set(film_errors *self, const double *kept) {
-    memset(self->kept, 0, sizeof self->kept);
-    memset(self->next, 0, sizeof self->next);
+    *self = (film_errors){0};
     if (kept) memcpy(self->kept, kept, sizeof self->kept);
     fit(self);
 }
 
 void film_errors_carry(film_errors *self, const contact_frame *then, const contact_frame *now) {
-    const double stretch = frame_stretch(now, then), shift = frame_shift(now, then);
-    const double ratio = frame_film_ratio(now, then);
+    const origins from = origins_in(then, now);
+    const double ratio = frame_film_ratio(now, then), last = NUM_ERROR_PLACES - 1;
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
-        const double x = stretch * place(i) - shift;
-        self->next[i] = fabs(x) <= 1 ? ratio * spline_at(self->spline, x) : 0;
+        const double among = from.first + from.stretch * (double)i;
+        self->next[i] = among >= 0 && among <= last ? ratio * kept_at(self, among) : 0;
     }
 }
 
 void film_errors_enter(film_errors *self, const contact_frame *then, const contact_frame *now,
                        double x, double value) {
-    const double stretch = then ? frame_stretch(now, then) : 1;
-    const double shift = then ? frame_shift(now, then) : 0;
+    const origins from = then ? origins_in(then, now) : (origins){0, 1};
 
     for (size_t i = 0; i < NUM_ERROR_PLACES; i++) {
-        const bool entered = place(i) < x || stretch * place(i) - shift < -1;
-        self->next[i] = entered ? value : fmax(self->next[i], 0); // splines overshoot
+        const bool entered = place(i) < x || from.first + from.stretch * (double)i < 0;
+        const double carried = self->next[i] > 0 ? self->next[i] : 0; // splines overshoot
+        self->next[i] = entered ? value : carried;
     }
 }
 

@@ -4,21 +4,18 @@
 #ifndef EHD_FILM_ERRORS_H
 #define EHD_FILM_ERRORS_H
 
-#include "common/algebra/spline.h"
-#include "common/program/status.h"
 #include "common/time/frame.h"
+
+#include <stddef.h>
 
 enum { NUM_ERROR_PLACES = 201 }; // from X = -1 to 1
 
+/* All zero: none. */
 typedef struct film_errors {
-    double kept[NUM_ERROR_PLACES]; // of the last accepted state, in its frame
-    double next[NUM_ERROR_PLACES]; // of the attempt
-    spline *spline;                // of those kept
+    double kept[NUM_ERROR_PLACES];      // of the last accepted state, in its frame
+    double curvature[NUM_ERROR_PLACES]; // of the natural spline through them
+    double next[NUM_ERROR_PLACES];      // of the attempt
 } film_errors;
-
-/* None. EHD_MEMORY. */
-ehd_status film_errors_init(film_errors *self, ehd_error *error); // free with film_errors_free
-void film_errors_free(film_errors *self);
 
 /* Sets those kept, [NUM_ERROR_PLACES]; NULL: none. */
 void film_errors_set(film_errors *self, const double *kept);

@@ -4,6 +4,8 @@
 #include "common/physics/deflection.h"
 #include "common/time/bdf.h"
 #include "common/time/path_filter.h"
+#include "romrun/online/dot.h"
+#include "romrun/online/natural_spline.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -11,29 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- curvatures of natural cubic splines
-
-/* Solves curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of the values, for
- * `width` splines at once with nodes `stride` apart. The last curvature and, unless the first node
- * is a mirror (`even`), the first are given in `curvatures` (0: natural). `factor`: [num] work. */
-static void solve_curvatures(double *curvatures, double *factor, const double *values, size_t num,
-                             size_t stride, size_t width, bool even) {
-    factor[0] = even ? 0.5 : 0; // of 2 curvature[0] + curvature[1] = value[1] - value[0]
-    for (size_t j = 0; j < width && even; j++)
-        curvatures[j] = 0.5 * (values[stride + j] - values[j]);
-    for (size_t k = 1; k + 1 < num; k++) {
-        const double *value = values + k * stride, *before = value - stride;
-        double *curvature = curvatures + k * stride;
-        factor[k] = 1 / (4 - factor[k - 1]);
-        for (size_t j = 0; j < width; j++)
-            curvature[j] = factor[k] * (before[j] - 2 * value[j] + value[stride + j] -
-                                        curvatures[(k - 1) * stride + j]);
-    }
-    for (size_t k = num - 1; k-- > (even ? 0 : 1);)
-        for (size_t j = 0; j < width; j++)
-            // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): all set above
-            curvatures[k * stride + j] -= factor[k] * curvatures[(k + 1) * stride + j];
-}
+// ---- tables
 
 /* A table of zeros. */
 static ehd_status make_table(double **table, const spline_layout *layout, ehd_error *error) {
@@ -51,14 +31,14 @@ static ehd_status fill_curvatures(double *table, const spline_layout *layout, eh
     if (!factor) return ehd_fail(error, EHD_MEMORY, "splines: found no memory");
     for (size_t l = 0; l < lines; l++) {
         double *values = table + l * layout->line;
-        solve_curvatures(values + layout->x_curvature, factor, values, columns, layout->column,
-                         width, layout->even_x);
+        spline_curvatures(values + layout->x_curvature, factor, values, columns, layout->column,
+                          width, layout->even_x);
     }
     for (size_t c = 0; c < columns && lines > 1; c++)
         for (size_t part = 0; part < 2; part++) {
             double *values = table + c * layout->column + part * layout->x_curvature;
-            solve_curvatures(values + layout->y_curvature, factor, values, lines, layout->line,
-                             width, layout->even_y);
+            spline_curvatures(values + layout->y_curvature, factor, values, lines, layout->line,
+                              width, layout->even_y);
         }
     free(factor);
     return EHD_OK;
@@ -382,7 +362,7 @@ static void prepare_window(previous_film *self, const path_films *path, const re
     memset(self->curvature, 0, sizeof self->curvature);
     self->curvature[0] =
         sum_modes(self, path, splines, splines->pressure_layout.x_curvature, begin);
-    solve_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
+    spline_curvatures(self->curvature, factor, self->window, size, 1, 1, false);
 }
 
 /* Finds the nodes by which its exits differ from cut_exits. */
@@ -445,29 +425,6 @@ double path_filter_change(const previous_film *self, size_t node, const path_fil
 
 // ---- evaluation
 
-enum { NUM_WEIGHTS = 4 };
-
-/* A point between nodes `node` and node + 1 of one direction, with the weights of value and
- * curvature at the first and of value and curvature at the second. */
-typedef struct spline_point {
-    size_t node;
-    double weight[NUM_WEIGHTS];
-} spline_point;
-
-/* The point `nodes` steps behind the first of `num` nodes. Beyond them the spline is linear. */
-static inline spline_point spline_at(double nodes, size_t num) {
-    size_t last = num - 2;
-    size_t first = nodes < (double)last ? nodes > 0 ? (size_t)nodes : 0 : last;
-    double b = nodes - (double)first, a = 1 - b;
-    spline_point at = {first, {a, (a * a - 1) * a, b, (b * b - 1) * b}};
-
-    if (b < 0)
-        at.weight[1] = -2 * b, at.weight[3] = -b;
-    else if (a < 0)
-        at.weight[1] = -a, at.weight[3] = -2 * a;
-    return at;
-}
-
 /* Snaps a point to a node that it misses by rounding only: most weights are then zero, which saves
  * a point contact most of the work while the frame keeps its width. */
 static double round_to_node(double nodes) {
@@ -481,7 +438,7 @@ static double evaluate_one(const double *table, const spline_layout *layout,
     double sum = 0;
 
     table += across->node * layout->line + along->node * column;
-    for (size_t v = 0; v < (layout->num_lines > 1 ? NUM_WEIGHTS : 1); v++) {
+    for (size_t v = 0; v < (layout->num_lines > 1 ? NUM_SPLINE_WEIGHTS : 1); v++) {
         const double *here = table + v / 2 * layout->line + v % 2 * layout->y_curvature;
         double part = along->weight[0] * here[0] + along->weight[1] * here[x_curvature] +
                       along->weight[2] * here[column] +
@@ -490,9 +447,6 @@ static double evaluate_one(const double *table, const spline_layout *layout,
     }
     return sum;
 }
-
-/* The four values of a node of a point contact. */
-typedef double vector __attribute__((vector_size(32), aligned(sizeof(double)), may_alias));
 
 /* Adds values and curvatures of the deflection by the pressures between cut_exits and the state's
  * own exits at a node of the splines' grid. */
@@ -522,23 +476,11 @@ static void add_cut(double *sum, const previous_film *self, size_t line, size_t 
     *(vector *)sum += total;
 }
 
-/* sum[i] = row i of a table times coordinates. BLAS takes four times as many instructions for so few
- * rows. */
+/* sum[i] = row i of a table times coordinates. */
 static void times_coordinates(double *sum, const double *table, const double *coordinates,
                               size_t rows, size_t width) {
-    const size_t whole = width / 8 * 8;
-
-    for (size_t i = 0; i < rows; i++, table += width) {
-        vector even = {0}, odd = {0};
-        for (size_t j = 0; j < whole; j += 8) {
-            even += *(const vector *)(table + j) * *(const vector *)(coordinates + j);
-            odd += *(const vector *)(table + j + 4) * *(const vector *)(coordinates + j + 4);
-        }
-        even += odd;
-        sum[i] = even[0] + even[1] + (even[2] + even[3]);
-        for (size_t j = whole; j < width; j++)
-            sum[i] += table[j] * coordinates[j];
-    }
+    for (size_t i = 0; i < rows; i++)
+        sum[i] = dot(table + i * width, coordinates, width);
 }
 
 /* Values and curvatures of a state at a node; `cut` is NULL, or the state whose cut is added. */
@@ -563,10 +505,10 @@ static double evaluate(const node_sums *self, const previous_film *cut, const sp
     const bool line_contact = self->layout->num_lines == 1;
     double sum = 0;
 
-    for (size_t v = 0; v < NUM_WEIGHTS; v += 2) {
+    for (size_t v = 0; v < NUM_SPLINE_WEIGHTS; v += 2) {
         const double *b = across->weight + v;
         if (b[0] == 0 && b[1] == 0) continue;
-        for (size_t u = 0; u < NUM_WEIGHTS; u += 2) {
+        for (size_t u = 0; u < NUM_SPLINE_WEIGHTS; u += 2) {
             const double *a = along->weight + u;
             if (a[0] == 0 && a[1] == 0) continue;
             const double *at =
@@ -684,12 +626,22 @@ void previous_film_masses(double *mass, const previous_film *const *films, size_
 double previous_film_thickness(const previous_film *self, size_t node, const reduced_model *model,
                                const film_splines *splines) {
     const ehd_grid *grid = &model->grid;
-    const size_t width = grid_width(grid);
-    const double *deflection = sums_at(&self->film, self, node / width + splines->side,
-                                       node % width + splines->margin, splines);
+    const spline_layout *layout = &splines->layout;
+    const size_t line = node / grid_width(grid) + splines->side;
+    const size_t column = node % grid_width(grid) + splines->margin;
+    const double *modes = self->film.table + line * layout->line + column * layout->column;
+    double deflection[4] = {dot(modes, self->film.coordinates, layout->width)};
 
+    add_cut(deflection, self, line, column, splines);
     return self->state.coordinates[model->num_unknowns - 1] +
            contact_gap(grid_x(grid, node), grid_y(grid, node)) + deflection[0];
+}
+
+double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
+                              const film_splines *splines) {
+    const size_t num = model->num_pressure;
+
+    return dot(splines->fields.pressure + node * num, self->state.coordinates, num);
 }
 
 ehd_status path_films_set_base(path_films *self, const previous_film *base,

@@ -137,9 +137,11 @@ void previous_film_masses(double *mass, const previous_film *const *films, size_
                           size_t node, const contact_frame *now, const reduced_model *model,
                           const film_splines *splines, const ehd_contact *reference);
 
-/* H of a state at a node of its own frame. */
+/* H of a state at a node of its own frame, and P there, uncut. */
 double previous_film_thickness(const previous_film *self, size_t node, const reduced_model *model,
                                const film_splines *splines);
+double previous_film_pressure(const previous_film *self, size_t node, const reduced_model *model,
+                              const film_splines *splines);
 
 /* rho H along the path, to the places of frame `now`: films prepared for it,
  * at fixed places what they have in common with the base, where the fluid was all else. */

@@ -7,6 +7,7 @@
 
 typedef struct kept_factors {
     bool valid;
+    size_t number; // of the Jacobian (step_problem)
     least_squares *factors;
     double *matrix;      // [rows + num_deformation + 1, num_unknowns] the Jacobian
     size_t *exit;        // [num_lines] at which it was evaluated

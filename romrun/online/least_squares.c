@@ -5,6 +5,7 @@
 #include "romrun/online/least_squares.h"
 
 #include "common/program/arena.h"
+#include "romrun/online/dot.h"
 #include "romrun/online/gram.h"
 #include <cblas.h>
 #include <lapacke.h>
@@ -90,6 +91,27 @@ static int factorise_gram(least_squares *self, const double *matrix, size_t num_
     return rcond > MIN_RCOND;
 }
 
+/* x = (L L^T)^-1 x of a lower factor by columns, L's two at a time. Two times cblas_dtrsv takes 1.6 times
+ * the instructions (121 columns) and, for 61, 121, 171 and 301 columns, 1.53, 3.5, 5.85 and 13.6 us in
+ * place of 1.25, 2.95, 4.89 and 12.7. */
+static void solve_factor(double *restrict x, const double *restrict factor, size_t n) {
+    size_t j = 0;
+
+    for (; j + 1 < n; j += 2) {
+        const double *first = factor + j * n, *second = first + n;
+        const double a = x[j] / first[j], b = (x[j + 1] - a * first[j + 1]) / second[j + 1];
+        x[j] = a;
+        x[j + 1] = b;
+        for (size_t i = j + 2; i < n; i++)
+            x[i] -= a * first[i] + b * second[i];
+    }
+    if (j < n) x[j] /= factor[j * n + j];
+    for (j = n; j-- > 0;) {
+        const double *below = factor + j * n + j + 1;
+        x[j] = (x[j] - dot(below, x + j + 1, n - j - 1)) / factor[j * n + j];
+    }
+}
+
 static void solve_gram(double *solution, const least_squares *self, const double *matrix,
                        const double *right, size_t num_rows) {
     int n = (int)self->num_columns;
@@ -98,9 +120,7 @@ static void solve_gram(double *solution, const least_squares *self, const double
                 1);
     for (int j = 0; j < n; j++)
         solution[j] *= self->scale[j];
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n, self->gram, n, solution,
-                1);
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, self->gram, n, solution, 1);
+    solve_factor(solution, self->gram, self->num_columns);
 }
 
 /* Removes the zero columns from the scaled matrix; returns the number of the others. */
@@ -169,15 +189,11 @@ ehd_status least_squares_again(double *solution, const least_squares *self, cons
 
 void least_squares_dual(double *dual, least_squares *self, const double *functional) {
     const bool all = self->factor_size == self->num_columns;
-    const int size = (int)self->factor_size;
     size_t count = 0;
 
     for (size_t j = 0; j < self->num_columns; j++)
         if (self->scale[j] > 0 || all) self->right[count++] = functional[j] * self->scale[j];
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, size, self->factor, size,
-                self->right, 1);
-    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, size, self->factor, size,
-                self->right, 1);
+    solve_factor(self->right, self->factor, self->factor_size);
     count = 0;
     for (size_t j = 0; j < self->num_columns; j++)
         dual[j] = self->scale[j] > 0 || all ? self->right[count++] * self->scale[j] : 0;

@@ -244,6 +244,14 @@ static double film_in_band(const void *context, size_t node) {
     return banded ? film_at(context, node) : NAN;
 }
 
+/* The minimum between the nodes around one of the band; at its first nodes, where neighbours are
+ * missing in it, the node's. */
+static double film_around_band(const void *context, size_t node) {
+    const film_of_state *self = context;
+
+    return minimum_around(&self->nodes->model->grid, node, film_in_band, self);
+}
+
 /* Film around a needed node of a line, where none beside it is lower: the minimum of the parabola
  * through the three. */
 static double film_around(const node_state *self, size_t q) {
@@ -288,69 +296,86 @@ static size_t lowest_before_band(const node_state *self) {
     return best;
 }
 
+enum { MINIMUM_REACH = 2 }; // of minimum_around, nodes
+
 bool nodes_have_dip(const node_state *self) {
     const exit_band *band = &self->model->band;
-    const size_t reach = 2; // of minimum_around
     const double *film = self->now.film;
 
     if (lowest_before_band(self) == 0) return false;
     for (size_t q = 1; q + 1 < self->model->rows.num_needed; q++) {
-        if (self->model->rows.needed_node[q] >= band->lines[0].begin + reach) return false;
+        if (self->model->rows.needed_node[q] >= band->lines[0].begin + MINIMUM_REACH) return false;
         if (film[q - 1] > film[q] && film[q + 1] >= film[q]) return true;
     }
     return false;
 }
 
+/* Whether a needed node with pressure before the band is as low as those beside it. */
+static bool is_dip(const node_state *self, size_t q) {
+    const double *film = self->now.film;
+
+    return q > 0 && self->pressurised[q] && film[q] <= film[q - 1] && film[q] <= film[q + 1];
+}
+
 /* Smallest film of the needed nodes with pressure, and its node, since in time a minimum also
  * passes through the front of the contact. With the accurate rows that of a line is taken between
- * them before the band. */
+ * them, in each dip before the band, as in the full model. */
 static double smallest_needed(size_t *node, const node_state *self, film_function *film,
                               const void *context) {
     const row_set *rows = &self->model->rows;
-    const size_t best = lowest_before_band(self);
-    size_t lowest = rows->num_needed, beside;
+    const size_t best = lowest_before_band(self), end = self->model->band.lines[0].begin;
+    size_t lowest = rows->num_needed, beside = 0;
 
     for (size_t q = 0; q < rows->num_needed; q++)
         if (self->pressurised[q] &&
             (lowest == rows->num_needed || self->now.film[q] < self->now.film[lowest]))
             lowest = q;
     if (lowest == rows->num_needed) return INFINITY;
-    const double smallest = self->now.film[lowest];
+    double smallest = self->now.film[lowest];
     *node = rows->needed_node[lowest];
-    if (best == 0) return smallest;
-    if (!film) return fmin(smallest, film_around(self, best));
-    const double dip = film_between(&beside, self, best, film, context);
-    if (dip < smallest) *node = beside;
-    return fmin(smallest, dip);
+    for (size_t q = 1; q + 1 < rows->num_needed && best > 0; q++) {
+        if (rows->needed_node[q] >= end + (film ? MINIMUM_REACH : 0)) break;
+        if (q != best && !is_dip(self, q)) continue;
+        beside = rows->needed_node[q];
+        const double dip =
+            film ? film_between(&beside, self, q, film, context) : film_around(self, q);
+        if (!(dip < smallest)) continue;
+        smallest = dip;
+        *node = beside;
+    }
+    return smallest;
 }
 
-double nodes_minimum_film(size_t *node_of_smallest, node_state *self, const double *z,
-                          film_function *film_anywhere, const void *context) {
+double nodes_minimum_film(size_t *node, node_state *self, const double *z) {
     const film_of_state film = {self, z};
+    const bool line = self->model->band.num_lines == 1;
+    const band_values in_band = {film_at, line ? film_around_band : NULL, &film};
     const exit_band *band = &self->model->band;
-    double smallest = INFINITY;
-    size_t needed = 0;
 
-    *node_of_smallest = 0;
+    self->lowest_in_band = 0;
+    self->least_in_band = INFINITY;
     nodes_expand_runs(self, z);
     for (size_t l = band->first_minimum; l <= band->last_minimum; l++) {
-        size_t first = l * grid_width(&self->model->grid);
-        size_t node =
-            band_minimum(film_at, &film, first + band->lines[l].begin, first + self->exit[l] + 1);
-        double here = film_at(&film, node);
-        if (!(here < smallest)) continue;
-        smallest = here;
-        *node_of_smallest = node;
+        const size_t first = l * grid_width(&self->model->grid);
+        size_t lowest;
+        const double here = band_minimum(&lowest, &in_band, first + band->lines[l].begin,
+                                         first + self->exit[l] + 1);
+        if (!(here < self->least_in_band)) continue;
+        self->least_in_band = here;
+        self->lowest_in_band = lowest;
     }
-    // at the band's first nodes neighbours are missing in it
-    if (isfinite(smallest))
-        smallest =
-            film_anywhere
-                ? minimum_around(&self->model->grid, *node_of_smallest, film_anywhere, context)
-                : minimum_around(&self->model->grid, *node_of_smallest, film_in_band, &film);
-    const double beside = smallest_needed(&needed, self, film_anywhere, context);
-    if (beside < smallest) *node_of_smallest = needed;
-    return fmin(smallest, beside);
+    if (isfinite(self->least_in_band) && !line)
+        self->least_in_band = film_around_band(&film, self->lowest_in_band);
+    return nodes_minimum_between(node, self, NULL, NULL);
+}
+
+double nodes_minimum_between(size_t *node, const node_state *self, film_function *film,
+                             const void *context) {
+    const double beside = smallest_needed(node, self, film, context);
+
+    if (beside < self->least_in_band) return beside;
+    *node = self->lowest_in_band;
+    return self->least_in_band;
 }
 
 // ---- derivatives of the film

@@ -23,6 +23,8 @@ typedef struct node_state {
     size_t num_runs;
     node_fields now, step; // of the present state, of a Newton step
     double *band_pressure; // [nodes of the band] P, filled on demand
+    double least_in_band;  // H, of nodes_minimum_film
+    size_t lowest_in_band; // its node
 } node_state;
 
 /* Memory from an arena; the model must outlive it. */
@@ -69,11 +71,14 @@ double nodes_band_film(const node_state *self, const double *z, size_t node);
 void nodes_add_band_films(double *target, const double *factors, const node_state *self,
                           size_t node, size_t count);
 
-/* Smallest H of the present state at nodes of the band and at needed nodes, and its node. Where
- * `film` is not NULL, a dip of a line before the band is looked for at the nodes between those
- * needed too. */
-double nodes_minimum_film(size_t *node, node_state *self, const double *z, film_function *film,
-                          const void *context);
+/* Smallest H of the present state in the band and at needed nodes, and its node: of a line between the
+ * nodes, in all its dips. */
+double nodes_minimum_film(size_t *node, node_state *self, const double *z);
+
+/* The same after nodes_minimum_film, with dips before the band, and at its first nodes, looked for at
+ * the nodes between those needed too, whose films `film` tells. */
+double nodes_minimum_between(size_t *node, const node_state *self, film_function *film,
+                             const void *context);
 
 /* Whether the film of a line has a dip at its needed nodes before the band or at its first nodes.
  * */

@@ -92,7 +92,6 @@ reduced_march *reduced_march_free(reduced_march *self) {
         previous_film_free(&self->states[i]);
     previous_film_free(&self->base);
     path_films_free(&self->path);
-    film_errors_free(&self->taken_up);
     time_indicator_free(&self->indicator);
     reduced_state_free(&self->factors.state);
     arena_free(&self->memory);
@@ -188,7 +187,6 @@ static ehd_status prepare_path(reduced_march *self, ehd_error *error) {
                         reference->lubricant.density != NULL, error);
 
     if (!status) status = previous_film_init(&self->base, self->model, self->splines, error);
-    if (!status) status = film_errors_init(&self->taken_up, error);
     return status || find_way(self) ? status
                                     : ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
 }
@@ -427,12 +425,12 @@ static void set_indicated(march_step *outcome, reduced_march *self, const ehd_co
     const double density =
         lubricant_density(&contact->lubricant, scalars->central_pressure * contact->hertz_pressure);
 
-    self->bounds =
-        (film_bounds){.central = (time_indicator_central(indicator) / density +
-                                  indicator->local[REDUCED_CENTRAL_FILM]) /
-                                 central,
-                      .arriving = time_indicator_arriving(indicator, at) / density / minimum,
-                      .arising = indicator->local[REDUCED_MINIMUM_FILM] / minimum};
+    self->bounds = (film_bounds){
+        .central = (time_indicator_central(indicator) / density +
+                    time_indicator_local(indicator, REDUCED_CENTRAL_FILM, central)) /
+                   central,
+        .arriving = time_indicator_arriving(indicator, at) / density / minimum,
+        .arising = time_indicator_local(indicator, REDUCED_MINIMUM_FILM, minimum) / minimum};
     outcome->indicated = factors->central * self->bounds.central;
     outcome->indicated_minimum = factors->central * self->bounds.arriving +
                                  factors->minimum * self->bounds.arising + factors->floor;
@@ -449,7 +447,7 @@ static void indicate_start(march_step *outcome, reduced_march *self, const ehd_c
     previous_film_prepare(first, self->model, self->splines, &self->reference);
     time_indicator_clear(&self->indicator);
     time_indicator_place(&self->indicator, NULL);
-    time_indicator_evaluate(&self->indicator, first, contact, 0, self->splines);
+    time_indicator_evaluate(&self->indicator, first, self->solver, contact, 0, self->splines);
     time_indicator_start(&self->indicator, contact->entrainment);
     if (contact->entrainment > 0) add_local(self, &outcome->scalars, NULL, &first->frame);
     set_indicated(outcome, self, contact);
@@ -773,10 +771,13 @@ static void indicate(march_step *outcome, reduced_march *self, const ehd_contact
     time_indicator_place(indicator, &next->state);
     for (size_t i = 0; i < indicator->num_nodes; i++)
         indicator->previous[i] =
-            sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
+            indicator->row[i] != NO_NODE
+                ? self->previous.sum[indicator->row[i]]
+                : sum_at(self, indicator->node[i]) + self->entrainment * indicator->entrained[i];
     for (size_t i = indicator->num_nodes; i < indicator->num_nodes + indicator->num_at_exit; i++)
         indicator->previous[i] = previous_at(self, indicator->node[i]);
-    time_indicator_evaluate(indicator, next, contact, self->formula.rate, self->splines);
+    time_indicator_evaluate(indicator, next, self->solver, contact, self->formula.rate,
+                            self->splines);
     time_indicator_carry(indicator, then, &next->frame, self->entrainment, step);
     add_local(self, &outcome->scalars, then, &next->frame);
     set_indicated(outcome, self, contact);
@@ -865,8 +866,7 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
             const bool indicates = !isnan(self->of_films.central);
             if (indicates || (is_along_path(self) && self->formula.error > 0)) {
                 previous_film_prepare(next, self->model, self->splines, &self->reference);
-                reduced_find_dip(&outcome->scalars, self->solver, &next->state, film_of_attempt,
-                                 self);
+                reduced_find_dip(&outcome->scalars, self->solver, film_of_attempt, self);
             }
             if (self->formula.error > 0)
                 outcome->local_error = local_error(self, info.scalars.central_film_thickness, step);
@@ -1151,7 +1151,7 @@ typedef struct saved_rest {
     double doubtful;
     double valid, rate;
     contact_frame frame;
-    double local[NUM_REDUCED_FILMS];
+    local_errors local;
 } saved_rest;
 
 enum { NUM_REST = sizeof(saved_rest) / sizeof(double) };
@@ -1190,7 +1190,7 @@ static void save(double *saved, const void *solver) {
         rest.frame = self->factors.frame;
         save_state(behind + NUM_REST, &self->factors.state, self->model);
     }
-    memcpy(rest.local, self->indicator.kept_local, sizeof rest.local);
+    rest.local = self->indicator.kept_local;
     memcpy(behind, &rest, sizeof rest);
     memcpy(behind + NUM_REST + saved_state_size(self->model), self->indicator.errors.kept,
            sizeof self->indicator.errors.kept);
@@ -1216,7 +1216,7 @@ static ehd_status restore(void *solver, const double *saved, ehd_error *error) {
     if (status) return status;
     memcpy(&rest, behind, sizeof rest);
     film_errors_set(&self->indicator.errors, behind + NUM_REST + saved_state_size(self->model));
-    memcpy(self->indicator.kept_local, rest.local, sizeof rest.local);
+    self->indicator.kept_local = rest.local;
     self->last_load_frame = rest.load_frame;
     self->last_doubtful = rest.doubtful;
     drop_factors(self);

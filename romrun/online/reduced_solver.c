@@ -81,6 +81,7 @@ struct reduced_solver {
     kept_factors kept;        // an earlier Jacobian, in time
     kept_factors near;        // one near the present solution
     const kept_factors *used; // by the last solution; NULL: its own Jacobian
+    size_t num_factors;       // of Jacobians that were factorised to be kept
     reduced_observer *observer;
     void *observer_context;
     double *observed; // [2, rows of the model]
@@ -416,6 +417,7 @@ static void make_factors(kept_factors *factors, reduced_solver *self,
     system_list_active(&self->system, &self->nodes, NO_NODE);
     system_fill_matrix(&self->system, &self->nodes, weight);
     kept_factors_set(factors, &self->system, &self->nodes, weight);
+    factors->number = ++self->num_factors;
 }
 
 void reduced_drop_factors(reduced_solver *self) {
@@ -565,6 +567,7 @@ static ehd_status solve(reduced_info *info, reduced_state *state, reduced_solver
                         ehd_error *error) {
     self->used = NULL;
     self->system.remaining = 0;
+    self->system.left_is_known = false;
     if (squeeze && self->kept.valid && !self->observer &&
         end_with_kept(info, state, self, contact, squeeze))
         return EHD_OK;
@@ -597,7 +600,7 @@ static contact_scalars scalars_of(reduced_solver *self, const reduced_state *sta
     const double approach = state->coordinates[model->num_unknowns - 1];
     node_state *nodes = &self->nodes;
     size_t lowest;
-    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates, NULL, NULL);
+    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates);
 
     return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
                              .central_pressure = nodes_at_centre(model, nodes->now.pressure),
@@ -631,13 +634,12 @@ ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solve
     return status;
 }
 
-void reduced_find_dip(contact_scalars *scalars, reduced_solver *self, const reduced_state *state,
-                      film_function *film, const void *context) {
+void reduced_find_dip(contact_scalars *scalars, const reduced_solver *self, film_function *film,
+                      const void *context) {
     size_t lowest;
 
     if (!nodes_have_dip(&self->nodes)) return;
-    scalars->minimum_film_thickness =
-        nodes_minimum_film(&lowest, &self->nodes, state->coordinates, film, context);
+    scalars->minimum_film_thickness = nodes_minimum_between(&lowest, &self->nodes, film, context);
     scalars->minimum_position = grid_x(&self->model->grid, lowest);
 }
 
@@ -682,34 +684,41 @@ static void add_central_film(double *gradient, const reduced_solver *self) {
             nodes_add_film_row(gradient, centre->weight[i], &self->nodes, centre->index[i]);
 }
 
-/* The lowest needed node with pressure, or NO_NODE. */
+static bool has_pressure(const reduced_solver *self) {
+    for (size_t q = 0; q < self->model->rows.num_needed; q++)
+        if (self->nodes.pressurised[q]) return true;
+    return false;
+}
+
+/* The lowest needed node with pressure. */
 static size_t lowest_node(const reduced_solver *self) {
     const node_state *nodes = &self->nodes;
-    size_t lowest = NO_NODE;
+    size_t lowest = 0;
+    double least = INFINITY;
 
     for (size_t q = 0; q < self->model->rows.num_needed; q++)
-        if (nodes->pressurised[q] &&
-            (lowest == NO_NODE || nodes->now.film[q] < nodes->now.film[lowest]))
-            lowest = q;
+        if (nodes->pressurised[q] && nodes->now.film[q] < least)
+            least = nodes->now.film[lowest = q];
     return lowest;
 }
 
 double reduced_film_error(double *influence, reduced_solver *self, reduced_film film) {
-    const size_t lowest = lowest_node(self);
     double *gradient = self->system.gradient;
 
-    if (lowest == NO_NODE) return NAN;
+    if (!has_pressure(self)) return NAN;
     memset(gradient, 0, self->model->num_unknowns * sizeof(double));
     gradient[self->model->num_unknowns - 1] = 1;
     if (film == REDUCED_CENTRAL_FILM)
         add_central_film(gradient, self);
     else
-        nodes_add_film_row(gradient, 1, &self->nodes, lowest);
+        nodes_add_film_row(gradient, 1, &self->nodes, lowest_node(self));
     row_system *system = &self->system;
     const kept_factors *used = self->used;
-    step_problem problem = {system->matrix, system->factors, system->active, system->num_active};
-    if (used) problem = (step_problem){used->matrix, used->factors, used->row, used->num_rows};
-    return system_film_error(influence, system, &problem);
+    step_problem problem = {system->matrix, system->factors, system->active, system->num_active, 0};
+    if (used)
+        problem =
+            (step_problem){used->matrix, used->factors, used->row, used->num_rows, used->number};
+    return system_film_error(influence, system, &problem, film);
 }
 
 /* dP/dz at X = 0. */
@@ -803,6 +812,10 @@ void reduced_last_values(reduced_values *values, const reduced_solver *self) {
     values->checkpoint = last->checkpoint;
     memcpy(values->pressure, last->pressure, model->rows.num_needed * sizeof(double));
     memcpy(values->cut, last->cut, model->cut.num_rows * sizeof(double));
+}
+
+reduced_needed reduced_needed_fields(const reduced_solver *self) {
+    return (reduced_needed){self->nodes.now.pressure, self->nodes.now.film};
 }
 
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *self,

@@ -139,9 +139,9 @@ typedef double film_function(const void *context, size_t node);
  * with the films of the nodes between those needed, which `film` tells. */
 void reduced_find_dip(
     // in and out:
-    contact_scalars *scalars, reduced_solver *solver,
+    contact_scalars *scalars,
     // input:
-    const reduced_state *state, film_function *film, const void *context);
+    const reduced_solver *solver, film_function *film, const void *context);
 
 /* Least and largest P of the last solution before its exit, at the needed nodes and in the band.
  * */
@@ -186,6 +186,12 @@ reduced_errors reduced_other_errors(
 void reduced_values_of(reduced_values *values, const reduced_model *model,
                        const double *coordinates, const size_t *exit);
 void reduced_last_values(reduced_values *values, const reduced_solver *solver);
+
+/* P, zero behind the exit, and H of the last solution at the needed nodes, [num_needed]. */
+typedef struct reduced_needed {
+    const double *pressure, *film;
+} reduced_needed;
+reduced_needed reduced_needed_fields(const reduced_solver *solver);
 
 /* P and rho H of the last solution at the rows' nodes, [num_rows]; `mass` may be NULL. */
 void reduced_row_values(double *pressure, double *mass, const reduced_solver *solver,

@@ -46,7 +46,10 @@ void system_init(row_system *self, const reduced_model *model, arena *memory) {
     self->gradient = arena_array(memory, model->num_unknowns, sizeof(double));
     self->dual = arena_array(memory, model->num_unknowns, sizeof(double));
     self->left = arena_array(memory, max_rows, sizeof(double));
-    self->moves = arena_array(memory, max_rows, sizeof(double));
+    for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
+        self->moves[q].gradient = arena_array(memory, model->num_unknowns, sizeof(double));
+        self->moves[q].moves = arena_array(memory, max_rows, sizeof(double));
+    }
     self->functionals = arena_array(memory, model->num_unknowns, ERROR_BLOCK * sizeof(double));
     self->all_moves = arena_array(memory, max_rows, ERROR_BLOCK * sizeof(double));
     self->block = arena_array(memory, coupled ? num_rows + 1 : num_cut + num_pressure,
@@ -457,24 +460,46 @@ static void times_matrix(double *product, const double *matrix, size_t num_rows,
                 1);
 }
 
-double system_film_error(double *influence, row_system *self, const step_problem *problem) {
-    const size_t n = self->model->num_unknowns;
+/* self->left of a problem with so many rows, once a solution. */
+static void find_left(row_system *self, const double *matrix, size_t num_rows) {
+    if (self->left_is_known) return;
+    memcpy(self->left, self->right, num_rows * sizeof *self->left);
+    times_matrix(self->left, matrix, num_rows, self->model->num_unknowns, self->step);
+    self->left_is_known = true;
+}
+
+/* Those of the film of self->gradient. */
+static const double *find_moves(row_system *self, const step_problem *problem, size_t num_rows,
+                                reduced_film film) {
+    const size_t n = self->model->num_unknowns, bytes = n * sizeof *self->gradient;
+    film_moves *of_film = &self->moves[film];
+
+    if (problem->number > 0 && problem->number == of_film->number &&
+        memcmp(self->gradient, of_film->gradient, bytes) == 0)
+        return of_film->moves;
+    of_film->number = problem->number;
+    memcpy(of_film->gradient, self->gradient, bytes);
+    least_squares_dual(self->dual, problem->factors, self->gradient);
+    memset(of_film->moves, 0, num_rows * sizeof *of_film->moves);
+    times_matrix(of_film->moves, problem->matrix, num_rows, n, self->dual);
+    return of_film->moves;
+}
+
+double system_film_error(double *influence, row_system *self, const step_problem *problem,
+                         reduced_film film) {
     const size_t num_rows = problem->num_rows + self->model->num_deformation + 1 + self->num_cells;
+    const double *moves = find_moves(self, problem, num_rows, film);
     double sum = 0;
 
-    least_squares_dual(self->dual, problem->factors, self->gradient);
-    memcpy(self->left, self->right, num_rows * sizeof *self->left);
-    times_matrix(self->left, problem->matrix, num_rows, n, self->step);
-    memset(self->moves, 0, num_rows * sizeof *self->moves);
-    times_matrix(self->moves, problem->matrix, num_rows, n, self->dual);
+    find_left(self, problem->matrix, num_rows);
     for (size_t i = 0; i < num_rows; i++) {
         const double unsolved = self->remaining * (self->left[i] - self->right[i]);
-        sum += (pow(self->left[i], 2) + pow(unsolved, 2)) * pow(self->moves[i], 2);
+        sum += (pow(self->left[i], 2) + pow(unsolved, 2)) * pow(moves[i], 2);
     }
     if (!influence) return sqrt(sum);
     memset(influence, 0, self->model->rows.num_rows * sizeof *influence);
     for (size_t i = 0; i < problem->num_rows; i++)
-        influence[problem->row[i]] = self->moves[i];
+        influence[problem->row[i]] = moves[i];
     return sqrt(sum);
 }
 
@@ -482,8 +507,7 @@ void system_errors(double *errors, row_system *self, size_t num, const double *a
     const size_t num_rows = self->num_active + self->model->num_deformation + 1 + self->num_cells;
     const int n = (int)self->model->num_unknowns;
 
-    memcpy(self->left, self->right, num_rows * sizeof *self->left);
-    times_matrix(self->left, self->matrix, num_rows, self->model->num_unknowns, self->step);
+    find_left(self, self->matrix, num_rows);
     least_squares_duals(self->functionals, self->factors, num);
     cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasTrans, (int)num, (int)num_rows, n, 1,
                 self->functionals, n, self->matrix, n, 0, self->all_moves, (int)num_rows);

@@ -11,6 +11,14 @@
 
 enum { ERROR_BLOCK = 32 }; // functionals of system_errors at a time
 
+/* J (J^T J)^-1 g for the gradient g of a film: what an error of 1 in each row does to it. As long as the
+ * gradient and the least squares are the same, as over many steps with kept factors, so are these. */
+typedef struct film_moves {
+    size_t number;    // of the least squares (step_problem); 0: of others
+    double *gradient; // [num_unknowns]
+    double *moves;    // [system_max_rows]
+} film_moves;
+
 typedef struct row_system {
     const reduced_model *model;
     reynolds_row *rows;      // [rows of the model] at the state
@@ -27,9 +35,10 @@ typedef struct row_system {
     double *step;            // [num_unknowns]
     double *gradient;        // [num_unknowns] of a film
     double *dual;            // [num_unknowns] (J^T J)^-1 gradient
-    double remaining;  // what another step would change, over what the last one did, estimated
-    double *left;      // [system_max_rows] what the step leaves
-    double *moves;     // [system_max_rows] J dual: change of the film by an error of 1 in a row
+    double remaining;   // what another step would change, over what the last one did, estimated
+    double *left;       // [system_max_rows] what the step leaves
+    bool left_is_known; // of the last solution
+    film_moves moves[NUM_REDUCED_FILMS];
     double *offset;    // [num_unknowns] by which a step moves the exit within its node
     double *flux_step; // [num_unknowns] by which it changes the flux
     reynolds_row flux; // of system_flux
@@ -93,6 +102,7 @@ typedef struct step_problem {
     least_squares *factors;
     const size_t *row; // [num_rows] of the model
     size_t num_rows;   // Reynolds rows
+    size_t number;     // of the matrix: another one for each; 0: none
 } step_problem;
 
 /* How far what the last step leaves in the rows, D f + D J step and as much of D J step as it was
@@ -105,7 +115,7 @@ double system_film_error(
     // in and out:
     row_system *self,
     // input:
-    const step_problem *problem);
+    const step_problem *problem, reduced_film film);
 
 /* The same of the first `num` of self->functionals, with the residuals of other rows. */
 void system_errors(

@@ -4,7 +4,6 @@
 #include "romrun/model/reduced_cut.h"
 #include "romrun/online/kept_factors.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -20,7 +19,6 @@ static const double FAR_INLET = -2.6, ENTRY = -0.85, CONSTRICTION = 0.6, DENSER 
 static const double CENTRE = 0.1, BEHIND_CENTRE = 0.4, ARRIVING = 0.3;
 
 void time_indicator_free(time_indicator *self) {
-    film_errors_free(&self->errors);
     arena_free(&self->memory);
 }
 
@@ -47,10 +45,33 @@ static void choose_nodes(time_indicator *self) {
         add_node(self, ENTRY + (CONSTRICTION - ENTRY) * (double)i / NUM_INSIDE);
 }
 
+/* The model's row at a control node, or NO_NODE. */
+static size_t find_row(const time_indicator *self, size_t i) {
+    const row_set *rows = &self->model->rows;
+
+    for (size_t r = 0; r < rows->num_rows; r++)
+        if (rows->node[r] == self->node[i]) return r;
+    return NO_NODE;
+}
+
 static int compare_indices(const void *a, const void *b) {
     const size_t p = *(const size_t *)a, q = *(const size_t *)b;
 
     return p < q ? -1 : p > q;
+}
+
+/* Index of a node in an ascending list, or NO_NODE. */
+static size_t index_of(size_t node, const size_t *nodes, size_t num) {
+    const size_t *found = bsearch(&node, nodes, num, sizeof *nodes, compare_indices);
+
+    return found ? (size_t)(found - nodes) : NO_NODE;
+}
+
+/* That of a needed node among the model's. */
+static size_t find_among(const time_indicator *self, size_t q) {
+    const row_set *rows = &self->model->rows;
+
+    return index_of(self->needed_node[q], rows->needed_node, rows->num_needed);
 }
 
 /* Stencils of indices in needed_node, which are these of all stencils. */
@@ -70,11 +91,10 @@ static void list_needed(time_indicator *self) {
     for (size_t i = 0; i < self->num_nodes; i++)
         for (size_t a = 0; a < NUM_STENCIL; a++) {
             size_t *node = &self->stencils[i].node[a];
-            if (*node == NO_NODE) continue;
-            const size_t *found =
-                bsearch(node, needed, self->num_needed, sizeof *needed, compare_indices);
-            *node = (size_t)(found - needed);
+            if (*node != NO_NODE) *node = index_of(*node, needed, self->num_needed);
         }
+    for (size_t q = 0; q < self->num_needed; q++)
+        self->among[q] = find_among(self, q);
 }
 
 // ---- around the exit
@@ -89,6 +109,7 @@ static size_t need(time_indicator *self, size_t node) {
     for (size_t q = self->num_fixed; q < self->num_needed; q++)
         if (self->needed_node[q] == node) return q;
     self->needed_node[self->num_needed] = node;
+    self->among[self->num_needed] = find_among(self, self->num_needed);
     return self->num_needed++;
 }
 
@@ -97,16 +118,21 @@ void time_indicator_place(time_indicator *self, const reduced_state *state) {
     const size_t first = grid_central_line(&model->grid), l = reduced_model_line(model, first);
     const band_line *line = &model->band.lines[l];
 
+    const bool none = !state || !reduced_model_has_band(model, l);
+    const size_t exit = none ? 0 : reduced_state_exits(state)[l], reach = reach_at_exit(model);
+
+    if (exit == self->placed) return;
+    self->placed = exit;
     self->num_at_exit = 0;
     self->num_needed = self->num_fixed;
-    if (!state || !reduced_model_has_band(model, l)) return;
-    const size_t exit = reduced_state_exits(state)[l], reach = reach_at_exit(model);
+    if (none) return;
     const size_t begin = exit > line->begin + reach ? exit - reach : line->begin;
     const size_t inner = grid_width(&model->grid) - 1, end = line->end < inner ? line->end : inner;
     for (size_t c = begin; c < exit + reach && c < end; c++) {
         const size_t i = self->num_nodes + self->num_at_exit;
         self->num_at_exit++;
         self->node[i] = first + c;
+        self->row[i] = find_row(self, i);
         self->stencils[i] = reynolds_stencil_at(&model->grid, first + c);
         for (size_t a = 0; a < NUM_STENCIL; a++) {
             size_t *node = &self->stencils[i].node[a];
@@ -123,9 +149,11 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
 
     *self = (time_indicator){.model = model, .entry = ENTRY};
     self->node = arena_array(memory, most, sizeof *self->node);
+    self->row = arena_array(memory, most, sizeof *self->row);
     self->x = arena_array(memory, most, sizeof(double));
     self->stencils = arena_array(memory, most, sizeof *self->stencils);
     self->needed_node = arena_array(memory, most_needed, sizeof *self->needed_node);
+    self->among = arena_array(memory, most_needed, sizeof *self->among);
     self->pressure = arena_array(memory, most_needed, sizeof(double));
     self->film = arena_array(memory, most_needed, sizeof(double));
     self->fluid_memory = arena_array(memory, NUM_FLUID_ARRAYS * most_needed, sizeof(double));
@@ -134,31 +162,36 @@ ehd_status time_indicator_init(time_indicator *self, const reduced_model *model,
     self->share = arena_array(memory, most, sizeof(double));
     self->rows = arena_array(memory, most, sizeof *self->rows);
     self->residual = arena_array(memory, most, sizeof(double));
-    ehd_status status = film_errors_init(&self->errors, error);
-    if (!status && memory->failed)
-        status = ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
-    if (status) {
+    if (memory->failed) {
         time_indicator_free(self);
-        return status;
+        return ehd_fail(error, EHD_MEMORY, "online solver: found no memory");
     }
     choose_nodes(self);
+    for (size_t i = 0; i < self->num_nodes; i++)
+        self->row[i] = find_row(self, i);
     list_needed(self);
     return EHD_OK;
 }
 
 // ---- residuals
 
-static void expand(time_indicator *self, const previous_film *state, const film_splines *splines) {
+/* P and H at the needed nodes: the solver has them at those of its rows. */
+static void expand(time_indicator *self, const previous_film *state, const reduced_solver *solver,
+                   const film_splines *splines) {
     const reduced_model *model = self->model;
-    const size_t *exit = reduced_state_exits(&state->state), num = model->num_pressure;
+    const size_t *exit = reduced_state_exits(&state->state);
+    const reduced_needed known = reduced_needed_fields(solver);
 
     for (size_t q = 0; q < self->num_needed; q++) {
-        const size_t node = self->needed_node[q];
+        const size_t node = self->needed_node[q], among = self->among[q];
+        if (among != NO_NODE) {
+            self->pressure[q] = known.pressure[among];
+            self->film[q] = known.film[among];
+            continue;
+        }
         const bool before =
             reduced_model_column(model, node) < exit[reduced_model_line(model, node)];
-        self->pressure[q] = before ? cblas_ddot((int)num, splines->fields.pressure + node * num, 1,
-                                                state->state.coordinates, 1)
-                                   : 0;
+        self->pressure[q] = before ? previous_film_pressure(state, node, model, splines) : 0;
         self->film[q] = previous_film_thickness(state, node, model, splines);
     }
 }
@@ -183,14 +216,15 @@ static void find_shares(time_indicator *self) {
 }
 
 void time_indicator_evaluate(time_indicator *self, const previous_film *state,
-                             const ehd_contact *contact, double rate, const film_splines *splines) {
+                             const reduced_solver *solver, const ehd_contact *contact, double rate,
+                             const film_splines *splines) {
     const reduced_model *model = self->model;
     const size_t *exit = reduced_state_exits(&state->state);
     const size_t num_nodes = self->num_nodes + self->num_at_exit;
     const reynolds_squeeze squeeze = {rate, self->previous};
     reynolds_fluid fluid = reynolds_fluid_in(self->fluid_memory, self->num_needed, contact);
 
-    expand(self, state, splines);
+    expand(self, state, solver, splines);
     reynolds_fluid_evaluate(&fluid, contact, self->pressure, self->num_needed);
     reynolds_rows(self->rows, &model->grid, contact->entrainment, rate > 0 ? &squeeze : NULL,
                   self->stencils, num_nodes, &fluid, self->pressure, self->film);
@@ -256,11 +290,9 @@ void time_indicator_start(time_indicator *self, double entrainment) {
 
 // ---- what rows leave
 
-/* Whether the row of a node was part of the least squares. */
-static bool is_solved(const row_set *rows, const double *influence, size_t node) {
-    for (size_t r = 0; r < rows->num_rows; r++)
-        if (rows->node[r] == node) return influence[r] != 0;
-    return false;
+/* Whether the row of a control node was part of the least squares. */
+static bool is_solved(const time_indicator *self, const double *influence, size_t i) {
+    return self->row[i] != NO_NODE && influence[self->row[i]] != 0;
 }
 
 double time_indicator_at_exit(const time_indicator *self, const double *influence) {
@@ -268,11 +300,20 @@ double time_indicator_at_exit(const time_indicator *self, const double *influenc
     double sum = 0;
 
     for (size_t i = self->num_nodes; i < self->num_nodes + self->num_at_exit; i++) {
-        if (self->residual[i] == 0 || is_solved(rows, influence, self->node[i])) continue;
+        if (self->residual[i] == 0 || is_solved(self, influence, i)) continue;
         const size_t row = reduced_model_nearest_row(self->model, self->node[i], influence);
         sum += pow(self->residual[i] * rows->weight[row] * influence[row], 2);
     }
     return sqrt(sum);
+}
+
+/* The octave of a distance: the last ends at two half widths. */
+static size_t octave(double length) {
+    int exponent;
+
+    frexp(length, &exponent); // length < 2^exponent
+    const int index = exponent + NUM_LENGTHS - 2;
+    return index < 0 ? 0 : index < NUM_LENGTHS ? (size_t)index : NUM_LENGTHS - 1;
 }
 
 void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDUCED_FILMS],
@@ -283,28 +324,41 @@ void time_indicator_add_local(time_indicator *self, const double errors[NUM_REDU
         [REDUCED_MINIMUM_FILM] = scalars->minimum_film_thickness};
     const double length = fmax(scalars->exit_position - scalars->minimum_position,
                                self->model->grid.step); // half widths
-    double left = 0;
+    const double path = then ? (now->path - then->path) / now->half_width : 0;
+    const size_t here = octave(length);
+    local_errors *local = &self->local;
 
-    if (then)
-        left = frame_film_ratio(now, then) *
-               exp(-(now->path - then->path) / (now->half_width * length));
+    *local = then ? self->kept_local : (local_errors){0};
+    local->length[here] = length;
+    for (size_t l = 0; l < NUM_LENGTHS; l++) {
+        if (!(local->length[l] > 0)) continue; // none yet
+        const double left = then ? frame_film_ratio(now, then) * exp(-path / local->length[l]) : 0;
+        for (int q = 0; q < NUM_REDUCED_FILMS; q++)
+            local->of_film[q][l] *= left;
+    }
     for (int q = 0; q < NUM_REDUCED_FILMS; q++) {
-        const double error = left * self->kept_local[q] + errors[q];
-        self->local[q] =
+        const double error = local->of_film[q][here] + errors[q];
+        local->of_film[q][here] =
             error < films[q] ? error : films[q]; // at most all, also where not a number
     }
 }
 
+double time_indicator_local(const time_indicator *self, reduced_film film, double thickness) {
+    double sum = 0;
+
+    for (size_t l = 0; l < NUM_LENGTHS; l++)
+        sum += self->local.of_film[film][l];
+    return fmin(sum, thickness);
+}
+
 void time_indicator_keep(time_indicator *self) {
     film_errors_keep(&self->errors);
-    for (int q = 0; q < NUM_REDUCED_FILMS; q++)
-        self->kept_local[q] = self->local[q];
+    self->kept_local = self->local;
 }
 
 void time_indicator_clear(time_indicator *self) {
     film_errors_set(&self->errors, NULL);
-    for (int q = 0; q < NUM_REDUCED_FILMS; q++)
-        self->local[q] = self->kept_local[q] = 0;
+    self->local = self->kept_local = (local_errors){0};
 }
 
 // ---- of the attempt

@@ -14,9 +14,18 @@ load sweeps
     sweep reduced write kill -n 5
 }
 
+# Only pages that were synced are on the disk for sure, of the others any earlier state.
+@test "a power cut loses nothing that was finished" {
+    sweep snapgen write power -e 25
+    sweep adaptive write power -e 97
+    sweep moving write power -e 53
+    sweep reduced sync power
+}
+
 @test "a disk that is full, or fails, is said in one line" {
     sweep fullrun write fail -e 9
     sweep snapgen write last -e 29
+    sweep adaptive write last -e 45 # without a word of HDF5
     sweep snapgen read fail -e 29
     sweep moving write short -e 97
     sweep deimselect read fail -e 29
@@ -47,13 +56,32 @@ load sweeps
     done
 }
 
+@test "under a limit of memory there are as many threads as have enough" {
+    snapgen -q -j1 fine.yml -o whole.h5
+    for megabytes in 300 400 600 1000; do
+        (ulimit -v $((1000 * megabytes)) && snapgen -q -j8 fine.yml -o x.h5 --force)
+        same_data whole.h5 x.h5
+    done
+}
+
 @test "a pipe in the place of a file is refused" {
     mkfifo pipe
     ln -s pipe link.h5
-    for command in "fullrun pipe" "romrun scene.yml --model link.h5" "podbuild link.h5 -o x.h5" \
+    ln pipe pipe.csv
+    sed 's/transient: .*/transient: {load: {law: table, file: pipe.csv, column: F}, end_time: 0.3}/' moving.yml >csv.yml
+    sed 's/pipe.csv/link.h5/' csv.yml >h5.yml
+    printf 'groups:\n  - {scene: base.yml, points: pipe.csv}\n' >points.yml
+    for command in "fullrun csv.yml" "fullrun h5.yml" "snapgen points.yml -o x.h5" "fullrun scene.yml --start link.h5" \
+        "fullrun scene.yml --grid-of link.h5" "romrun scene.yml --model m.h5 --against link.h5" \
+        "deimselect r.h5 --basis b.h5 --rows-from link.h5 -o x.h5" "fullrun pipe" "romrun scene.yml --model link.h5" "podbuild link.h5 -o x.h5" \
         "snapgen pipe -o x.h5" "deimselect link.h5 --basis b.h5 -o x.h5"; do
         run timeout -s KILL 20 $command
         [ "$status" = 66 ]
         [[ $output == *"found no regular file"* ]]
     done
+    # nor is one written
+    ln -f pipe x.h5.partial
+    run timeout -s KILL 20 fullrun scene.yml -o x.h5
+    [ "$status" = 73 ]
+    [[ $output == *"found no regular file"* ]]
 }

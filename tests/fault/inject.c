@@ -9,7 +9,9 @@
  *
  * FAULT_HOW says what happens at call number FAULT_AT: `fail` (ENOMEM, EIO, or ENOSPC of a write),
  * `last` (that and all later ones fail, as on a full disk), `short` (half of it is written), `kill`
- * (the process ends before the call), `tear` (it ends in a write, at the first end of a page).
+ * (the process ends before the call), `tear` (it ends in a write, at the first end of a page), `power`
+ * (it ends there, and of each page that was written since its file was last synced any earlier
+ * state may be what is on the disk; a file that has grown may be as short as it was).
  *
  * The monotonic clock goes on by a fifth of a second each time it is asked, so that what is done by
  * the clock, such as checkpoints, is done in short runs too, and is the same in each.
@@ -35,12 +37,12 @@
 #include <unistd.h>
 
 enum kind { MEMORY, OPEN, READ, WRITE, SYNC, CLOSE, RENAME, NUM_KINDS };
-enum how { FAIL, LAST, SHORT, KILL, TEAR, NUM_HOWS };
+enum how { FAIL, LAST, SHORT, KILL, TEAR, POWER, NUM_HOWS };
 enum { PAGE = 4096 };
 
 static const char *const kinds[NUM_KINDS] = {"memory", "open",  "read",  "write",
                                              "sync",   "close", "rename"};
-static const char *const hows[NUM_HOWS] = {"fail", "last", "short", "kill", "tear"};
+static const char *const hows[NUM_HOWS] = {"fail", "last", "short", "kill", "tear", "power"};
 
 static int wanted_kind = -1, wanted_how;
 static long wanted_call; // 0: none, only count
@@ -96,7 +98,118 @@ static _Noreturn void end(void) {
         pause();
 }
 
-/* True where this call is to fail, of which KILL does not return. */
+// what libc has for what stands in for malloc
+void *__libc_malloc(size_t size);
+void *__libc_calloc(size_t count, size_t size);
+void *__libc_realloc(void *memory, size_t size);
+void *__libc_memalign(size_t alignment, size_t size);
+void __libc_free(void *memory);
+
+// ---- what is not on the disk yet
+
+typedef struct written_file {
+    dev_t device;
+    ino_t inode;
+    int file;    // of its own
+    off_t size;  // when it was last synced
+    bool longer; // something behind that has reached the disk
+} written_file;
+
+/* A part of a page before it was written. */
+typedef struct change {
+    struct change *before;
+    written_file *of; // NULL: synced
+    off_t at;
+    size_t size;
+    bool kept; // it has reached the disk
+    unsigned char bytes[PAGE];
+} change;
+
+enum { MAX_FILES = 64 };
+static written_file written_files[MAX_FILES];
+static int num_written_files;
+static change *changes; // the latest first
+
+static written_file *find_written(int file) {
+    struct stat about;
+    char path[64];
+    written_file *found = written_files;
+
+    if (fstat(file, &about) != 0) return NULL;
+    while (found < written_files + num_written_files &&
+           (found->device != about.st_dev || found->inode != about.st_ino))
+        found++;
+    if (found < written_files + num_written_files) return found;
+    if (num_written_files == MAX_FILES) return NULL;
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    *found = (written_file){.device = about.st_dev,
+                            .inode = about.st_ino,
+                            .file = (int)syscall(SYS_openat, AT_FDCWD, path, O_RDWR),
+                            .size = about.st_size};
+    num_written_files++;
+    return found;
+}
+
+/* Remembers what a write will change. The writer is one thread. */
+static void remember(int file, off_t at, size_t size) {
+    written_file *of = wanted_how == POWER && wanted_call ? find_written(file) : NULL;
+
+    while (of && size > 0) {
+        const size_t to_page = PAGE - (size_t)at % PAGE, part = size < to_page ? size : to_page;
+        change *one = __libc_calloc(1, sizeof *one);
+        if (!one) return;
+        *one = (change){.before = changes, .of = of, .at = at, .size = part};
+        syscall(SYS_pread64, of->file, one->bytes, part, at);
+        changes = one;
+        at += (off_t)part;
+        size -= part;
+    }
+}
+
+/* What was written to this file is on the disk now. */
+static void forget(int file) {
+    struct stat about;
+    written_file *of = wanted_how == POWER && wanted_call ? find_written(file) : NULL;
+
+    for (change **link = &changes; of && *link;) {
+        change *one = *link;
+        if (one->of != of) {
+            link = &one->before;
+            continue;
+        }
+        *link = one->before;
+        __libc_free(one);
+    }
+    if (of && fstat(file, &about) == 0) of->size = about.st_size;
+}
+
+/* The same in each run with the same call; of Knuth, The Art of Computer Programming 2, 3.3.4. */
+static bool toss(void) {
+    static uint64_t state;
+    if (!state) state = (uint64_t)wanted_call;
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    return state >> 63;
+}
+
+/* Whether a later write to the page has reached the disk, and this one with it. */
+static bool is_kept(const change *one) {
+    for (const change *later = changes; later != one; later = later->before)
+        if (later->kept && later->of == one->of && later->at / PAGE == one->at / PAGE) return true;
+    return toss();
+}
+
+static void lose_power(void) {
+    for (change *one = changes; one; one = one->before) {
+        one->kept = is_kept(one);
+        if (!one->kept) syscall(SYS_pwrite64, one->of->file, one->bytes, one->size, one->at);
+        if (one->kept && one->at + (off_t)one->size > one->of->size) one->of->longer = true;
+    }
+    for (int f = 0; f < num_written_files; f++)
+        if (!written_files[f].longer)
+            syscall(SYS_ftruncate, written_files[f].file, written_files[f].size);
+}
+
+/* True where this call is to fail, of which KILL and POWER do not return. */
 static bool is_hit(int kind) {
     if (kind != wanted_kind || !atomic_load(&counting)) return false;
     const long call = atomic_fetch_add(&num_calls, 1) + 1;
@@ -110,7 +223,8 @@ static bool is_hit(int kind) {
         atomic_store(&counting, true);
         errno = before;
     }
-    if (wanted_how == KILL) end();
+    if (wanted_how == POWER) lose_power();
+    if (wanted_how == KILL || wanted_how == POWER) end();
     return true;
 }
 
@@ -120,11 +234,6 @@ static bool is_regular(int file) {
 }
 
 // ---- memory
-
-void *__libc_malloc(size_t size);
-void *__libc_calloc(size_t count, size_t size);
-void *__libc_realloc(void *memory, size_t size);
-void *__libc_memalign(size_t alignment, size_t size);
 
 static void *refused(void) {
     errno = ENOMEM;
@@ -222,6 +331,7 @@ static ssize_t write_at(int file, const void *data, size_t size, off_t offset, b
             return fail_with(ENOSPC);
         }
     }
+    if (is_regular(file)) remember(file, positioned ? offset : lseek(file, 0, SEEK_CUR), size);
     const ssize_t written = positioned ? syscall(SYS_pwrite64, file, data, size, offset)
                                        : syscall(SYS_write, file, data, size);
     if (torn) end();
@@ -240,12 +350,25 @@ ssize_t pwrite64(int file, const void *data, size_t size, off_t offset) {
     return write_at(file, data, size, offset, true);
 }
 
+/* The disk of the tests need not be asked. */
 int fsync(int file) {
-    return is_hit(SYNC) ? fail_with(EIO) : (int)syscall(SYS_fsync, file);
+    if (is_hit(SYNC)) return fail_with(EIO);
+    forget(file);
+    return 0;
 }
 
 int fdatasync(int file) {
-    return is_hit(SYNC) ? fail_with(EIO) : (int)syscall(SYS_fdatasync, file);
+    return fsync(file);
+}
+
+ssize_t copy_file_range(int from, off64_t *from_place, int to, off64_t *to_place, size_t size,
+                        unsigned flags) {
+    struct stat about;
+    const off_t at = to_place ? *to_place : lseek(to, 0, SEEK_CUR);
+
+    if (fstat(from, &about) == 0 && size > (size_t)about.st_size) size = (size_t)about.st_size;
+    remember(to, at, size);
+    return syscall(SYS_copy_file_range, from, from_place, to, to_place, size, flags);
 }
 
 /* A close that fails has closed all the same. */

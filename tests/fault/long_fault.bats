@@ -21,22 +21,6 @@ load sweeps
     done
 }
 
-@test "a kill at every call, and a torn write" {
-    for name in snapgen fine moving reduced adaptive; do
-        for kind in open sync close rename; do
-            sweep $name $kind kill
-        done
-        sweep $name write kill -e 2
-        sweep $name write tear -e 2
-    done
-}
-
-@test "500 kills of each kind of long run, one after the other" {
-    for name in snapgen fine moving reduced adaptive; do
-        sweep $name write tear -n 500
-    done
-}
-
 @test "allocations fail" {
     for name in fullrun romrun podbuild deimselect residuals snapgen moving; do
         sweep $name memory fail -e "${EVERY:-41}"

@@ -33,7 +33,7 @@ enum { LIMIT = 60, MAX_ARGUMENTS = 64, TEXT = 4096 }; // s, for a machine that i
 static const char *kind, *how, *output, *inject;
 static char **command;
 static char *again[MAX_ARGUMENTS], resume_option[] = "--resume";
-static char reference[TEXT], partial[TEXT], finishing[TEXT];
+static char reference[TEXT], partial[TEXT], finishing[TEXT], saved[TEXT];
 
 static const struct {
     const char *kind;
@@ -225,7 +225,8 @@ static bool is_foreign(const char *library) {
 
 /* NULL where the end of the process is right. */
 static const char *fault_of_end(const outcome *found, const outcome *without) {
-    const bool deadly = strcmp(how, "kill") == 0 || strcmp(how, "tear") == 0;
+    const bool deadly =
+        strcmp(how, "kill") == 0 || strcmp(how, "tear") == 0 || strcmp(how, "power") == 0;
     const char *slash = strrchr(command[0], '/'), *name = slash ? slash + 1 : command[0];
 
     if (found->hung) return "it hangs";
@@ -254,7 +255,8 @@ static const char *fault_of_recovery(const outcome *without) {
             return "not to be continued";
         }
         wrong = difference();
-        if (!wrong && (exists(partial) || exists(finishing))) wrong = "left a partial file";
+        if (!wrong && (exists(partial) || exists(finishing) || exists(saved)))
+            wrong = "left a partial file";
     }
     return wrong;
 }
@@ -270,12 +272,20 @@ static void clean(void) {
     unlink(output);
     unlink(partial);
     unlink(finishing);
+    unlink(saved);
+}
+
+/* As what was written before the machine was started. */
+static void let_be_of_long_ago(const char *path) {
+    const struct timespec times[2] = {{.tv_sec = 0}, {.tv_sec = 0}};
+    utimensat(AT_FDCWD, path, times, 0);
 }
 
 static void name_files(void) {
     snprintf(reference, sizeof reference, "reference-%s", output);
     snprintf(partial, sizeof partial, "%s.partial", output);
     snprintf(finishing, sizeof finishing, "%s.finishing", output);
+    snprintf(saved, sizeof saved, "%s.saved", output);
 }
 
 /* Runs that are killed again and again until they are done. */
@@ -348,6 +358,7 @@ int main(int argc, char **argv) {
         clean();
         const outcome found = run(command, call);
         if (!found.hit) break; // fewer calls than without
+        if (strcmp(how, "power") == 0) let_be_of_long_ago(partial);
         const char *end = fault_of_end(&found, &without), *after = fault_of_recovery(&without);
         const bool foreign = strcmp(kind, "memory") == 0 && end && !after &&
                              is_foreign(found.library) && !found.hung &&

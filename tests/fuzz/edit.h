@@ -17,10 +17,13 @@
 #define FUZZ_EDIT_H
 
 #include "common/artefact/artefact.h"
+#include <stdbool.h>
 #include <stddef.h>
 
-/* `schema` says which dataset is along which axis; NULL: of no schema. */
-void edit_file(const char *path, const artefact_schema *schema, const char *text, size_t length);
+/* `schema` says which dataset is along which axis; NULL: of no schema. False when HDF5 itself crashed or hung in an
+ * edit, as 1.10.8 does where it takes attributes out of objects of its newer format (H5O_condense_header): edits are
+ * made in a process of their own, and the file is then any. */
+bool edit_file(const char *path, const artefact_schema *schema, const char *text, size_t length);
 
 /* The words that stand for an edit and for its kinds, NULL at the end, for what makes up edits. */
 extern const char *const edit_words[];

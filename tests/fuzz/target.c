@@ -351,15 +351,19 @@ int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length) {
     const size_t num_commands = count_of(target->commands, MAX_COMMANDS);
     char *text = strndup((const char *)bytes, length); // up to a zero byte, for edits
     int code = 0;
+    bool edited = true;
     if (!text) abort();
     if (num_bases > 0) {
         copy_base(target->bases[choice(text, "base", num_bases, 0)], target->file);
-        edit_file(target->file, target->schema, text, strlen(text));
+        edited = edit_file(target->file, target->schema, text, strlen(text));
     } else if (target->file) {
         write_bytes(target->file, bytes, length);
     }
-    if (target->read) code = run_reader(target, (const char *)bytes, length);
-    if (num_commands > 0)
+    if (!edited)
+        code = EHD_INTERNAL;
+    else if (target->read)
+        code = run_reader(target, (const char *)bytes, length);
+    else if (num_commands > 0)
         code = run_command(target->commands[choice(text, "run", num_commands, num_commands > 1)]);
     if (target->file) unlink(target->file);
     free(text);

@@ -30,7 +30,8 @@ const fuzz_target *fuzz_find(const char *name);
  * duplicate of it, and so do the sanitizers' reports. */
 void fuzz_start(int standard_error);
 
-/* Runs a target: the exit code of the command that "run N" names, or the status of its `read`. Ends the
+/* Runs a target: the exit code of the command that "run N" names, or the status of its `read`; EHD_INTERNAL
+ * where HDF5 could not make the edits (edit_file), which nothing is learned from. Ends the
  * process (abort) where a program ends with a code that no file must lead to, fails without a line that
  * says so or with anything else than such lines, or leaves an output all the same. */
 int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length);

@@ -108,6 +108,25 @@ print(len(h5py.File("r.h5")["state"]) == len(h5py.File("s.h5")["state"]))')" = T
     same_training s.h5 many.h5
 }
 
+@test "--resume looks at what each state holds" {
+    resume=(snapgen region.yml --adaptive --start 8 --jobs 1 --quiet -o x.h5 --resume)
+    # as it is before it is ended
+    local unended="f.attrs['complete'] = numpy.int64(0)
+    for name in [n for n in f if n.startswith('round')]: del f[name]"
+    for change in "f['moes_M'][-1] *= 1.2" "f['exit_node'][-1] = 10**6" "f['rigid_approach'][-1] = numpy.inf"; do
+        patch s.h5 "$unended
+    $change"
+        mv bad.h5 x.h5.partial
+        "${resume[@]}"
+        same_training s.h5 x.h5
+        rm x.h5
+    done
+    patch s.h5 "$unended
+    f['training_point'][1] = f['training_point'][0]"
+    mv bad.h5 x.h5.partial
+    refused 65 "training_point: found [0-9]+ as states 0 and 1, expected it once" "${resume[@]}"
+}
+
 @test "kill -9 and Ctrl-C lose no finished point, and --resume gives the bits of an uninterrupted run" {
     slow=(snapgen region.yml --adaptive --start 8 --batch 3 --accuracy 1e-6 --most 50
         --set grid.step=0.005 --quiet)

@@ -50,3 +50,9 @@ sources() {
         esac
     done
 }
+
+# A library with such functions ends in a thread-sanitizer build before main (CONTRIBUTING.md).
+@test "no function is chosen while the library is loaded" {
+    run grep -nE 'target_clones|\<ifunc\>' $(sources)
+    [ "$status" -eq 1 ]
+}

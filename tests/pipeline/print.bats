@@ -82,3 +82,95 @@ PYTHON
         exit !(d * d < 1e-24 && e * e < 1e-24) }' units.csv
     close_to "$(awk -F, 'NR == 2 { print $1 * $3 * 1e6 }' units.csv)" "$(sed -n 's/^central film thickness *[^ ]* *\([^ ]*\) µm/\1/p' answer.txt)" 1e-5
 }
+
+@test "--print --si: units behind the names, in time those of the frame" {
+    sed -i -e 's/^moes:.*/physical: {load: 200e3, radius: 0.01, speed: 2, modulus: 226e9, viscosity: 0.04}/' scene.yml
+    cat >>scene.yml <<'YAML'
+transient:
+  load: {law: ramp, from: 1, to: 1.5, duration: 0.1}
+  radius: {law: ramp, from: 1, to: 0.8, duration: 0.1}
+  speed: {law: ramp, from: 1, to: 2, duration: 0.1}
+  end_time: 0.1
+  fixed_step: 0.02
+YAML
+    fullrun scene.yml -o t.h5 --quiet --set regime=transient --set output.fields=true >/dev/null
+    fullrun --print t.h5 --si time load contact_half_width central_film_thickness central_pressure exit_position >times.csv
+    fullrun --print t.h5 --si pressure film_thickness >fields.csv
+    fullrun --print t.h5 --si hertz_pressure half_width film_unit time_unit line_load x_min contact moes_M >units.csv
+    fullrun --print t.h5 --si >names.csv
+    grep -q '^x,m,301,x,' names.csv && grep -q '^moes_M,1,,,' names.csv
+    /usr/bin/python3 - <<'PYTHON'
+import csv, math, numpy as np
+table = lambda name: list(csv.reader(line for line in open(name) if line.strip()))
+names, *rows = table("times.csv")
+assert names == ["time [s]", "load [N m-1]", "contact_half_width [m]", "central_film_thickness [m]", "central_pressure [Pa]", "exit_position [m]"]
+time, load, width, film, pressure, exit = np.array(rows, float).T
+fields, *lines = table("fields.csv")
+assert fields == ["time [s]", "x [m]", "pressure [Pa]", "film_thickness [m]"]
+lines = np.array(lines, float).reshape(len(time), 301, 4)
+a = math.sqrt(8 * 200e3 * 0.01 / (math.pi * 226e9))
+part = time / (0.1 * a / 2)
+assert part[0] == 0 and abs(part[-1] - 1) < 1e-12 and len(part) > 5
+assert np.allclose(load, 200e3 * (1 + 0.5 * part), rtol=1e-9)
+assert np.allclose(width, np.sqrt(8 * load * 0.01 * (1 - 0.2 * part) / (math.pi * 226e9)), rtol=1e-9)
+assert np.all(lines[:, :, 0] == time[:, None])
+assert np.allclose(lines[:, 200, 1], 0, atol=1e-18) and np.allclose(lines[:, 0, 1], -4 * width, rtol=1e-9)
+# a field at x = 0 is what is told of the centre, and carries the load
+assert np.allclose(lines[:, 200, 3], film, rtol=1e-9) and np.allclose(lines[:, 200, 2], pressure, rtol=1e-9)
+assert np.allclose(np.sum(lines[:, :, 2], axis=1) * 0.02 * width, load, rtol=1e-6)
+(names, values) = table("units.csv")
+assert names == ["hertz_pressure [Pa]", "half_width [m]", "film_unit [m]", "time_unit [s]", "line_load [N m-1]", "x_min [m]", "contact", "moes_M"]
+hertz, width, unit, second, load, least = map(float, values[:6])
+assert np.allclose([hertz, width, unit, second, load, least],
+                   [2 * 200e3 / (math.pi * a), a, a * a / 0.01, a / 2, 200e3, -4 * a], rtol=1e-9)
+PYTHON
+    refused 65 "t.h5: x: found a unit that varies with time" romrun --print t.h5 --si x
+    fullrun base.yml -o m.h5 --set moes.M=12 --set moes.L=8 --quiet >/dev/null
+    refused 65 "m.h5: found no attribute film_unit" fullrun --print m.h5 --si central_film_thickness
+    snapgen plan.yml -o s.h5 --quiet
+    refused 65 "s.h5: found ehdrom-snapshots, expected a kind of file that has SI units" fullrun --print s.h5 --si moes_M
+    refused 64 "--si: found without --print" fullrun scene.yml --si
+}
+
+@test "--print: every dataset, axis and attribute of every kind of file, to the last bit" {
+    small_model
+    printf 'moes.M,moes.L\n10,3\n12,5\n' >cases.csv
+    romrun base.yml --cases cases.csv --model c.h5 -o table.h5 --quiet >/dev/null
+    romrun scene.yml --model c.h5 -o red.h5 --set output.fields=true --quiet >/dev/null
+    for file in s b r c red table; do
+        romrun --print $file.h5 >"$file-names.csv"
+        # those along the same axes together
+        /usr/bin/python3 - "$file" >groups <<'PYTHON'
+import csv, sys
+groups = {}
+for row in csv.DictReader(open(sys.argv[1] + "-names.csv")): groups.setdefault(row["axes"], []).append(row["name"])
+for names in groups.values(): print(*names)
+PYTHON
+        mkdir "$file"
+        while read -ra names; do
+            romrun --print $file.h5 "${names[@]}" >"$file/${names[0]}.csv"
+        done <groups
+    done
+    /usr/bin/python3 - <<'PYTHON'
+import csv, glob, h5py, numpy as np
+csv.field_size_limit(1 << 30)
+for path in "s", "b", "r", "c", "red", "table":
+    printed = {}
+    for group in glob.glob(path + "/*.csv"):
+        header, *rows = (row for row in csv.reader(open(group, newline="")) if row)
+        for column, name in enumerate(header): printed.setdefault(name, [row[column] for row in rows])
+        assert len(set(header)) == len(header)
+    with h5py.File(path + ".h5") as file:
+        names = [row["name"] for row in csv.DictReader(open(path + "-names.csv"))]
+        assert set(names) == set(file) | set(file.attrs), set(names) ^ (set(file) | set(file.attrs))
+        for name in names:
+            if name in file.attrs:
+                found, value = printed[name][0], file.attrs[name]
+                assert found == value.decode() if isinstance(value, bytes) else float(found) == value, name
+            elif file[name].attrs.get("CLASS") != b"DIMENSION_SCALE":
+                found, value = np.array(printed[name], float), file[name][...].ravel()
+                assert found.shape == value.shape and np.array_equal(found, value, equal_nan=True), (path, name)
+            else:
+                assert sorted(set(map(float, printed[name]))) == list(map(float, file[name][...])), (path, name)
+PYTHON
+}

@@ -208,6 +208,32 @@ YAML
     same_data whole.h5 s.h5
 }
 
+# partial_of FILE PYTHON: s.h5.partial as a run leaves it that was killed when all of FILE was in it, but for what
+# the code does to it as `f`.
+partial_of() {
+    patch "$1" "f.attrs['complete'] = numpy.int64(0)
+    $2"
+    mv bad.h5 s.h5.partial
+}
+
+@test "--resume solves again what is not as it was solved, or cannot be" {
+    snapgen plan.yml -o whole.h5 --quiet
+    for change in "f['exit_node'][0] = 10**6" "f['moes_M'][1] = -3" "f['moes_M'][1] *= 1.5" \
+        "f['rigid_approach'][2] = numpy.inf" "f['film_thickness'][3, 7] = numpy.nan" "f['moes_L'][4] = -1" \
+        "f['hertz_pressure'][4] = numpy.nan" "f['status'][5] = -1; f['pressure'][5] = numpy.nan"; do
+        partial_of whole.h5 "$change"
+        run --separate-stderr snapgen plan.yml -o s.h5 --resume
+        [ "$status" -eq 0 ]
+        [[ $stderr == *"s.h5.partial: 5 of 6 points are done"* ]]
+        snapgen --check s.h5
+        same_data whole.h5 s.h5
+        rm s.h5
+    done
+    partial_of whole.h5 "pass"
+    run --separate-stderr snapgen plan.yml -o s.h5 --resume
+    [[ $stderr == *"s.h5.partial: 6 of 6 points are done"* ]]
+}
+
 @test "--resume refuses another plan, and starts anew where there is nothing" {
     slow_plan
     stop_when KILL 'states >= 1' s.h5 snapgen "${slow[@]}" -o s.h5

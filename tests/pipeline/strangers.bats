@@ -281,6 +281,11 @@ with h5py.File('bad.h5', 'r+') as f:
     romrun --check bad.h5
     romrun scene.yml --model bad.h5 --allow-untrusted -o y.h5
     [[ $(content y.h5 input_2_content) == *'"no digest"' ]]
+    # which is said without an output too, in one line
+    run --separate-stderr romrun scene.yml --model bad.h5 --allow-untrusted
+    [ "$(grep -c "^romrun: bad.h5: found no digest of its content" <<<"$stderr")" -eq 1 ]
+    run --separate-stderr romrun scene.yml --model m.h5 --allow-untrusted
+    [[ $stderr != *digest* ]]
     # the switch
     cp m.h5 bad.h5
     /usr/bin/python3 -c "

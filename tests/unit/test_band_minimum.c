@@ -41,7 +41,9 @@ static void check_least(const dips *self) {
     const double expected = least_of_all(self);
 
     num_calls = 0;
-    const size_t node = band_minimum(value_at, self, 100, self->most_node);
+    const band_values values = {value_at, NULL, self};
+    size_t node;
+    check_close(band_minimum(&node, &values, 100, self->most_node), expected, 0, 0);
     const size_t calls = num_calls;
     check_close(value_at(self, node), expected, 0, 0);
     num_calls = calls;
@@ -67,6 +69,23 @@ static void the_deeper_of_two_dips(void **state) {
         }
 }
 
+/* Of two dips, the first deepest at the nodes, the second between them. */
+static double value_between(const void *context, size_t node) {
+    return value_at(context, node) - (node > 200 ? 0.1 : 0);
+}
+
+static void the_smallest_node_need_not_be_in_the_deepest_dip(void **state) {
+    const dips two = {2, {{130, 0.55, 20}, {280, 0.5, 20}}, 310};
+    const band_values nodes = {value_at, NULL, &two}, values = {value_at, value_between, &two};
+    size_t node;
+    (void)state;
+
+    check_close(band_minimum(&node, &nodes, 100, 310), 0.45, 1e-9, 0);
+    assert_int_equal(node, 130);
+    check_close(band_minimum(&node, &values, 100, 310), 0.4, 1e-9, 0);
+    assert_int_equal(node, 280);
+}
+
 static void a_single_node_and_a_slope(void **state) {
     const dips single = {0, {{0, 0, 1}}, 100}, slope = {1, {{400, 0.5, 200}}, 311};
     (void)state;
@@ -79,6 +98,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_dip_anywhere),
         cmocka_unit_test(the_deeper_of_two_dips),
+        cmocka_unit_test(the_smallest_node_need_not_be_in_the_deepest_dip),
         cmocka_unit_test(a_single_node_and_a_slope),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

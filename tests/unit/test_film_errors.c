@@ -8,18 +8,6 @@
 static const double EDGE = -0.85, PATH = 0.05; // of a step
 
 static film_errors errors;
-static ehd_error error;
-
-static int set_up(void **state) {
-    (void)state;
-    return film_errors_init(&errors, &error);
-}
-
-static int tear_down(void **state) {
-    (void)state;
-    film_errors_free(&errors);
-    return 0;
-}
 
 static contact_frame frame_after(double path, double load) {
     static const contact_kind *const kind = &contact_line;
@@ -103,5 +91,5 @@ int main(void) {
         cmocka_unit_test(an_error_stays_where_the_frame_changes),
         cmocka_unit_test(the_largest_between_two_places),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -19,6 +19,9 @@ typedef struct notes {
     int inside;        // threads in `start` or `finish`
     int failing_point; // NONE
     bool failing_begin;
+    int max_begun;   // workers that memory is there for; 0: all
+    int num_refused; // solutions that are refused memory
+    bool repeatable;
     bool wrong_order;
     int sum[NUM_POINTS]; // point + sum of the parent
 } notes;
@@ -26,10 +29,12 @@ typedef struct notes {
 static ehd_status begin(void **worker, void *shared, ehd_error *error) {
     notes *self = shared;
     pthread_mutex_lock(&self->lock);
+    const bool fails =
+        self->failing_begin || (self->max_begun > 0 && self->begun >= self->max_begun);
     self->begun++;
     pthread_mutex_unlock(&self->lock);
     *worker = self;
-    return self->failing_begin ? ehd_fail(error, EHD_MEMORY, "begin failed") : EHD_OK;
+    return fails ? ehd_fail(error, EHD_MEMORY, "begin failed") : EHD_OK;
 }
 
 static void end(void *worker) {
@@ -52,6 +57,11 @@ static ehd_status solve(void *shared, void *worker, size_t point, size_t parent,
     notes *self = shared;
     (void)worker;
     usleep((unsigned)(point % 3) * 300);
+    pthread_mutex_lock(&self->lock);
+    const bool refused = self->num_refused > 0;
+    if (refused) self->num_refused--;
+    pthread_mutex_unlock(&self->lock);
+    if (refused) return ehd_fail(error, EHD_MEMORY, "point %zu found no memory", point);
     pthread_mutex_lock(&self->lock);
     self->solved[point]++;
     self->sum[point] = (int)point + (parent == NO_PARENT ? 0 : self->sum[parent]);
@@ -90,6 +100,7 @@ static ehd_status run(notes *self, size_t num_workers, const bool *done, ehd_err
                             .shared = self,
                             .begin = begin,
                             .end = end,
+                            .repeatable = self->repeatable,
                             .start = start,
                             .solve = solve,
                             .finish = finish};
@@ -193,6 +204,47 @@ static void test_a_worker_that_cannot_begin(void **state) {
     assert_string_equal(error.text, "begin failed");
 }
 
+static void check_all_solved_once(const notes *noted) {
+    for (size_t i = 0; i < NUM_POINTS; i++) {
+        assert_int_equal(noted->solved[i], 1);
+        assert_int_equal(noted->finished[i], 1);
+    }
+}
+
+/* With memory for some workers these do it all. */
+static void test_workers_without_memory_leave_the_work_to_others(void **state) {
+    (void)state;
+    for (int enough = 1; enough < 4; enough++) {
+        notes noted = new_notes();
+        noted.max_begun = enough;
+        assert_int_equal(run(&noted, 4, NULL, NULL), EHD_OK);
+        check_all_solved_once(&noted);
+    }
+    for (int refused = 1; refused < 4; refused++) {
+        notes noted = new_notes();
+        noted.num_refused = refused;
+        noted.repeatable = true;
+        assert_int_equal(run(&noted, 4, NULL, NULL), EHD_OK);
+        check_all_solved_once(&noted);
+    }
+}
+
+static void test_the_last_worker_says_that_there_is_no_memory(void **state) {
+    (void)state;
+    for (int num_workers = 1; num_workers < 4; num_workers++) {
+        notes noted = new_notes();
+        ehd_error error = {""};
+        noted.num_refused = num_workers;
+        noted.repeatable = true;
+        assert_int_equal(run(&noted, (size_t)num_workers, NULL, &error), EHD_MEMORY);
+        assert_non_null(strstr(error.text, "found no memory"));
+    }
+    // what cannot be repeated is not
+    notes noted = new_notes();
+    noted.num_refused = 1;
+    assert_int_equal(run(&noted, 4, NULL, NULL), EHD_MEMORY);
+}
+
 static void test_no_memory(void **state) {
     ehd_status status;
     (void)state;
@@ -213,6 +265,8 @@ int main(void) {
         cmocka_unit_test(test_done_points_are_left_alone),
         cmocka_unit_test(test_a_failure_stops_the_pool),
         cmocka_unit_test(test_a_worker_that_cannot_begin),
+        cmocka_unit_test(test_workers_without_memory_leave_the_work_to_others),
+        cmocka_unit_test(test_the_last_worker_says_that_there_is_no_memory),
         cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

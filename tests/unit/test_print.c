@@ -15,6 +15,7 @@ static char *words[] = {"fullrun", "a \"quoted\", name.yml", NULL};
 static const program caller = {.name = "fullrun", .argc = 2, .argv = words, .force = true};
 
 static char path[128];
+static bool in_si;
 static ehd_error error;
 
 static int set_up(void **state) {
@@ -67,7 +68,7 @@ static char *printed(ehd_status expected, const char *const *names) {
         count++;
     check_ok(artefact_open_unfinished(&file, path, artefact_schemas, &error));
     FILE *stream = open_memstream(&text, &size);
-    assert_int_equal(print_entries(file, names, count, stream, &error), expected);
+    assert_int_equal(print_entries(file, names, count, in_si, stream, &error), expected);
     fclose(stream);
     artefact_close(&file);
     return text;
@@ -150,6 +151,68 @@ static void names_that_are_not_there_and_other_axes_are_refused(void **state) {
     check_refused("found load and x of different axes", "load", "x");
 }
 
+/* A result in SI units: half width 2, film unit 3, time unit 4, load 5, Hertz pressure 6, and frames
+ * that grow by the time's index. */
+static void write_units(bool with_frames) {
+    const struct {
+        const char *name;
+        double value;
+    } units[] = {
+        {"half_width", 2}, {"film_unit", 3}, {"time_unit", 4}, {"line_load", 5}, {"step", 0.5}};
+    const double one[] = {1, 2}, many[] = {1, 10}, frames[] = {1, 100};
+    const double times[] = {0, 0.5}, nodes[] = {-1, 1}, pressure[] = {1, 2, 3, 4};
+    artefact *file = NULL;
+
+    check_ok(artefact_create(&file, path, &schema_result, &caller, "a: 1\n", NULL, &error));
+    check_ok(artefact_put_axis(file, "time", 2, times, &error));
+    check_ok(artefact_put_axis(file, "x", 2, nodes, &error));
+    check_ok(artefact_put_text(file, "contact", "line", &error));
+    for (const artefact_attribute *row = schema_result.attributes; row->name; row++)
+        if (row->need != NEED_OPTIONAL && row->type == ARTEFACT_REAL)
+            check_ok(artefact_put_real(file, row->name, 6, &error));
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        check_ok(artefact_put_real(file, units[i].name, units[i].value, &error));
+    check_ok(artefact_put(file, "pressure", pressure, &error));
+    check_ok(artefact_put(file, "film_thickness", pressure, &error));
+    check_ok(artefact_put(file, "contact_half_width", many, &error));
+    if (with_frames) check_ok(artefact_put(file, "frame_hertz_pressure", frames, &error));
+    for (const artefact_field *row = schema_result.fields; row->name; row++) {
+        const int64_t counts[] = {7, 8};
+        if (row->need == NEED_OPTIONAL || strcmp(row->name, "contact_half_width") == 0) continue;
+        if (row->type == ARTEFACT_INTEGER)
+            check_ok(artefact_put_integers(file, row->name, counts, &error));
+        else
+            check_ok(artefact_put(file, row->name, one, &error));
+    }
+    check_ok(artefact_finish(&file, &error));
+}
+
+static void units_follow_from_the_rows(void **state) {
+    (void)state;
+
+    in_si = true;
+    write_units(true);
+    check_printed("time [s],central_film_thickness [m],central_pressure [Pa],rigid_approach [m],"
+                  "load [N m-1],contact_half_width [m],exit_position [m],residual_norm,status\n"
+                  "0,3,6,3,5,2,2,1,7\n2,6,12,6,10,20,4,2,8\n",
+                  "time", "central_film_thickness", "central_pressure", "rigid_approach", "load",
+                  "contact_half_width", "exit_position", "residual_norm", "status");
+    // fields and their places in the frame of their time
+    check_printed("time [s],x [m],pressure [Pa]\n0,-2,6\n0,2,12\n\n2,-20,1800\n2,20,2400\n",
+                  "pressure");
+    check_printed("step [m],moes_M,contact\n1,6,line\n", "step", "moes_M", "contact");
+    check_refused("x: found a unit that varies with time, expected a dataset along time", "x");
+    check_refused("film_thickness: found no frame_film_unit", "film_thickness");
+    write_units(false);
+    check_refused("pressure: found no frame_hertz_pressure", "pressure");
+    write_result(1, 1);
+    check_refused("found no attribute film_unit, expected that of a contact in SI units", "status",
+                  "central_film_thickness");
+    check_printed("status,central_pressure [Pa]\n3,0.03333333333333333\n", "status",
+                  "central_pressure");
+    in_si = false;
+}
+
 static void tells_what_there_is(void **state) {
     (void)state;
     artefact *file = NULL;
@@ -159,7 +222,7 @@ static void tells_what_there_is(void **state) {
     write_result(2, 2);
     check_ok(artefact_open(&file, path, artefact_schemas, &error));
     FILE *stream = open_memstream(&text, &size);
-    print_names(file, stream);
+    check_ok(print_names(file, false, stream, &error));
     fclose(stream);
     artefact_close(&file);
     assert_non_null(strstr(text, "name,units,lengths,axes,description\n"));
@@ -275,8 +338,8 @@ static void any_byte_may_be_wrong(void **state) {
             write_bytes(bytes, size);
             bytes[i] = (char)~bytes[i];
             ehd_status status = artefact_open_unfinished(&file, path, artefact_schemas, &error);
-            if (!status) status = print_entries(file, names, 6, nowhere, &error);
-            if (!status) print_names(file, nowhere);
+            if (!status) status = print_entries(file, names, 6, false, nowhere, &error);
+            if (!status) status = print_names(file, false, nowhere, &error);
             artefact_close(&file);
             if (status != EHD_OK && status != EHD_DATA && status != EHD_IO)
                 fail_msg("byte %zu: %s", i, error.text);
@@ -295,6 +358,7 @@ int main(void) {
         cmocka_unit_test(several_axes_lead_and_empty_lines_part_them),
         cmocka_unit_test(an_axis_of_one_entry_neither_leads_nor_parts),
         cmocka_unit_test(names_that_are_not_there_and_other_axes_are_refused),
+        cmocka_unit_test(units_follow_from_the_rows),
         cmocka_unit_test(tells_what_there_is),
         cmocka_unit_test(an_unfinished_file_is_printed_as_far_as_it_goes),
         cmocka_unit_test(damaged_data_are_no_silent_end),

@@ -120,6 +120,29 @@ static void check_axes(const artefact_schema *schema, const artefact_field *fiel
     if (field->type == ARTEFACT_TEXT) fail_msg("%s: %s: text", schema->name, field->name);
 }
 
+/* A scale names attributes with SI units of the same table, and a frame along one axis. */
+static void check_scale(const artefact_schema *schema, const char *name, const char *units,
+                        const artefact_scale *scale) {
+    if (!scale) return;
+    if (strcmp(units, "1") != 0) fail_msg("%s: %s: has units and a scale", schema->name, name);
+    for (int i = 0; i < 2 && scale->attributes[i]; i++) {
+        const artefact_attribute *of = schema->attributes;
+        while (of->name && strcmp(of->name, scale->attributes[i]) != 0)
+            of++;
+        if (!of->name || strcmp(of->units, "1") == 0)
+            fail_msg("%s: %s: no scale %s", schema->name, name, scale->attributes[i]);
+    }
+    if (!scale->attributes[0] && !scale->frame)
+        fail_msg("%s: %s: an empty scale", schema->name, name);
+    const artefact_field *frame = schema->fields;
+    while (frame->name && scale->frame && strcmp(frame->name, scale->frame) != 0)
+        frame++;
+    if (!frame->name || (scale->frame && frame->axes[1]))
+        fail_msg("%s: %s: no frame %s along one axis", schema->name, name, scale->frame);
+    if (!scale->attributes[0] && strcmp(frame->units, "1") == 0)
+        fail_msg("%s: %s: no units of %s", schema->name, name, scale->frame);
+}
+
 static void tables_make_sense(void **state) {
     (void)state;
     for (size_t i = 0; artefact_schemas[i]; i++) {
@@ -128,13 +151,16 @@ static void tables_make_sense(void **state) {
         assert_true(schema->major >= 1 && schema->minor >= 0 && schema->title[0]);
         for (const artefact_axis *e = schema->axes; e->name; e++) {
             check_entry(schema, e->name, e->units, e->long_name, "axis");
+            check_scale(schema, e->name, e->units, e->scale);
         }
         for (const artefact_field *e = schema->fields; e->name; e++) {
             check_entry(schema, e->name, e->units, e->long_name, "dataset");
+            check_scale(schema, e->name, e->units, e->scale);
             check_axes(schema, e);
         }
         for (const artefact_attribute *e = schema->attributes; e->name; e++) {
             check_entry(schema, e->name, e->units, e->long_name, "attribute");
+            check_scale(schema, e->name, e->units, e->scale);
         }
     }
 }

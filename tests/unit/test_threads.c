@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Repeatability of the library, whose caller says how many threads OpenBLAS has (the programs keep
  * it at one): the same bits again with one thread, and with two the same to a tolerance. */
+#include "common/program/program.h"
 #include "fullrun/full_solver.h"
 #include "podbuild/pod.h"
 #include "romrun/online/least_squares.h"
@@ -9,6 +10,7 @@
 
 #include <cblas.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -136,6 +138,58 @@ static void one_thread_gives_the_same_bits(void **state) {
     }
 }
 
+// ---- threads of the caller's
+
+enum { NUM_CALLERS = 3, NUM_CALLS = 10000, ORDER = 40, HEIGHT = 60 };
+
+static double triangle[ORDER * ORDER], right[HEIGHT * ORDER];
+
+/* What takes work space of OpenBLAS: a triangular system and a product. */
+static void call_blas(double *solved, double *product) {
+    memcpy(solved, right, sizeof right);
+    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, HEIGHT, ORDER, 1,
+                triangle, ORDER, solved, HEIGHT);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, HEIGHT, HEIGHT, ORDER, 1, solved, HEIGHT,
+                right, HEIGHT, 0, product, HEIGHT);
+}
+
+/* Returns how often a result was another one. */
+static void *call_often(void *expected) {
+    double *found = numbers(HEIGHT * (ORDER + HEIGHT));
+    size_t *bad = calloc(1, sizeof *bad);
+
+    assert_non_null(bad);
+    for (size_t i = 0; i < NUM_CALLS; i++) {
+        call_blas(found, found + HEIGHT * ORDER);
+        *bad += memcmp(found, expected, HEIGHT * (ORDER + HEIGHT) * sizeof *found) != 0;
+    }
+    free(found);
+    return bad;
+}
+
+static void several_threads_may_call_openblas(void **state) {
+    (void)state;
+    double *expected = numbers(HEIGHT * (ORDER + HEIGHT));
+    unsigned long long seed = 3;
+    pthread_t threads[NUM_CALLERS];
+
+    assert_int_equal(program_take_buffers(NUM_CALLERS), NUM_CALLERS);
+    for (size_t i = 0; i < ORDER * ORDER; i++)
+        triangle[i] = noise(&seed);
+    for (size_t i = 0; i < HEIGHT * ORDER; i++)
+        right[i] = noise(&seed);
+    call_blas(expected, expected + HEIGHT * ORDER);
+    for (size_t t = 0; t < NUM_CALLERS; t++)
+        assert_int_equal(pthread_create(&threads[t], NULL, call_often, expected), 0);
+    for (size_t t = 0; t < NUM_CALLERS; t++) {
+        void *bad;
+        assert_int_equal(pthread_join(threads[t], &bad), 0);
+        assert_int_equal(*(size_t *)bad, 0);
+        free(bad);
+    }
+    free(expected);
+}
+
 static void two_threads_agree_with_one(void **state) {
     (void)state;
     for (size_t p = 0; p < NUM_PARTS; p++) {
@@ -152,6 +206,7 @@ static void two_threads_agree_with_one(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_thread_gives_the_same_bits),
+        cmocka_unit_test(several_threads_may_call_openblas),
         cmocka_unit_test(two_threads_agree_with_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

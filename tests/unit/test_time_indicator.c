@@ -39,6 +39,10 @@ static int tear_down(void **state) {
     return 0;
 }
 
+static double local_of(reduced_film film) {
+    return time_indicator_local(&indicator, film, 0.1);
+}
+
 /* To 1/e of it while the fluid goes from the minimum to the exit; what comes adds up; a step that is
  * repeated does so from the accepted state. */
 static void what_rows_do_leaves_through_the_exit(void **state) {
@@ -55,17 +59,41 @@ static void what_rows_do_leaves_through_the_exit(void **state) {
     time_indicator_add_local(&indicator, some, &scalars, NULL, &first);
     time_indicator_keep(&indicator);
     time_indicator_add_local(&indicator, unknown, &scalars, &first, &second);
-    check_close(indicator.local[REDUCED_CENTRAL_FILM], 0.1, 0, 0); // all of it
+    check_close(local_of(REDUCED_CENTRAL_FILM), 0.1, 0, 0); // all of it
     for (int i = 0; i < 2; i++) {
         time_indicator_add_local(&indicator, some, &scalars, &first, &second);
-        check_close(indicator.local[REDUCED_CENTRAL_FILM], 1e-4 * (1 + exp(-1)), 1e-12, 0);
-        check_close(indicator.local[REDUCED_MINIMUM_FILM], 1e-3 * (1 + exp(-1)), 1e-12, 0);
+        check_close(local_of(REDUCED_CENTRAL_FILM), 1e-4 * (1 + exp(-1)), 1e-12, 0);
+        check_close(local_of(REDUCED_MINIMUM_FILM), 1e-3 * (1 + exp(-1)), 1e-12, 0);
     }
     time_indicator_add_local(&indicator, none, &scalars, &first, &second);
-    check_close(indicator.local[REDUCED_MINIMUM_FILM], 1e-3 * exp(-1), 1e-12, 0);
+    check_close(local_of(REDUCED_MINIMUM_FILM), 1e-3 * exp(-1), 1e-12, 0);
     time_indicator_clear(&indicator);
     time_indicator_add_local(&indicator, none, &scalars, &first, &second);
-    check_close(indicator.local[REDUCED_MINIMUM_FILM], 0, 0, 0);
+    check_close(local_of(REDUCED_MINIMUM_FILM), 0, 0, 0);
+}
+
+/* What arose in the constriction does not stay because the film is lowest in a dip far before it since,
+ * nor does what arose in the dip leave with what comes to the constriction later. */
+static void what_rows_do_leaves_from_where_it_arose(void **state) {
+    const contact_scalars outlet = {.central_film_thickness = 0.1,
+                                    .minimum_film_thickness = 0.08,
+                                    .minimum_position = 0.9,
+                                    .exit_position = 1.1};
+    const double some[NUM_REDUCED_FILMS] = {1e-4, 1e-3}, none[NUM_REDUCED_FILMS] = {0, 0};
+    contact_scalars dip = outlet;
+    (void)state;
+
+    dip.minimum_position = -0.5;
+    time_indicator_clear(&indicator);
+    for (int i = 0; i < 5; i++) {
+        const contact_frame then = frame_after(i * 0.1), now = frame_after((i + 1) * 0.1);
+        time_indicator_add_local(&indicator, i < 2 ? some : none, i == 0 || i > 3 ? &outlet : &dip,
+                                 i > 0 ? &then : NULL, &now);
+        time_indicator_keep(&indicator);
+        const double of_outlet = exp(-i * 0.1 / 0.2),
+                     of_dip = i > 0 ? exp(-(i - 1) * 0.1 / 1.6) : 0;
+        check_close(local_of(REDUCED_MINIMUM_FILM), 1e-3 * (of_outlet + of_dip), 1e-12, 0);
+    }
 }
 
 static size_t row_at(size_t node) {
@@ -106,6 +134,7 @@ static void rows_that_an_exit_has_passed_count(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_rows_do_leaves_through_the_exit),
+        cmocka_unit_test(what_rows_do_leaves_from_where_it_arose),
         cmocka_unit_test(rows_that_an_exit_has_passed_count),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

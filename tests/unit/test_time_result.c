@@ -110,6 +110,8 @@ static time_entry entry_at(size_t index) {
                         .rigid_approach = -i,
                         .load = i + 0.4,
                         .contact_half_width = i + 0.5,
+                        .frame_hertz_pressure = i + 0.55,
+                        .frame_film_unit = i + 0.65,
                         .exits = exits_at(index),
                         .newton_iterations = index % 7,
                         .residual = i + 0.7,

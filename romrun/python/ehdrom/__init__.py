@@ -14,7 +14,7 @@ Quantities are SI (N/m of a line contact, N of a point contact, m, s, m/s, Pa), 
 thread at a time; no call holds Python's lock while it solves.
 
 The library is looked for where the environment's EHDROM_LIBRARY says, beside this package, and where the system has
-libraries. Numpy may have loaded an OpenBLAS with threads before: OPENBLAS_NUM_THREADS=1 is in order then.
+libraries.
 """
 import os
 import pathlib

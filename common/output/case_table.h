@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Solutions of many scenes as one table, HDF5 (schemas/cases.md) or CSV. */
+#ifndef EHD_CASE_TABLE_H
+#define EHD_CASE_TABLE_H
+
+#include "common/output/result.h"
+#include "common/settings/case_list.h"
+
+/* One scene. Numbers are dimensionless unless said otherwise, and NaN where not known. */
+typedef struct case_row {
+    int64_t status; // as in a result
+    int64_t newton_iterations;
+    double moes_M, moes_L, alpha_p_H;
+    double hertz_pressure; // Pa
+    // of a scene in SI units:
+    double half_width, film_unit; // m
+    double load;                  // N/m of a line contact, N of a point contact
+    double radius;                // m
+    double speed;                 // m/s
+    double central_film_thickness, minimum_film_thickness;
+    double central_pressure, peak_pressure;
+    double rigid_approach;
+    double exit_position;
+    double indicated_deviation, indicated_deviation_minimum;
+    double residual_norm;
+    double solve_seconds; // s
+    char reason[RESULT_REASON];
+} case_row;
+
+/* What the contact says of a row, without a solution. */
+case_row case_row_of(const ehd_contact *contact);
+
+/* EHD_USAGE unless a name ends with .csv, .h5 or .hdf5; EHD_CANTCREATE as output_file_check. */
+ehd_status case_table_check(const program *caller, ehd_error *error);
+
+/* Writes caller->output, or CSV to stdout where there is none. In CSV the columns of the list come
+ * first, then those of schemas/cases.md, those of them that SI units can be made of again with the unit
+ * behind the name, where a scene is given in these, and last the reason of a status. EHD_CANTCREATE,
+ * EHD_IO, EHD_MEMORY. */
+ehd_status case_table_write(const case_row *rows, // [case_list_count]
+                            const case_list *list, const contact_kind *kind, const ehd_grid *grid,
+                            const program *caller, const char *settings_text,
+                            const char *const *inputs, // paths, NULL at the end
+                            ehd_error *error);
+
+#endif

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "common/program/output_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
+    struct stat found;
+
+    if (lstat(path, &found) != 0) {
+        if (errno == ENOENT) return EHD_OK;
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
+                        strerror(errno));
+    }
+    if (S_ISDIR(found.st_mode))
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found a folder, expected a file or none", path);
+    if (force) return EHD_OK;
+    return ehd_fail(error, EHD_CANTCREATE, "%s: found an existing file, expected none (or --force)",
+                    path);
+}
+
+/* Opened and locked, its former content gone. NULL with errno; EWOULDBLOCK: another is writing. */
+static FILE *open_partial(const char *path) {
+    const int descriptor =
+        open(path, O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+    FILE *stream = NULL;
+    struct stat found;
+
+    if (descriptor < 0) return NULL;
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0 && fstat(descriptor, &found) == 0) {
+        errno = ENOTSUP;
+        if (S_ISREG(found.st_mode) && ftruncate(descriptor, 0) == 0)
+            stream = fdopen(descriptor, "w");
+    }
+    if (stream) return stream;
+    const int cause = errno;
+    close(descriptor);
+    errno = cause;
+    return NULL;
+}
+
+static void release(output_file *self) {
+    free(self->path);
+    free(self->partial);
+    *self = (output_file){0};
+}
+
+ehd_status output_file_create(output_file *self, const char *path, bool force, ehd_error *error) {
+    *self = (output_file){.path = strdup(path)};
+    ehd_status status = output_file_check(path, force, error);
+
+    if (!self->path || asprintf(&self->partial, "%s.partial", path) < 0) {
+        self->partial = NULL;
+        status = ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
+    }
+    if (!status) {
+        self->stream = open_partial(self->partial);
+        if (!self->stream && errno == EWOULDBLOCK)
+            status = ehd_fail(error, EHD_CANTCREATE,
+                              "%s: found another process writing it, expected none", self->partial);
+        else if (!self->stream)
+            status = ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
+                              self->partial, strerror(errno));
+    }
+    if (status) release(self);
+    return status;
+}
+
+ehd_status output_file_finish(output_file *self, ehd_error *error) {
+    ehd_status status = EHD_OK;
+
+    const bool whole = ferror(self->stream) == 0 && fflush(self->stream) == 0 &&
+                       fsync(fileno(self->stream)) == 0 && rename(self->partial, self->path) == 0;
+    if (!whole) {
+        status = ehd_fail(error, EHD_IO, "%s: found a failed write, expected the whole file",
+                          self->path);
+        output_file_drop(self);
+        return status;
+    }
+    fclose(self->stream); // on the disk already
+    release(self);
+    return EHD_OK;
+}
+
+void output_file_drop(output_file *self) {
+    if (self->stream) {
+        unlink(self->partial);
+        fclose(self->stream);
+    }
+    release(self);
+}

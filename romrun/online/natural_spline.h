@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Natural cubic splines through nodes at equal distances. */
+#ifndef EHD_NATURAL_SPLINE_H
+#define EHD_NATURAL_SPLINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Curvatures (second derivatives times step^2 / 6) of `width` splines at once from their values at
+ * `num` nodes `stride` apart: curvature[k-1] + 4 curvature[k] + curvature[k+1] = second difference of
+ * the values. The last curvature and, unless the first node is a mirror (`even`), the first are given
+ * in `curvatures` (0: natural). `factor`: [num] work. Inline, for those of one function: 2.6 times as
+ * many instructions otherwise. */
+static inline void spline_curvatures(double *curvatures, double *factor, const double *values,
+                                     size_t num, size_t stride, size_t width, bool even) {
+    factor[0] = even ? 0.5 : 0; // of 2 curvature[0] + curvature[1] = value[1] - value[0]
+    for (size_t j = 0; j < width && even; j++)
+        curvatures[j] = 0.5 * (values[stride + j] - values[j]);
+    for (size_t k = 1; k + 1 < num; k++) {
+        const double *value = values + k * stride, *before = value - stride;
+        double *curvature = curvatures + k * stride;
+        factor[k] = 1 / (4 - factor[k - 1]);
+        for (size_t j = 0; j < width; j++)
+            curvature[j] = factor[k] * (before[j] - 2 * value[j] + value[stride + j] -
+                                        curvatures[(k - 1) * stride + j]);
+    }
+    for (size_t k = num - 1; k-- > (even ? 0 : 1);)
+        for (size_t j = 0; j < width; j++)
+            // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): all set above
+            curvatures[k * stride + j] -= factor[k] * curvatures[(k + 1) * stride + j];
+}
+
+enum { NUM_SPLINE_WEIGHTS = 4 };
+
+/* A point between nodes `node` and node + 1 of one direction, with the weights of value and
+ * curvature at the first and of value and curvature at the second. */
+typedef struct spline_point {
+    size_t node;
+    double weight[NUM_SPLINE_WEIGHTS];
+} spline_point;
+
+/* The point `nodes` steps behind the first of `num` nodes. Beyond them the spline is linear. */
+static inline spline_point spline_at(double nodes, size_t num) {
+    size_t last = num - 2;
+    size_t first = nodes < (double)last ? nodes > 0 ? (size_t)nodes : 0 : last;
+    double b = nodes - (double)first, a = 1 - b;
+    spline_point at = {first, {a, (a * a - 1) * a, b, (b * b - 1) * b}};
+
+    if (b < 0)
+        at.weight[1] = -2 * b, at.weight[3] = -b;
+    else if (a < 0)
+        at.weight[1] = -a, at.weight[3] = -2 * a;
+    return at;
+}
+
+#endif
