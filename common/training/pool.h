@@ -17,9 +17,9 @@ typedef struct pool_work {
     const size_t *parent; // [num_points]; NULL: no point waits for another
     const size_t
         *order; // [num_points], which free point is taken first (tree_order); NULL: as numbered
-    const bool *done;   // [num_points], from an earlier run; NULL: none
-    size_t num_workers; // threads at most
-    void *shared;       // handed to all tasks
+    const bool *done;    // [num_points], from an earlier run; NULL: none
+    size_t num_workers;  // threads at most
+    void *shared;        // handed to all tasks
     double worker_bytes; // memory that a thread needs for itself, where that is much; 0: little
     // what a thread needs for itself, such as a solver; NULL: nothing
     ehd_status (*begin)(void **worker, void *shared, ehd_error *error);
