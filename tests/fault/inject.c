@@ -110,8 +110,8 @@ void __libc_free(void *memory);
 typedef struct written_file {
     dev_t device;
     ino_t inode;
-    int file;    // of its own
     off_t size;  // when it was last synced
+    int file;    // of its own
     bool longer; // something behind that has reached the disk
 } written_file;
 
