@@ -158,6 +158,18 @@ YAML
         echo "$output$stderr"
         [ "$status" -eq 0 ] && [ -z "$stderr" ]
     done
+    # of films that are carried along their paths
+    { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transport: path
+transient: {end_time: 1, tolerance: 2e-3, load: {law: sine, amplitude: 0.05, period: 1}}
+YAML
+    printf 'groups:\n  - scene: moving.yml\n    vary: {physical.load: [19e3, 20e3, 21e3]}\n' >moving-plan.yml
+    snapgen moving-plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 25
+    snapgen moving-plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect --no-check r.h5 --basis b.h5 -o path.h5
+    use_library "${kinds##*$'\n'}" derivatives path.h5 si.yml
     for load in 19.8e3 20.2e3; do
         fullrun si.yml --grid-of m.h5 --set physical.load=$load --quiet -o full-$load.h5
     done
