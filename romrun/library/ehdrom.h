@@ -292,8 +292,8 @@ typedef struct ehdrom_derivatives {
  * whose bit is set, with 0 where it is held, or if none is that which the solution was given. Of a solution
  * the derivatives are those of stationary ones; of a step, the tangent at its end: how that changes with the
  * conditions there, from the same accepted state.
- * They follow from the Jacobian of the reduced equations, in about two iterations' time, and leave the
- * contact as it is. EHDROM_DATA: a direction that is not finite, both load and approach, or an approach
+ * They follow from the Jacobian of the reduced equations, in about two iterations' time, along further
+ * directions in half of that, and leave the contact as it is. EHDROM_DATA: a direction that is not finite, both load and approach, or an approach
  * of a line contact that is measured from within the pressurised zone. EHDROM_INTERNAL: no solution, or a
  * start at rest. EHDROM_NOT_CONVERGED: none that is finite. */
 EHDROM_API ehdrom_status ehdrom_differentiate(ehdrom_contact *contact,

@@ -44,6 +44,7 @@ struct online_solver {
     bool solved;              // the last solution converged
     contact_scalars scalars;  // of it
     reduced_tangent *tangent; // NULL: not needed yet
+    bool linearised;          // at the last solution
 };
 
 /* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
@@ -389,6 +390,7 @@ ehd_status online_solve(online_result *result, online_solver *solver, const ehd_
     status =
         reduced_solve_from_training(&info, &solver->state, solver->reduced, model, contact, error);
     solver->solved = !status && info.status != EHD_NOT_CONVERGED;
+    solver->linearised = false;
     if (status) return status;
     solver->scalars = info.scalars;
     *result = (online_result){.status = info.status,
@@ -500,6 +502,7 @@ struct online_transient {
     online_conditions conditions;
     bool at_start;            // no step was taken since
     reduced_tangent *tangent; // NULL: not needed yet
+    bool linearised;          // at what it is of
 };
 
 ehd_status online_prepare_transient(online_model *self, ehd_error *error) {
@@ -631,7 +634,7 @@ ehd_status online_transient_start(online_state *state, online_transient *self,
 
     if (!status) status = march_check_start(conditions->speed, !isnan(conditions->approach), error);
     if (status) return status;
-    self->started = self->solved = self->at_start = false;
+    self->started = self->solved = self->at_start = self->linearised = false;
     self->conditions = *conditions;
     self->time = 0;
     self->load = 1;
@@ -658,7 +661,7 @@ ehd_status online_step(online_state *state, online_transient *self,
         status = ehd_fail(error, EHD_INTERNAL,
                           "step: found no accepted state, expected online_transient_start or "
                           "online_restore before");
-    self->solved = self->at_start = false;
+    self->solved = self->at_start = self->linearised = false;
     if (status) return status;
     contact_frame frame = frame_of(self, conditions, step);
     status = solver.attempt(&self->last, solver.self, &frame, step, error);
@@ -765,6 +768,8 @@ typedef struct solved_frame {
                       const online_conditions *conditions);
     const void *context; // of that
     frame_equations equations;
+    reduced_tangent *tangent;
+    bool *linearised; // it is, at this solution: directions share the factors
 } solved_frame;
 
 /* Between conditions by how much of each, over what it is measured by (distance_of): only the residuals of the
@@ -818,11 +823,15 @@ static ehd_status check_direction(const online_direction *direction, const ehd_c
     return by_load ? EHD_OK : contact_check_approach(reference, error);
 }
 
-static ehd_status linearise(reduced_tangent *tangent, const solved_frame *of, ehd_error *error) {
+static ehd_status linearise(const solved_frame *of, ehd_error *error) {
     contact_frame at;
 
+    if (*of->linearised) return EHD_OK;
     of->set_frame(&at, of->context, &of->at);
-    return frame_linearise(tangent, &of->state, &at, &of->equations, of->exit_at_node, error);
+    const ehd_status status =
+        frame_linearise(of->tangent, &of->state, &at, &of->equations, of->exit_at_node, error);
+    *of->linearised = !status;
+    return status;
 }
 
 /* Frames half a distance before and behind along a direction. */
@@ -840,14 +849,14 @@ static frames_beside beside(const solved_frame *of, const online_direction *dire
 }
 
 /* Along a direction of what the solution was given. */
-static ehd_status along(frame_quantities *found, reduced_tangent *tangent, const solved_frame *of,
+static ehd_status along(frame_quantities *found, const solved_frame *of,
                         const online_direction *direction, ehd_error *error) {
     const frames_beside frames = beside(of, direction);
     reduced_change change;
 
     *found = (frame_quantities){.half_width = 0};
     if (frames.distance == 0) return EHD_OK;
-    return frame_tangent(found, &change, tangent, frames.side, frames.distance, of->reference,
+    return frame_tangent(found, &change, of->tangent, frames.side, frames.distance, of->reference,
                          &of->equations, error);
 }
 
@@ -874,9 +883,8 @@ static void exchange(frame_quantities *found, const frame_quantities *by_given,
         target[k] += part * add[k];
 }
 
-static ehd_status differentiate(online_derivatives *derivatives, reduced_tangent *tangent,
-                                const solved_frame *of, const online_direction *direction,
-                                ehd_error *error) {
+static ehd_status differentiate(online_derivatives *derivatives, const solved_frame *of,
+                                const online_direction *direction, ehd_error *error) {
     const bool exchanged = of->by_approach == isnan(direction->approach);
     const online_direction given = direction_of_given(of);
     online_direction own = *direction;
@@ -887,9 +895,9 @@ static ehd_status differentiate(online_derivatives *derivatives, reduced_tangent
         own.load = of->by_approach ? NAN : 0;
         own.approach = of->by_approach ? 0 : NAN;
     }
-    if (!status) status = linearise(tangent, of, error);
-    if (!status) status = along(&found, tangent, of, &own, error);
-    if (!status && exchanged) status = along(&by_given, tangent, of, &given, error);
+    if (!status) status = linearise(of, error);
+    if (!status) status = along(&found, of, &own, error);
+    if (!status && exchanged) status = along(&by_given, of, &given, error);
     if (status) return status;
     if (exchanged) exchange(&found, &by_given, of, direction);
     *derivatives = (online_derivatives){found.scalars, found.peak_pressure, found.half_width};
@@ -898,8 +906,7 @@ static ehd_status differentiate(online_derivatives *derivatives, reduced_tangent
 
 /* Of load F and approach H0, which vary by 1 + s F1 and A + s H1: dF/dH0 = 1/A - s (H1 - A F1)/A^2. F1, and how far
  * the load at s = 0 is off 1, is what least squares leave of the load balance. */
-static ehd_status respond(online_response *response, reduced_tangent *tangent,
-                          const solved_frame *of, ehd_error *error) {
+static ehd_status respond(online_response *response, const solved_frame *of, ehd_error *error) {
     const online_direction by_load = {.load = 1, .approach = NAN};
     const frames_beside frames = beside(of, &by_load);
     frame_quantities found;
@@ -910,12 +917,12 @@ static ehd_status respond(online_response *response, reduced_tangent *tangent,
     ehd_status status = contact_check_approach(of->reference, error);
 
     of->set_frame(&at, of->context, &of->at);
-    if (!status) status = linearise(tangent, of, error);
+    if (!status) status = linearise(of, error);
     if (!status)
-        status = frame_tangent(&found, &change, tangent, frames.side, frames.distance,
+        status = frame_tangent(&found, &change, of->tangent, frames.side, frames.distance,
                                of->reference, &of->equations, error);
     if (!status)
-        status = frame_tangent_slow(&slow, &bound, tangent, &change, &at, frames.side,
+        status = frame_tangent_slow(&slow, &bound, of->tangent, &change, &at, frames.side,
                                     frames.distance, of->reference, &of->equations, error);
     if (status) return status;
     const double load = found.scalars.load, compliance = found.scalars.rigid_approach / load;
@@ -962,9 +969,12 @@ static ehd_status find_solved(solved_frame *solved, online_solver *solver, ehd_c
                              .set_frame = set_stationary_frame,
                              .context = reference,
                              .equations = {reference, stationary_equations}};
-    return solver->tangent
-               ? EHD_OK
-               : reduced_tangent_create(&solver->tangent, &solver->model->reduced, error);
+    const ehd_status status =
+        solver->tangent ? EHD_OK
+                        : reduced_tangent_create(&solver->tangent, &solver->model->reduced, error);
+    solved->tangent = solver->tangent;
+    solved->linearised = &solver->linearised;
+    return status;
 }
 
 ehd_status online_differentiate(online_derivatives *derivatives, online_solver *solver,
@@ -975,7 +985,7 @@ ehd_status online_differentiate(online_derivatives *derivatives, online_solver *
     const ehd_status status = find_solved(&solved, solver, &reference, error);
 
     contact_take_grid(&reference, &solver->model->reduced.grid);
-    return status ? status : differentiate(derivatives, solver->tangent, &solved, direction, error);
+    return status ? status : differentiate(derivatives, &solved, direction, error);
 }
 
 ehd_status online_respond(online_response *response, online_solver *solver,
@@ -985,7 +995,7 @@ ehd_status online_respond(online_response *response, online_solver *solver,
     const ehd_status status = find_solved(&solved, solver, &reference, error);
 
     contact_take_grid(&reference, &solver->model->reduced.grid);
-    return status ? status : respond(response, solver->tangent, &solved, error);
+    return status ? status : respond(response, &solved, error);
 }
 
 static void set_transient_frame(contact_frame *frame, const void *context,
@@ -1015,8 +1025,12 @@ static ehd_status find_attempt(solved_frame *solved, online_transient *self, ehd
     solved->at.load = last->frame.load;
     // the frame of a start follows its load, whichever was given
     if (!self->solved) solved->at.approach = NAN;
-    return self->tangent ? EHD_OK
-                         : reduced_tangent_create(&self->tangent, &self->model->reduced, error);
+    const ehd_status status =
+        self->tangent ? EHD_OK
+                      : reduced_tangent_create(&self->tangent, &self->model->reduced, error);
+    solved->tangent = self->tangent;
+    solved->linearised = &self->linearised;
+    return status;
 }
 
 ehd_status online_transient_differentiate(online_derivatives *derivatives, online_transient *self,
@@ -1024,7 +1038,7 @@ ehd_status online_transient_differentiate(online_derivatives *derivatives, onlin
     solved_frame solved;
     const ehd_status status = find_attempt(&solved, self, error);
 
-    return status ? status : differentiate(derivatives, self->tangent, &solved, direction, error);
+    return status ? status : differentiate(derivatives, &solved, direction, error);
 }
 
 ehd_status online_transient_respond(online_response *response, online_transient *self,
@@ -1035,5 +1049,5 @@ ehd_status online_transient_respond(online_response *response, online_transient 
     if (!status && self->solved)
         status = ehd_fail(error, EHD_INTERNAL,
                           "stationary response: found a step in time, expected a stationary start");
-    return status ? status : respond(response, self->tangent, &solved, error);
+    return status ? status : respond(response, &solved, error);
 }

@@ -161,6 +161,24 @@ static void check_left_alone(problem *self) {
     assert_memory_equal(behind.bound, before.bound, sizeof before.bound);
 }
 
+/* Of another solution they are other ones, as another solver has them. */
+static void check_follows(problem *self) {
+    const online_direction by_load = {.load = 1, .approach = NAN};
+    const online_derivatives before = differentiate(self, &by_load);
+    online_derivatives found, expected;
+
+    contact_set_moes(&self->contact, 12.5, 4.4);
+    solve_here(self);
+    found = differentiate(self, &by_load);
+    online_solver_free(self->solver);
+    check_ok(online_solver_create(&self->solver, self->model, &error));
+    online_solver_set_tolerance(self->solver, 1e-14);
+    solve_here(self);
+    expected = differentiate(self, &by_load);
+    assert_memory_equal(&found, &expected, sizeof found);
+    assert_true(found.scalars.central_pressure != before.scalars.central_pressure);
+}
+
 static void check_problem(problem *self, deformation_kind kind) {
     const double change = 1e-3;
     const bool has_exit = self->training.set.grid.inner_lines == 1 &&
@@ -189,6 +207,7 @@ static void check_problem(problem *self, deformation_kind kind) {
         else // a node
             assert_true(isnan(found[by].scalars.exit_position));
     }
+    check_follows(self);
     problem_free(self);
 }
 
