@@ -1,6 +1,7 @@
 #!/usr/bin/env bats
 # SPDX-License-Identifier: GPL-3.0-or-later
-# What READMEs link to, and the READMEs and sections that comments name, are there (tests/links.py).
+# What READMEs link to, and the READMEs and sections that comments name, are there (tests/links.py); so are
+# the layers and names of ARCHITECTURE.md.
 
 setup() {
     cd "$BATS_TEST_DIRNAME/../.." || return
@@ -27,4 +28,20 @@ setup() {
     [ "${lines[1]}" = 'README.md:4: found room/README.md#none, expected a heading of that name' ]
     [ "${lines[2]}" = 'room/a.c:3: found README.md, Where it ends, which is the other, expected a section of that name' ]
     [ "${lines[3]}" = 'room/b.h:1: found lost/README.md, expected a file' ]
+}
+
+@test "ARCHITECTURE.md has the layers in their order" {
+    listed=$(sed -nE 's/^\| `?\[?(common|fullrun|romrun|podbuild|deimselect|snapgen)([a-z/]*).*/\1\2/p' ARCHITECTURE.md)
+    checked=$(sed '/names)/q' tests/layers.awk | grep -o '"[a-z/ ]*"' | tr -d '"' | xargs -n1)
+    [ "$listed" = "$checked" ]
+}
+
+@test "functions and types that ARCHITECTURE.md and CONTRIBUTING.md name are in the code" {
+    names=$(grep -ohE '`[a-z]+(_[a-z]+)+`' ARCHITECTURE.md CONTRIBUTING.md | tr -d '`' |
+        sort -u | grep -vx target_clones) # which must not be there
+    [ "$(wc -w <<<"$names")" -gt 40 ]
+    cat common/*/*.[ch] {fullrun,podbuild,deimselect,snapgen}/*.[ch] romrun/*/*.[ch] romrun/*.c >"$BATS_TEST_TMPDIR/code"
+    for name in $names; do
+        grep -qw "$name" "$BATS_TEST_TMPDIR/code" || { echo "found $name, expected it in the code" && false; }
+    done
 }
