@@ -92,7 +92,7 @@ UNIT_SHARED  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/unit/test_% tests
 BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench/bench_%,$(BENCH_SOURCES)))
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
 # the programs, each with a name for its main, and what hands them files
-FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
+FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(BUILD)/tests/fuzz/flat_edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
 REPLAY       := $(BUILD)/fuzz/replay
 FUZZER       := $(BUILD)/fuzz/libfuzzer
 FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
