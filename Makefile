@@ -94,6 +94,7 @@ BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(B
 # the programs, each with a name for its main, and what hands them files
 FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(BUILD)/tests/fuzz/flat_edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
 REPLAY       := $(BUILD)/fuzz/replay
+USE_LIBRARY  := $(BUILD)/unit/use_library
 FUZZER       := $(BUILD)/fuzz/libfuzzer
 FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)
@@ -441,7 +442,6 @@ $(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 # The program of library.bats on the objects of this variant, with its sanitizers and counts.
-USE_LIBRARY = $(BUILD)/unit/use_library
 $(USE_LIBRARY): tests/pipeline/use_library.c romrun/library/ehdrom.h $(LIB)
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -Iromrun/library -D_GNU_SOURCE $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $< $(LIB) $(ALL_LIBS)
 

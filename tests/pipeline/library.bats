@@ -29,7 +29,7 @@ install_all() {
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     ! is_installed || install_all
-    [ ! -e "$BIN/../unit/use_library" ] || cp "$BIN/../unit/use_library" use_inside
+    cp "$BIN/../unit/use_library" use_inside
     common_setup_small
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5 --pressure-modes 9
