@@ -236,9 +236,11 @@ ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_con
     ehdrom_status most = EHDROM_OK;
 
     for (size_t i = 0; i < count; i++) {
-        const ehdrom_status status = ehdrom_step(contacts[i], (const ehdrom_conditions *)given,
-                                                 step, (ehdrom_result *)result);
+        ehdrom_result *own = (ehdrom_result *)result;
+        const ehdrom_status status =
+            ehdrom_step(contacts[i], (const ehdrom_conditions *)given, step, own);
         if (status > most) most = status;
+        if (EHDROM_FAILED(status) && own && own->size >= 2 * sizeof(size_t)) own->status = status;
         if (given) given += conditions->size;
         if (result) result += results->size;
     }

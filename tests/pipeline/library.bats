@@ -6,9 +6,6 @@ load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
-outside() { is_installed || skip "the library is not built with sanitizers"; }
-
 # installed/ by make install, and two programs on it (C11 shared, C++17 static).
 install_all() {
     make -C "$root" -s install VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/installed" PREFIX=/usr >install.log 2>&1 ||
