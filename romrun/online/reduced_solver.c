@@ -595,20 +595,8 @@ static void expand(reduced_solver *self, const reduced_state *state, const reduc
 /* Scalars of the state that has been expanded. */
 static contact_scalars scalars_of(reduced_solver *self, const reduced_state *state,
                                   const ehd_contact *contact) {
-    const reduced_model *model = self->model;
-    const double approach = state->coordinates[model->num_unknowns - 1];
-    node_state *nodes = &self->nodes;
-    size_t lowest;
-    const double minimum = nodes_minimum_film(&lowest, nodes, state->coordinates);
-
-    return (contact_scalars){.central_film_thickness = nodes_at_centre(model, nodes->now.film),
-                             .central_pressure = nodes_at_centre(model, nodes->now.pressure),
-                             .minimum_film_thickness = minimum,
-                             .minimum_position = grid_x(&model->grid, lowest),
-                             .rigid_approach = approach,
-                             .exit_position = reduced_exit_position(state, model),
-                             .load = (nodes_load(nodes) + far_field_load(contact, approach).value) /
-                                     model->kind->load};
+    return nodes_scalars(&self->nodes, state->coordinates,
+                         reduced_exit_position(state, self->model), contact);
 }
 
 ehd_status reduced_solve(reduced_info *info, reduced_state *state, reduced_solver *solver,
@@ -656,22 +644,7 @@ void reduced_pressures_include(reduced_pressures *range, double pressure) {
 }
 
 reduced_pressures reduced_pressure_range(reduced_solver *self, const reduced_state *state) {
-    const reduced_model *model = self->model;
-    const exit_band *band = &model->band;
-    node_state *nodes = &self->nodes;
-    reduced_pressures range = {0, 0};
-
-    for (size_t q = 0; q < model->rows.num_needed; q++)
-        if (nodes->pressurised[q]) reduced_pressures_include(&range, nodes->now.pressure[q]);
-    for (size_t l = 0; l < band->num_lines; l++) {
-        const band_line *line = &band->lines[l];
-        const size_t end = nodes->exit[l] < line->end ? nodes->exit[l] : line->end;
-        if (end <= line->begin) continue;
-        nodes_expand_range(nodes, state->coordinates, line->offset, end - line->begin);
-        for (size_t k = line->offset; k < line->offset + end - line->begin; k++)
-            reduced_pressures_include(&range, nodes->band_pressure[k]);
-    }
-    return range;
+    return nodes_pressure_range(&self->nodes, state->coordinates);
 }
 
 /* Adds the deflection at X = 0. */

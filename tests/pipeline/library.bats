@@ -136,6 +136,43 @@ YAML
         "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
 }
 
+# si.yml: the scene of the model in SI units.
+si_scene() {
+    cat >si.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+}
+
+@test "derivatives of solutions and steps; the stiffness is the full model's" {
+    si_scene
+    for kind in $kinds; do
+        run --separate-stderr use_library $kind derivatives m.h5 si.yml
+        echo "$output$stderr"
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    done
+    for load in 19.8e3 20.2e3; do
+        fullrun si.yml --grid-of m.h5 --set physical.load=$load --quiet -o full-$load.h5
+    done
+    /usr/bin/python3 - "$(value stiffness)" "$(value central_film_by_load)" <<'PYTHON'
+import math, sys, h5py
+stiffness, film_by_load = map(float, sys.argv[1:])
+def full(load):
+    a, reference = (math.sqrt(8 * w * 0.01 / (math.pi * 220e9)) for w in (load, 20e3))
+    with h5py.File(f"full-{load / 1e3:.1f}e3.h5") as file:
+        approach, film = (file[name][0] * a * a / 0.01 for name in ("rigid_approach", "central_film_thickness"))
+    # as measured from ten half widths of the reference, since a line's deflection has no limit
+    return approach + math.log(a / (10 * reference)) / 2 * a * a / 0.01, film
+(h, film), (other_h, other_film) = full(19.8e3), full(20.2e3)
+assert abs(stiffness / (400 / (h - other_h)) - 1) < 2e-3, (stiffness, 400 / (h - other_h))
+assert abs(film_by_load * 20e3 - (other_film - film) * 50) < 0.02 * film, (film_by_load, (other_film - film) / 400)
+PYTHON
+}
+
 @test "what is wrong is said in the handle" {
     run --separate-stderr use_library "${kinds##*$'\n'}" wrong m.h5 scene.yml
     echo "$output$stderr"
@@ -161,14 +198,7 @@ YAML
     # as one would install it, but for pip
     make -C "$root" -s python VARIANT="$VARIANT" DEPS=no
     export PYTHONPATH=$root/build/$VARIANT/python
-    cat >si.yml <<'YAML'
-contact: line
-regime: stationary
-physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
+    si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
     romrun --export m.h5 -o m.ehdrom
     /usr/bin/python3 -B - <<'PYTHON'
