@@ -155,6 +155,18 @@ YAML
         echo "$output$stderr"
         [ "$status" -eq 0 ] && [ -z "$stderr" ]
     done
+    # of films that are carried along their paths
+    { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transport: path
+transient: {end_time: 1, tolerance: 2e-3, load: {law: sine, amplitude: 0.05, period: 1}}
+YAML
+    printf 'groups:\n  - scene: moving.yml\n    vary: {physical.load: [19e3, 20e3, 21e3]}\n' >moving-plan.yml
+    snapgen moving-plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 25
+    snapgen moving-plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect --no-check r.h5 --basis b.h5 -o path.h5
+    use_library "${kinds##*$'\n'}" derivatives path.h5 si.yml
     for load in 19.8e3 20.2e3; do
         fullrun si.yml --grid-of m.h5 --set physical.load=$load --quiet -o full-$load.h5
     done
@@ -243,6 +255,29 @@ one = contact.step(0.01 * time, load=20.2e3)
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
+
+# derivatives of solutions and steps
+solved = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+solved.solve()
+by_load, by_approach = solved.differentiate(load=1), solved.differentiate(approach=1)
+assert abs(by_approach.load * by_load.approach / by_load.load - 1) < 1e-9 and by_approach.load < 0
+faster = solved.differentiate(speed=1, approach=0)
+assert faster.load > 0 and abs(faster.approach) < 1e-9 * abs(by_load.approach * faster.load)
+response = solved.respond()
+assert abs(response["stiffness"] / -by_approach.load - 1) < 1e-9
+solved["approach_length"] = 20  # of a line contact that is held farther off the compliance is larger
+solved.solve()
+assert 0 < solved.respond()["stiffness"] < 0.95 * response["stiffness"]
+tangent = other.differentiate(load=1)
+sides = [other.step(0.01 * time, load=20.2e3 + change).central_pressure for change in (-20, 20)]
+assert abs(tangent.central_pressure * 40 / (sides[1] - sides[0]) - 1) < 2e-3
+for wrong in (contact.respond, lambda: solved.differentiate(load=1, approach=1)):
+    try:
+        wrong()
+    except ehdrom.Error as error:
+        assert "expected" in str(error), error
+    else:
+        raise AssertionError("nothing raised")
 
 # a flat model: the same bits, fields too
 flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)
