@@ -65,7 +65,7 @@ static int open_contact(ehdrom_contact **contact, const ehdrom_model *model, con
     if (!status) status = ehdrom_contact_read(*contact, scene);
     if (!status) status = ehdrom_contact_set_units(*contact, EHDROM_DIMENSIONLESS);
     // forces are wanted: films may be so far off
-    if (!status) status = ehdrom_contact_set_accuracy(*contact, 0.05);
+    if (!status) status = ehdrom_contact_set_accuracy(*contact, 0.1);
     return status ? fail(error, status, "%s", ehdrom_contact_error(*contact)) : 0;
 }
 

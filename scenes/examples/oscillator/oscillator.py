@@ -9,7 +9,7 @@ import shaken_mass
 class Contact:
     def __init__(self, scene, model):
         # forces are wanted: films may be so far off
-        self.contact = ehdrom.Contact(ehdrom.Model(model), scene, dimensionless=True, accuracy=0.05)
+        self.contact = ehdrom.Contact(ehdrom.Model(model), scene, dimensionless=True, accuracy=0.1)
 
     def reply(self, approach, result):
         result.check()  # an answer that is not to be trusted ends it
