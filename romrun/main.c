@@ -616,7 +616,10 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
 
 /* Said with a result: a foreign writer may leave the digest out, and so does a program of before. */
 static void note_content(const program *self, const char *model) {
-    if (online_is_flat(model) || artefact_content(model) != content_without_digest) return;
+    bool is_flat = true;
+    if (online_is_flat(&is_flat, model, NULL) || is_flat ||
+        artefact_content(model) != content_without_digest)
+        return;
     program_note(self, "%s: found %s of its content, so that a change of it would not be noticed",
                  model, content_without_digest);
 }
@@ -639,13 +642,17 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
-/* --check of a flat model; of all others output_check does it. */
-static ehd_status check_flat(const char *path, ehd_error *error) {
+/* A flat model is opened for --check; of all other files output_check does it. */
+static int check(program *self) {
+    bool is_flat = false;
     online_model *model = NULL;
-    const ehd_status status = online_open(&model, path, NULL, error);
+    ehd_error error = {""};
+    ehd_status status = online_is_flat(&is_flat, self->check, &error);
 
+    if (!status && !is_flat) return output_check(self, model_readers);
+    if (!status) status = online_open(&model, self->check, NULL, &error);
     online_close(model);
-    return status;
+    return program_finish(self, status, &error);
 }
 
 /* The grid of a model of either format. */
@@ -653,8 +660,10 @@ static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *err
     const contact_kind *kind;
     online_model *model = NULL;
 
-    if (!online_is_flat(path)) return grid_of_file(grid, &kind, path, error);
-    const ehd_status status = online_open(&model, path, NULL, error);
+    bool is_flat = false;
+    ehd_status status = online_is_flat(&is_flat, path, error);
+    if (!status && !is_flat) return grid_of_file(grid, &kind, path, error);
+    if (!status) status = online_open(&model, path, NULL, error);
     if (!status) *grid = *online_grid(model);
     online_close(model);
     return status;
@@ -791,9 +800,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check && online_is_flat(self.check))
-        return program_finish(&self, check_flat(self.check, &error), &error);
-    if (self.check) return output_check(&self, model_readers);
+    if (self.check) return check(&self);
     if (self.print) return output_print(&self);
     if (self.vtk) return output_vtk(&self);
     ehd_status status = run(&self, &own, &error);

@@ -17,8 +17,12 @@ ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
                         strerror(errno));
     }
+    if (S_ISLNK(found.st_mode) && stat(path, &found) != 0) found.st_mode = S_IFREG; // leads nowhere
     if (S_ISDIR(found.st_mode))
         return ehd_fail(error, EHD_CANTCREATE, "%s: found a folder, expected a file or none", path);
+    if (!S_ISREG(found.st_mode)) // a rename would replace a device, too
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected one or none",
+                        path);
     if (force) return EHD_OK;
     return ehd_fail(error, EHD_CANTCREATE, "%s: found an existing file, expected none (or --force)",
                     path);

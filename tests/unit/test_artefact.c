@@ -431,7 +431,7 @@ static void output_names(void **state) {
     free(kept);
 
     check_refused(artefact_create(&file, folder, &schema_result, &forcing, "", NULL, &error),
-                  EHD_CANTCREATE, "regular");
+                  EHD_CANTCREATE, "found a folder");
     check_refused(artefact_create(&file, "/dev/null", &schema_result, &forcing, "", NULL, &error),
                   EHD_CANTCREATE, "regular");
     check_refused(artefact_create(&file, "/none/x.h5", &schema_result, &forcing, "", NULL, &error),
@@ -469,7 +469,7 @@ static void names_that_change_meanwhile(void **state) {
             assert_int_equal(unlink(path), 0);
         } else if (i == 1) {
             assert_int_equal(mkdir(path, 0777), 0);
-            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "no regular file");
+            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "found a folder");
             assert_int_equal(rmdir(path), 0);
         } else {
             assert_int_equal(unlink(partial), 0);
