@@ -396,32 +396,40 @@ void exits_watch_in_time(exit_search *self, double far) {
     watch_all(self);
 }
 
-/* New exit that is HELD_IN_CYCLE, by `direction` from where it is; `cycles`: near enough. */
+/* New exit that is HELD_AT_TURN, and has turned round now or not. */
+static size_t hold_at_turn(exit_watch *watch, size_t exit, size_t next, bool turns) {
+    if (watch->held) return exit;
+    if (!turns) return next;
+    if (index_distance(next, exit) > 1) return next > exit ? exit + 1 : exit - 1;
+    watch->held = true;
+    return next > exit ? next : exit;
+}
+
+/* New exit that is HELD_IN_CYCLE; `before`: change of the pressure in the iteration before. */
 static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, double before,
-                            size_t exit, size_t next, int direction) {
+                            size_t exit, size_t next) {
     const double stalled = 0.6, few = 5e-3; // reduced by less than 40 %, and changes that may be
     const bool near = index_distance(next, exit) <= settled_distance(self->model);
     const bool stalls = watch->change < few && watch->change > stalled * before;
     const bool cycles = near && (watch->change < self->small || stalls);
 
-    if (watch->turns == 0) return next;
+    if (watch->turns == 0 || next == exit) return next;
     if (watch->turns > (cycles ? 0 : 3)) return exit;
-    return (size_t)((ptrdiff_t)exit + direction);
+    return next > exit ? exit + 1 : exit - 1;
 }
 
 /* New exit on a line, where `next` is wanted; `change`: of the pressure in this iteration. */
 static size_t watch_exit(const exit_search *self, exit_watch *watch, double change, size_t exit,
                          size_t next) {
     const int direction = next > exit ? 1 : next < exit ? -1 : 0;
+    const bool turns = direction && watch->direction && direction != watch->direction;
     const double before = watch->change;
 
     watch->change = change;
-    if (self->hold == HELD_AT_TURN && watch->turns > 0) return exit;
-    if (direction && watch->direction && direction != watch->direction) watch->turns++;
+    watch->turns += turns;
     if (direction) watch->direction = direction;
-    if (self->hold == HELD_IN_CYCLE)
-        return hold_in_cycle(self, watch, before, exit, next, direction);
-    return watch->turns > 0 && next < exit ? exit : next;
+    if (self->hold == HELD_AT_TURN) return hold_at_turn(watch, exit, next, turns);
+    return hold_in_cycle(self, watch, before, exit, next);
 }
 
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
