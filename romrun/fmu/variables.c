@@ -68,7 +68,7 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
     [FMU_DAMPING] = {"stationary_damping", FMU_OUTPUT, FMU_REAL, "N.s/m2", "N.s/m", FMU_ALWAYS, NULL, NONE,
         "By how much more per speed at which they come nearer, slowly"},
     [FMU_DAMPING_BOUND] = {"stationary_damping_bound", FMU_OUTPUT, FMU_REAL, "N.s/m2", "N.s/m", FMU_ALWAYS, NULL, NONE,
-        "What the model lacks of the damping, up to a factor of 2 to 4; models trained in time lack little"},
+        "What the model lacks of the damping, up to a factor of 2 to 8; models trained in time lack little"},
 };
 // clang-format on
 

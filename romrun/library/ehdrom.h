@@ -306,8 +306,8 @@ typedef struct ehdrom_response {
     size_t size;      /* sizeof(ehdrom_response) */
     double stiffness; /* -dF/dh, N/m^2 of a line contact, N/m of a point contact */
     double damping;   /* N s/m^2 or N s/m, by the squeeze term */
-    /* as damping: by how much what the modes do not have of it moves it, a quarter to a half of what it is off.
-     * Modes that were trained in time have it, those of stationary solutions often not. */
+    /* as damping: by how much what the modes do not have of it moves it; of ten models damping was 2 to 8 times as
+     * far off. Modes of lines that were trained in time have it, those of stationary solutions often not. */
     double damping_bound;
 } ehdrom_response;
 #define EHDROM_RESPONSE_INIT                                                                       \

@@ -38,7 +38,9 @@ typedef struct reduced_change {
 } reduced_change;
 
 /* The change of the solution per unit of a parameter, from the equations half a distance before and
- * behind. EHD_NOT_CONVERGED as above. */
+ * behind: (J^T J) dz = -J^T dr. Gauss-Newton's part suffices: the second derivatives that it lacks are
+ * multiplied by what rows leave, and change derivatives by a tenth to a hundredth of what the truncated
+ * modes do to them (romrun/library/README.md). EHD_NOT_CONVERGED as above. */
 ehd_status reduced_tangent_along(
     // output:
     reduced_change *change,

@@ -529,8 +529,7 @@ static void far(void) {
 // ---- by ehdrom.h
 
 /* Of the stationary contact of these conditions, under a force. */
-static ehdrom_response respond(ehdrom_contact *contact, double force,
-                               const ehdrom_conditions *at) {
+static ehdrom_response respond(ehdrom_contact *contact, double force, const ehdrom_conditions *at) {
     ehdrom_result result = EHDROM_RESULT_INIT;
     ehdrom_response response = EHDROM_RESPONSE_INIT;
 

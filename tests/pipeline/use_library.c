@@ -254,7 +254,8 @@ static void differentiate_solution(ehdrom_contact *contact, double load) {
     CHECK(fabs(response.stiffness / -by_approach.load - 1) < 1e-9);
     CHECK(response.damping_bound > 0);
     for (int i = 0; i < 2; i++) {
-        taken(ehdrom_contact_set_number(contact, "physical.load", load * (i ? 1.001 : 0.999)), contact);
+        taken(ehdrom_contact_set_number(contact, "physical.load", load * (i ? 1.001 : 0.999)),
+              contact);
         taken(ehdrom_solve(contact, &sides[i]), contact);
     }
     CHECK(as_difference(by_load.central_pressure, sides[0].central_pressure,

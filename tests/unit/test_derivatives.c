@@ -2,6 +2,7 @@
 /* Derivatives of reduced solutions, against differences of solutions beside them. Those in time are in
  * test_online_transient.c. */
 #include "romrun/online/online.h"
+#include "tests/unit/allocation.h"
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
 #include "tests/unit/reduced_problem.h"
@@ -240,11 +241,34 @@ static void what_cannot_be_told_is_refused(void **state) {
     problem_free(&tested);
 }
 
+static void memory_may_fail(void **state) {
+    (void)state;
+    const online_direction by_load = {.load = 1, .approach = NAN};
+    online_derivatives found;
+    ehd_status status;
+    size_t call = 0;
+
+    trained_init(&tested.training, 0.05);
+    problem_init(&tested, DEFORMATION_COUPLED);
+    solve_here(&tested);
+    do {
+        allocation_fail_at(call);
+        status = online_differentiate(&found, tested.solver, &tested.contact, &by_load, &error);
+        if (!allocation_failed()) break;
+        assert_int_equal(status, EHD_MEMORY);
+    } while (call++ < 1000);
+    check_ok(status);
+    assert_true(call > 10);
+    check_close(found.scalars.load, 1, 1e-6, 0);
+    problem_free(&tested);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(derivatives_of_lines_are_those_of_differences),
         cmocka_unit_test(derivatives_of_points_are_those_of_differences),
         cmocka_unit_test(what_cannot_be_told_is_refused),
+        cmocka_unit_test(memory_may_fail),
     };
 
     return cmocka_run_group_tests_name("derivatives", tests, set_up, tear_down);
