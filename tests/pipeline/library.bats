@@ -210,6 +210,15 @@ contact.step(0.01 * time, load=20.1e3)
 contact.accept()
 saved = contact.save()
 one = contact.step(0.01 * time, load=20.2e3)
+# what is wrong is told in the caller's units
+for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, speed=-1), "speed: found -1,"),
+                    (dict(step=1e-6, load=-300), "load: found -300,"), (dict(step=math.nan), "step: found nan")):
+    try:
+        contact.step(**wrong)
+    except ehdrom.Error as error:
+        assert text in str(error), error
+    else:
+        raise AssertionError(wrong)
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
