@@ -183,7 +183,14 @@ with h5py.File("r.h5") as file:
     assert (pressure[0] == file["pressure"][0]).all()
     assert numpy.allclose(film[0], file["film_thickness"][0], rtol=0, atol=1e-12)
     assert numpy.allclose(x, file["x"][...], rtol=0, atol=1e-12) and y.shape == (1,)
-assert not ehdrom.Contact(model, "si.yml").solve().trusted
+untrusted = ehdrom.Contact(model, "si.yml").solve()
+assert not untrusted.trusted and f"load={untrusted.load:.6g}, " in repr(untrusted) and "never checked" in repr(untrusted)
+try:
+    ehdrom.Contact("m.h5")
+except TypeError as error:
+    assert "expected a Model" in str(error)
+else:
+    raise AssertionError("nothing raised")
 for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("physical.lod", 1), lambda: contact.step(1)):
     try:
         wrong()
