@@ -68,8 +68,9 @@ ehd_status output_file_create(output_file *self, const char *path, bool force, e
             status = ehd_fail(error, EHD_CANTCREATE,
                               "%s: found another process writing it, expected none", self->partial);
         else if (!self->stream)
-            status = ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
-                              self->partial, strerror(errno));
+            status =
+                ehd_fail(error, errno == ENOMEM ? EHD_MEMORY : EHD_CANTCREATE,
+                         "%s: found %s, expected to create it", self->partial, strerror(errno));
     }
     if (status) release(self);
     return status;
