@@ -213,16 +213,21 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
-/* Asked again where memory was refused, since HDF5 has then given back what it kept: a reader takes "no"
- * for something that a file may lack, and goes on. */
+/* A look-up that failed for lack of memory, since when HDF5 has given back what it kept, is worth another:
+ * a reader takes "no" for something that a file may lack, and goes on. After a read failure the
+ * second would say no. */
+static bool is_worth_another(htri_t found) {
+    return found < 0 && errno == ENOMEM;
+}
+
 bool hdf5_has_dataset(hid_t root, const char *name) {
     const htri_t found = H5Lexists(root, name, H5P_DEFAULT);
-    return exists(found < 0 ? H5Lexists(root, name, H5P_DEFAULT) : found);
+    return exists(is_worth_another(found) ? H5Lexists(root, name, H5P_DEFAULT) : found);
 }
 
 bool hdf5_has_attribute(hid_t object, const char *name) {
     const htri_t found = H5Aexists(object, name);
-    return exists(found < 0 ? H5Aexists(object, name) : found);
+    return exists(is_worth_another(found) ? H5Aexists(object, name) : found);
 }
 
 typedef struct attribute_visitor {
