@@ -7,6 +7,7 @@
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
 #include "common/output/vtk.h"
+#include "common/program/output_file.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "fullrun/resolution.h"
@@ -589,8 +590,11 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
 
 static ehd_status export_model(const program *self, const romrun_options *options,
                                ehd_error *error) {
+    const char *const inputs[] = {options->exported, NULL};
     online_model *model = NULL;
-    ehd_status status = online_open(&model, options->exported, &options->sizes, error);
+    ehd_status status = output_file_check_inputs(self->output, inputs, error);
+
+    if (!status) status = online_open(&model, options->exported, &options->sizes, error);
 
     if (!status) status = online_export(model, self->output, self->force, error);
     online_close(model);
@@ -629,7 +633,9 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
-    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
+    const char *const inputs[] = {self->arguments[0], options->model, NULL};
+    ehd_status status = output_file_check_inputs(self->output, inputs, error);
+    if (!status) status = contact_load(&contact, &given, &scene_lines, self, error);
     const fmu_request request = {.model = options->model,
                                  .sizes = &options->sizes,
                                  .given = &given,
@@ -732,8 +738,10 @@ static ehd_status run_cases(const program *self, const romrun_options *given_opt
                             ehd_error *error) {
     romrun_options options = *given_options;
     case_list *list = NULL;
+    const char *const inputs[] = {self->arguments[0], options.cases, options.model, NULL};
     ehd_status status = case_table_check(self, error);
 
+    if (!status && self->output) status = output_file_check_inputs(self->output, inputs, error);
     if (!status)
         status = case_list_read(&list, self->arguments[0], options.cases, self->overrides,
                                 self->num_overrides, error);

@@ -28,6 +28,18 @@ ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
                     path);
 }
 
+ehd_status output_file_check_inputs(const char *path, const char *const *inputs, ehd_error *error) {
+    struct stat output, input;
+
+    if (!inputs || stat(path, &output) != 0) return EHD_OK;
+    for (; *inputs; inputs++)
+        if (stat(*inputs, &input) == 0 && input.st_dev == output.st_dev &&
+            input.st_ino == output.st_ino)
+            return ehd_fail(error, EHD_CANTCREATE,
+                            "%s: found an input as output, expected another name", path);
+    return EHD_OK;
+}
+
 /* Opened and locked, its former content gone. NULL with errno; EWOULDBLOCK: another is writing. */
 static FILE *open_partial(const char *path) {
     const int descriptor =
@@ -68,8 +80,9 @@ ehd_status output_file_create(output_file *self, const char *path, bool force, e
             status = ehd_fail(error, EHD_CANTCREATE,
                               "%s: found another process writing it, expected none", self->partial);
         else if (!self->stream)
-            status = ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
-                              self->partial, strerror(errno));
+            status =
+                ehd_fail(error, errno == ENOMEM ? EHD_MEMORY : EHD_CANTCREATE,
+                         "%s: found %s, expected to create it", self->partial, strerror(errno));
     }
     if (status) release(self);
     return status;

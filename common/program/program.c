@@ -563,9 +563,21 @@ static ehd_status parse_arguments(program *self, const program_options *options,
     return *done ? EHD_OK : status;
 }
 
+/* Where one of the standard files was closed, the next file to be opened would take its place, and what is
+ * said or printed would be written into that. These fail each write. */
+static void fill_standard_files(void) {
+    int file;
+
+    do
+        file = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    while (file >= 0 && file <= STDERR_FILENO);
+    if (file >= 0) close(file);
+}
+
 void program_start(program *self, int argc, char **argv, const program_options *options) {
     ehd_error error = {""};
     bool done;
+    fill_standard_files();
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     name_of_program = self->name;

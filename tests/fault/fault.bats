@@ -55,6 +55,9 @@ load sweeps
     sweep podbuild memory fail -e 401
     sweep romrun memory fail -e 701
     sweep adaptive memory fail -e 9001
+    sweep export memory fail -e 395 # where it was refused a look-up it left out what an export can do without
+    sweep vtk memory fail -e 397
+    sweep cases memory fail -e 997
 }
 
 @test "a limit of memory is said before OpenBLAS waits for ever" {

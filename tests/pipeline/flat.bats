@@ -115,6 +115,13 @@ PYTHON
         [ -L $name ]
         rm $name
     done
+    # nor is it what is read, by whatever name
+    ln cases.csv hard.csv
+    for command in "romrun --export c.h5 -o c.h5" "romrun --fmu line.yml --model c.h5 -o line.yml" "romrun moes.yml --cases cases.csv --model c.h5 -o hard.csv"; do
+        refused 73 "found an input as output" $command --force
+    done
+    cp c.h5 c.vti
+    refused 73 "found an input as output" romrun --vtk c.vti -o c.vti --force
     # nor by what makes HDF5 files
     ln -s nowhere x.h5
     refused 73 "x.h5: found an existing file" romrun moes.yml --model c.h5 -o x.h5

@@ -4,6 +4,8 @@
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
 
+#include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
 #include <math.h>
@@ -553,6 +555,34 @@ static void refused_memory_ends_no_file(void **state) {
             fail_msg("allocation %zu: found %d, %s, expected 71", call, (int)status, error.text);
         if (!status) check_ok(artefact_check(path, &error));
     }
+}
+
+static int refused_looks; // of the next calls
+
+/* In the place of HDF5's. */
+htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
+    typedef htri_t look(hid_t, const char *, hid_t);
+    void *symbol = dlsym(RTLD_NEXT, "H5Lexists");
+    look *own;
+
+    memcpy(&own, &symbol, sizeof own);
+    if (refused_looks <= 0) return own(where, name, access);
+    refused_looks--;
+    errno = ENOMEM;
+    return -1;
+}
+
+/* A reader goes on without what a file may lack. */
+static void refused_look_is_no_no(void **state) {
+    (void)state;
+    double pressure[NUM_STATES][NUM_NODES];
+    write_snapshots("a: 1\n");
+    artefact *file = reopen();
+    refused_looks = 1;
+    assert_true(artefact_has(file, "pressure"));
+    refused_looks = 2;
+    check_refused(artefact_get(file, "pressure", pressure[0], &error), EHD_MEMORY, "memory");
+    artefact_close(&file);
 }
 
 static void two_writers(void **state) {
@@ -1384,6 +1414,7 @@ int main(void) {
         TEST(survives_failing_allocations),
         TEST(refused_memory_is_no_other_text),
         TEST(refused_memory_ends_no_file),
+        TEST(refused_look_is_no_no),
         TEST(two_writers),
         TEST(refuses_what_is_no_artefact),
         TEST(refuses_what_does_not_fit),
