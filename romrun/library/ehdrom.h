@@ -276,7 +276,7 @@ EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const dou
 typedef struct ehdrom_derivatives {
     size_t size; /* sizeof(ehdrom_derivatives) */
     double load;
-    double approach; /* of ehdrom_solve as measured from approach_length half widths, 10 unless set */
+    double approach; /* of ehdrom_solve as measured from approach_length half widths (10) */
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;
