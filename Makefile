@@ -78,6 +78,7 @@ FMU_SOURCES := romrun/fmu/processor.c romrun/fmu/fmi2.c romrun/fmu/fmi3.c romrun
 FMU_LIBRARY := $(filter-out common/artefact/% common/output/% common/training/% romrun/model/model_read.c,$(LIBRARY_SOURCES)) \
                common/output/grid_file.c romrun/fmu/no_hdf5.c
 FMU_CORES   := $(FMU)/any.o $(FMU)/v3.o
+USE_FMU     := $(if $(filter x86_64,$(shell uname -m)),$(FMU)/use_fmu)
 FMU_FILES   := $(if $(filter x86_64,$(shell uname -m)),$(BUILD)/lib/ehdrom/fmu.so $(BUILD)/lib/ehdrom/licenses)
 
 # A program with sanitizers or counts would have to bring them along.
@@ -89,11 +90,14 @@ PROGRAMS    := $(MAINS:%/main.c=$(BIN)/%)
 TESTS        := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/test_%,$(UNIT_SOURCES)))
 LONG_TESTS   := $(patsubst tests/unit/%.c,$(BUILD)/unit/%,$(filter tests/unit/long_%,$(UNIT_SOURCES)))
 UNIT_SHARED  := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/unit/test_% tests/unit/long_%,$(UNIT_SOURCES)))
+USE_LIBRARY  := $(BUILD)/unit/use_library
+ON_LIBRARY   := $(BUILD)/bench/bench_many
 BENCHES      := $(patsubst tests/bench/%.c,$(BUILD)/bench/%,$(filter tests/bench/bench_%,$(BENCH_SOURCES)))
 BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(BENCH_SOURCES)))
 # the programs, each with a name for its main, and what hands them files
-FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
+FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(BUILD)/tests/fuzz/flat_edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
 REPLAY       := $(BUILD)/fuzz/replay
+USE_LIBRARY  := $(BUILD)/unit/use_library
 FUZZER       := $(BUILD)/fuzz/libfuzzer
 FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)
@@ -161,7 +165,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 	@$(MAKE) -C scenes/studies/point-stationary demo BIN=$(abspath $(BIN))
 
 # Needs the programs too: the pipeline tests run them.
-check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
+check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
@@ -201,8 +205,8 @@ coverage: | deps coverage-deps ## lines and branches that `make check` runs, a f
 bench: $(PROGRAMS) $(BENCHES) ## measure speed
 	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) tests/bench/run.sh
 
-costs: $(PROGRAMS) ## what each term of a scene costs, by instructions and heap
-	@BIN=$(abspath $(BIN)) tests/bench/costs.sh
+costs: $(PROGRAMS) $(ON_LIBRARY) $(USE_FMU) ## what each term of a scene, and a step through library and FMU, costs, by instructions and heap
+	@BIN=$(abspath $(BIN)) BENCH=$(abspath $(BUILD)/bench) USE_FMU=$(abspath $(USE_FMU)) tests/bench/costs.sh
 
 figures: $(PROGRAMS) ## run all studies and draw their figures
 	@for study in $(STUDIES); do \
@@ -413,6 +417,10 @@ $(FMU)/fmu.so: $(FMU_SOURCES:%.c=$(FMU)/any/%.o) $(FMU)/any/common/program/openb
 	$(call quiet,LINK,$@)$(CC) -shared -static-libgcc -s -o $@ $(filter %.o,$^) $(FMU_LIBS) \
 	    -Wl,--version-script=romrun/fmu/fmi.map -Wl,-Bsymbolic -Wl,--gc-sections -Wl,-z,defs,-z,relro,-z,noexecstack
 
+# The importer of the tests (fmu.bats), with the very library that is in FMUs.
+$(USE_FMU): tests/pipeline/use_fmu.c $(FMU)/any/romrun/fmu/processor.o $(FMU_CORES)
+	$(call quiet,LINK,$@)$(CC) -std=c17 -D_GNU_SOURCE -Wall -Wextra -Werror -O1 -I. -o $@ $^ $(FMU_LIBS)
+
 $(BUILD)/lib/ehdrom/fmu.so: $(FMU)/fmu.so
 	@mkdir -p $(@D) && ln -f $< $@
 
@@ -436,12 +444,16 @@ WRAP := -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc
 $(TESTS) $(LONG_TESTS): $(BUILD)/unit/%: $(BUILD)/tests/unit/%.o $(UNIT_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(WRAP) -lcmocka $(ALL_LIBS)
 
-$(BENCHES): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
+# As others build on the library.
+$(ON_LIBRARY): tests/bench/bench_many.c $(LIBRARY)
+	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -I$(BUILD)/include -D_GNU_SOURCE $(ALL_CFLAGS) $(LDFLAGS) -o $@ $< \
+	    -L$(BUILD)/lib -lehdrom -Wl,-rpath,$(abspath $(BUILD)/lib) -lm
+
+$(filter-out $(ON_LIBRARY),$(BENCHES)): $(BUILD)/bench/%: $(BUILD)/tests/bench/%.o $(BUILD)/tests/unit/dense.o \
                              $(BUILD)/tests/unit/sample.o $(BENCH_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
 # The program of library.bats on the objects of this variant, with its sanitizers and counts.
-USE_LIBRARY = $(BUILD)/unit/use_library
 $(USE_LIBRARY): tests/pipeline/use_library.c romrun/library/ehdrom.h $(LIB)
 	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -Iromrun/library -D_GNU_SOURCE $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $< $(LIB) $(ALL_LIBS)
 

@@ -244,8 +244,8 @@ EHDROM_API ehdrom_status ehdrom_start(ehdrom_contact *contact, const ehdrom_cond
 EHDROM_API ehdrom_status ehdrom_step(ehdrom_contact *contact, const ehdrom_conditions *conditions,
                                      double step, ehdrom_result *result);
 /* The same of `count` contacts, of any models, one after the other in this thread; conditions NULL: those
- * of the settings. Returns the largest status; each result has its own, each contact its error. Without
- * effect on the others is one that fails. */
+ * of the settings. Returns the largest status; each result has its own, of an error too, after which the
+ * rest of it is as before, and each contact its text. Without effect on the others is one that fails. */
 EHDROM_API ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts,
                                           const ehdrom_conditions *conditions, double step,
                                           ehdrom_result *results, size_t count);
@@ -276,7 +276,7 @@ EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const dou
 typedef struct ehdrom_derivatives {
     size_t size; /* sizeof(ehdrom_derivatives) */
     double load;
-    double approach; /* of ehdrom_solve as measured from approach_length half widths, 10 unless set */
+    double approach; /* of ehdrom_solve as measured from approach_length half widths (10) */
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;

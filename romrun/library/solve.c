@@ -133,18 +133,25 @@ ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *g
         const char *name;
         double value, unit;
         double *target;
-    } parts[] = {{EHDROM_LOAD, "load", all.load, units->load, &own->load},
-                 {EHDROM_APPROACH, "approach", all.approach, units->film, &own->approach},
-                 {EHDROM_SPEED, "speed", all.speed, units->speed, &own->speed},
-                 {EHDROM_RADIUS, "radius", all.radius, units->radius, &own->radius},
-                 {EHDROM_MODULUS, "modulus", all.modulus, units->modulus, &own->modulus}};
+        double above;
+    } parts[] = {
+        {EHDROM_LOAD, "load", all.load, units->load, &own->load, 0},
+        {EHDROM_APPROACH, "approach", all.approach, units->film, &own->approach, -INFINITY},
+        {EHDROM_SPEED, "speed", all.speed, units->speed, &own->speed, 0},
+        {EHDROM_RADIUS, "radius", all.radius, units->radius, &own->radius, 0},
+        {EHDROM_MODULUS, "modulus", all.modulus, units->modulus, &own->modulus, 0}};
     unsigned known = 0;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        const double value = parts[i].value;
+        const bool rest = parts[i].bit == EHDROM_SPEED && value == 0;
         known |= parts[i].bit;
         if (!(all.given & parts[i].bit)) continue;
-        if (!isfinite(parts[i].value))
-            return ehd_fail(error, EHD_DATA, "%s: found %g, expected a finite number",
-                            parts[i].name, parts[i].value);
+        // here, where it is in the caller's units
+        if (!isfinite(value) || !(value > parts[i].above || rest))
+            return ehd_fail(error, EHD_DATA, "%s: found %g, expected a %s", parts[i].name, value,
+                            !isfinite(value)               ? "finite number"
+                            : parts[i].bit == EHDROM_SPEED ? "number of at least 0"
+                                                           : "number above 0");
         *parts[i].target = parts[i].value / parts[i].unit;
     }
     if (all.given & ~known)
@@ -225,6 +232,9 @@ static ehd_status step_on(ehdrom_contact *self, const ehdrom_conditions *given, 
 
     self->can_accept = false;
     self->differentiable = OF_NOTHING;
+    if (!status && !(step > 0 && isfinite(step)))
+        status =
+            ehd_fail(&self->error, EHD_DATA, "step: found %g, expected a number above 0", step);
     if (!status)
         status = online_step(&state, self->in_time, &conditions, step / self->reference_units.time,
                              &self->error);
@@ -253,9 +263,11 @@ ehdrom_status ehdrom_step_many(ehdrom_contact *const *contacts, const ehdrom_con
     ehdrom_status most = EHDROM_OK;
 
     for (size_t i = 0; i < count; i++) {
-        const ehdrom_status status = ehdrom_step(contacts[i], (const ehdrom_conditions *)given,
-                                                 step, (ehdrom_result *)result);
+        ehdrom_result *own = (ehdrom_result *)result;
+        const ehdrom_status status =
+            ehdrom_step(contacts[i], (const ehdrom_conditions *)given, step, own);
         if (status > most) most = status;
+        if (EHDROM_FAILED(status) && own && own->size >= 2 * sizeof(size_t)) own->status = status;
         if (given) given += conditions->size;
         if (result) result += results->size;
     }

@@ -137,11 +137,13 @@ static ehd_status open_flat(online_model *self, const model_sizes *sizes, ehd_er
 
 ehd_status online_export(online_model *self, const char *path, bool force, ehd_error *error) {
     flat file;
+    bool in_time = self->transient;
     ehd_status status = EHD_OK;
 
-    // without the deformation's modes there are no steps in time
-    if (!self->transient && online_prepare_transient(self, NULL))
-        status = online_prepare_fields(self, error);
+    if (!self->file.reading) status = model_has_modes(&in_time, self->path, &self->reduced, error);
+    if (!status)
+        status =
+            in_time ? online_prepare_transient(self, error) : online_prepare_fields(self, error);
     if (status) return status;
     flat_begin(&file, path, error);
     walk(&file, self);
@@ -150,8 +152,8 @@ ehd_status online_export(online_model *self, const char *path, bool force, ehd_e
     return status;
 }
 
-bool online_is_flat(const char *path) {
-    return flat_is(path);
+ehd_status online_is_flat(bool *is, const char *path, ehd_error *error) {
+    return flat_is(is, path, error);
 }
 
 // ---- models
@@ -166,10 +168,11 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
         free(self);
         return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
     }
-    ehd_status status = EHD_OK;
-    if (flat_is(path)) {
+    bool is_flat = false;
+    ehd_status status = flat_is(&is_flat, path, error);
+    if (!status && is_flat) {
         status = open_flat(self, sizes, error);
-    } else {
+    } else if (!status) {
         status = model_read(&self->reduced, path, sizes, error);
         if (!status) status = read_factors(self, path, error);
     }

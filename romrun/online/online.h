@@ -90,8 +90,8 @@ online_properties online_describe(const online_model *model);
  * NULL: it was. */
 const char *online_unchecked(const online_properties *model, bool in_time);
 
-/* Whether a file begins as a flat model does. */
-bool online_is_flat(const char *path);
+/* Whether a file begins as a flat model does. EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ehd_status online_is_flat(bool *is, const char *path, ehd_error *error);
 
 /* Prepares a model for all that it can do and writes it as a flat file, whose results have the same bits.
  * EHD_CANTCREATE: there is such a file, without `force`; EHD_DATA, EHD_IO, EHD_MEMORY. */

@@ -158,7 +158,7 @@ static bool tells_minimum(const reduced_march *self) {
 /* Finds the places on the way to the centre: those of rows on the central line, and nodes between
  * them where these are farther apart than errors in time are long. */
 static bool find_way(reduced_march *self) {
-    const double widest = 0.05; // see README.md, Along the path
+    const double widest = 0.05; // see common/time/README.md, Along the path
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
     const size_t begin = grid_central_line(grid), end = begin + grid_width(grid) - 1;

@@ -7,5 +7,5 @@ BESIDE      := $(abspath $(BIN)/..)
 use_library  = $(shell PKG_CONFIG_PATH=$(BESIDE)/lib/pkgconfig pkg-config --define-prefix --cflags --libs ehdrom)
 
 $(LIBRARY_PROGRAMS:%=$(OUT)/%): $(OUT)/%: %.c $(wildcard *.h) $(BESIDE)/lib/libehdrom.so
-	$(call quiet,CC        ,$@)$(CC) -std=c11 -D_POSIX_C_SOURCE=200809L -O2 -Wall -Wextra -o $@ $< $(use_library) \
+	$(call quiet,CC        ,$@)$(CC) -std=c11 -D_POSIX_C_SOURCE=200809L -O2 -Wall -Wextra -pthread -o $@ $< $(use_library) \
 	    -Wl,-rpath,$(BESIDE)/lib -lm

@@ -4,7 +4,7 @@
 # else the machine does; `make costs` calls this with BIN set. Fails where a scene runs functions of a term
 # that it does not have.
 set -eu
-: "${BIN:?folder of the programs}"
+: "${BIN:?folder of the programs}" "${BENCH:?folder of the benchmark programs}"
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -31,7 +31,9 @@ moes: {M: 120, L: 10}
 lubricant: {viscosity: {$viscosity}, density: {law: $density}}
 YML
     case $1 in
-    *time*) echo 'transient: {speed: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.05, fixed_step: 0.005}' >>"$1.yml" ;;
+    # films along their path take more modes than so few steps have
+    *time*) echo 'transport: upwind
+transient: {speed: {law: sine, amplitude: 0.1, period: 1}, end_time: 0.05, fixed_step: 0.005}' >>"$1.yml" ;;
     esac
 }
 stationary='base compressible roelands wlf'
@@ -191,6 +193,59 @@ awk 'FNR == 1 { total[FILENAME] = $3 }
 printf 'heap: %d kB, with fields %d kB, without control rows %d kB\n' "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model model.h5)" \
     "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model model.h5 --set output.fields=true -f -o fields.h5)" \
     "$(heap "$BIN/romrun" -q --allow-untrusted base.yml --model without-control.h5)"
+# ---- the library and FMUs
+
+section "a step through the library against one inside of romrun (goal: at most 3 % more): thousand instructions"
+cat >step.yml <<'YML'
+contact: line
+regime: transient
+discretization: published
+moes: {M: 20, L: 5}
+grid: {step: 0.02}
+lubricant: {viscosity: {law: barus, alpha: 22e-9}}
+transient: {load: {law: sine, amplitude: 0.1, period: 1}, end_time: 1, fixed_step: 0.005}
+YML
+"$BIN/snapgen" -q step.yml -o step-s.h5
+"$BIN/podbuild" -q step-s.h5 -o step-b.h5 --pressure-modes 40 >log
+"$BIN/snapgen" -q step.yml --basis step-b.h5 -o step-r.h5 >log
+"$BIN/deimselect" -q --no-check step-r.h5 --basis step-b.h5 -o step-m.h5 --rows 64 --method exits >log
+calls inside march_run "$BIN/romrun" -q --allow-untrusted step.yml --model step-m.h5
+calls through - "$BENCH/bench_many" step-m.h5 step.yml 200 1
+# what is written meanwhile is no part of it
+awk '{ cost[FILENAME, $1] = $3; calls[FILENAME, $1] = $2 }
+     END { inside = "inside.calls"; through = "through.calls"; steps = calls[inside, "attempt"]
+           romrun = (cost[inside, "march_run"] - cost[inside, "store"]) / steps
+           library = (cost[through, "ehdrom_step"] + cost[through, "ehdrom_accept"]) / calls[through, "ehdrom_step"]
+           printf "romrun %.1f a step (%d steps), the library %.1f (%d): %+.2f %%\n", romrun / 1000, steps, library / 1000,
+               calls[through, "ehdrom_step"], 100 * (library / romrun - 1)
+           exit !(library <= 1.03 * romrun) }' inside.calls through.calls || failed=1
+
+if [ -n "${USE_FMU:-}" ]; then
+    section "a step of an FMU against one of the library in it: instructions"
+    cat >contact.yml <<'YML'
+contact: line
+regime: stationary
+physical: {load: 300e3, radius: 0.0125, speed: 0.8, modulus: 226e9, viscosity: 0.08}
+lubricant: {viscosity: {law: roelands, eta0: 0.08, alpha: 2.0e-8}, density: {law: dowson-higginson}}
+grid: {x_min: -4, x_max: 2, step: 0.05}
+YML
+    printf 'groups:\n- {scene: contact.yml, vary: {physical.load: [240e3, 300e3, 360e3], physical.speed: [0.5, 0.8, 1.1]}}\n' >contacts.yml
+    "$BIN/snapgen" -q contacts.yml -o fmu-s.h5
+    "$BIN/podbuild" -q fmu-s.h5 -o fmu-b.h5 --pressure-modes 9 >log
+    "$BIN/snapgen" -q contacts.yml --basis fmu-b.h5 -o fmu-r.h5 >log
+    "$BIN/deimselect" -q --no-check fmu-r.h5 --basis fmu-b.h5 -o fmu-m.h5 >log
+    "$BIN/romrun" -q --fmu contact.yml --model fmu-m.h5 -o contact.fmu
+    mkdir fmu && python3 -m zipfile -e contact.fmu fmu
+    calls by-fmu - "$USE_FMU" 3 fmu run 40
+    calls by-library - "$USE_FMU" library fmu 40
+    # of the code for this processor (romrun/fmu/processor.c)
+    awk '$1 == "fmi3DoStep" { steps = $2; fmu = $3 }
+         $1 ~ /^ehdrom_(step|accept)_(v3|any)$/ { library += $3 }
+         END { if (!steps || !library) exit 1
+               printf "fmi3DoStep %.0f, of which ehdrom_step and ehdrom_accept %.0f: %.0f more\n", fmu / steps, library / steps,
+                   (fmu - library) / steps }' by-fmu.calls by-library.calls || failed=1
+fi
+
 check_terms reduced
 none full-short '^full_resolution'
 none reduced-base '^(reduced_fields|model_read_modes|online_fields|result_write)'

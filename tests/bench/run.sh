@@ -139,4 +139,7 @@ done
 paste -s "$work/counts" | awk '{
     printf "%d against %d instructions: %+.1f %%\n", $2, $1, ($2 / $1 - 1) * 100
     exit $2 > 1.2 * $1 }' || failed=1
+
+section "contacts in time by the library: two threads of the program against one, on two cores (goal: 1.9 times), load $(cut -d' ' -f1 /proc/loadavg)"
+"$BENCH/bench_many" "$work/time-0.005-model.h5" "$work/time-0.005.yml" 100 8 7 || failed=1
 exit $failed

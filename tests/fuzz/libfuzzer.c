@@ -2,6 +2,7 @@
 /* What libFuzzer calls. The environment's TARGET says which target; edits are made up from the words of
  * edit.h and the names of the schema. */
 #include "tests/fuzz/edit.h"
+#include "tests/fuzz/flat_edit.h"
 #include "tests/fuzz/target.h"
 
 #include <stdbool.h>
@@ -170,6 +171,24 @@ static const char *any_text(void) {
     return below(4) ? one_of(texts) : any_number();
 }
 
+/* Of a flat model, by the numbers of its blocks, of which most are of one number. */
+static int make_flat_line(char *line, size_t room) {
+    const char *word = one_of(flat_edit_words);
+    const unsigned block = below(64), index = below(2) ? below(200) : 0;
+    switch (below(3) ? *word : 'p') { // p: put, w: whole
+    case 'p':
+    case 'w':
+        return snprintf(line, room, "%s %u %u %s\n", below(2) ? "put" : "whole", block, index,
+                        any_number());
+    case 'h': // header
+        return snprintf(line, room, "%s %u %s\n", word, below(8), any_number());
+    case 'n': // name
+        return snprintf(line, room, "%s %u %s\n", word, block, any_text());
+    default:
+        return snprintf(line, room, "%s %u %s\n", word, block, any_number());
+    }
+}
+
 /* A line of edits. */
 static int make_line(char *line, size_t room) {
     const char *name = any_name();
@@ -233,7 +252,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *bytes, size_t length, size_t room, unsig
         added = snprintf(line, sizeof line, "run %u\n", below(MAX_COMMANDS));
         break;
     default:
-        added = make_line(line, sizeof line);
+        added = target()->flat ? make_flat_line(line, sizeof line) : make_line(line, sizeof line);
     }
     if (added < 1 || (size_t)added >= sizeof line || (size_t)added > room - length) return length;
     // the first "base" and "run" count

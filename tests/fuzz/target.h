@@ -4,6 +4,7 @@
 #define FUZZ_TARGET_H
 
 #include "common/artefact/artefact.h"
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -11,10 +12,11 @@ enum { MAX_BASES = 4, MAX_COMMANDS = 12 };
 
 typedef struct fuzz_target {
     const char *name;
-    // the bytes are the file, or edits (edit.h) of a valid one, led by lines "base N" and "run N"
+    // the bytes are the file, or edits (edit.h, flat_edit.h) of a valid one, led by lines "base N" and "run N"
     const char *file;                   // what it is called, "work.h5"; NULL: there is none
     const char *bases[MAX_BASES];       // valid files to edit; NULL: the bytes are the file
     const artefact_schema *schema;      // of these; NULL: none
+    bool flat;                          // these are flat models, with edits of flat_edit.h
     const char *commands[MAX_COMMANDS]; // of which "run N" says one; where nothing does, the second
     // in place of commands: the status of what reads the bytes
     ehd_status (*read)(const char *bytes, size_t length, ehd_error *error);

@@ -52,6 +52,8 @@ chain() { # NAME SCENE PODBUILD_OPTION...
     chain line line
     chain both line --deformation independent --pressure-modes 10 --deformation-modes 8
     chain point point
+    for name in line both point; do romrun --export m-$name.h5 -o m-$name.ehdrom; done
+    romrun --export m-line.h5 --pressure-modes 9 --rows 20 -o m-small.ehdrom
     for scene in line time point; do fullrun $scene.yml -q -o f-$scene.h5; done
     snapgen small-plan.yml -q -o s-small.h5
     # as another program may write them, which also takes less time to read: nothing but values

@@ -4,6 +4,10 @@
 bats_require_minimum_version 1.5.0
 PATH=$BIN:$PATH
 
+# Whether there is a library for other programs, and the way out where there is none.
+is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
+outside() { is_installed || skip "the library is not built with sanitizers"; }
+
 # base_scene [GRID]: base.yml, a line contact that lacks M and L, in the present folder.
 base_scene() {
     cat >base.yml <<'YAML'

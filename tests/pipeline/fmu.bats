@@ -6,18 +6,12 @@ load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-make_value() {
-    make -s -C "$root" DEPS=no VARIANT="$VARIANT" "print-$1" | sed 's/^[^=]*= //'
-}
-
-# use_fmu with the very library that is in FMUs, a model, and FMUs with the load and the approach given, unpacked.
+# use_fmu, a model, and FMUs with the load and the approach given, unpacked.
 setup_file() {
     [ "$(uname -m)" = x86_64 ] || skip "FMUs are made on x86-64"
     cd "$BATS_FILE_TMPDIR" || return
-    local fmu=$root/build/fmu
-    # shellcheck disable=SC2046
-    gcc -std=c17 -D_GNU_SOURCE -Wall -Wextra -Werror -O1 -I"$root" "$BATS_TEST_DIRNAME/use_fmu.c" \
-        "$fmu/any/romrun/fmu/processor.o" "$fmu/any.o" "$fmu/v3.o" $(make_value FMU_LIBS) -o use_fmu
+    make -s -C "$root" DEPS=no VARIANT="$VARIANT" build/fmu/use_fmu
+    cp "$root/build/fmu/use_fmu" .
     cat >scene.yml <<'YAML'
 contact: line
 regime: stationary

@@ -6,9 +6,6 @@ load common
 
 root=$BATS_TEST_DIRNAME/../..
 
-is_installed() { [[ $VARIANT == release || $VARIANT == debug ]]; }
-outside() { is_installed || skip "the library is not built with sanitizers"; }
-
 # installed/ by make install, and two programs on it (C11 shared, C++17 static).
 install_all() {
     make -C "$root" -s install VARIANT="$VARIANT" DEPS=no DESTDIR="$PWD/installed" PREFIX=/usr >install.log 2>&1 ||
@@ -29,7 +26,7 @@ install_all() {
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     ! is_installed || install_all
-    [ ! -e "$BIN/../unit/use_library" ] || cp "$BIN/../unit/use_library" use_inside
+    cp "$BIN/../unit/use_library" use_inside
     common_setup_small
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5 --pressure-modes 9
@@ -228,7 +225,14 @@ with h5py.File("r.h5") as file:
     assert (pressure[0] == file["pressure"][0]).all()
     assert numpy.allclose(film[0], file["film_thickness"][0], rtol=0, atol=1e-12)
     assert numpy.allclose(x, file["x"][...], rtol=0, atol=1e-12) and y.shape == (1,)
-assert not ehdrom.Contact(model, "si.yml").solve().trusted
+untrusted = ehdrom.Contact(model, "si.yml").solve()
+assert not untrusted.trusted and f"load={untrusted.load:.6g}, " in repr(untrusted) and "never checked" in repr(untrusted)
+try:
+    ehdrom.Contact("m.h5")
+except TypeError as error:
+    assert "expected a Model" in str(error)
+else:
+    raise AssertionError("nothing raised")
 for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("physical.lod", 1), lambda: contact.step(1)):
     try:
         wrong()
@@ -255,6 +259,15 @@ contact.step(0.01 * time, load=20.1e3)
 contact.accept()
 saved = contact.save()
 one = contact.step(0.01 * time, load=20.2e3)
+# what is wrong is told in the caller's units
+for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, speed=-1), "speed: found -1,"),
+                    (dict(step=1e-6, load=-300), "load: found -300,"), (dict(step=math.nan), "step: found nan")):
+    try:
+        contact.step(**wrong)
+    except ehdrom.Error as error:
+        assert text in str(error), error
+    else:
+        raise AssertionError(wrong)
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness

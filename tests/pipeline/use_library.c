@@ -206,6 +206,14 @@ static void march(char **argv) {
     CHECK(!EHDROM_FAILED(ehdrom_step_many(both, same, step, results, 2)));
     CHECK(results[0].time > result.time && results[0].time == results[1].time);
     CHECK(results[0].minimum_film_thickness == results[1].minimum_film_thickness);
+    // one that fails says so in its result, whose numbers stay
+    const ehdrom_conditions one_is_wrong[2] = {{sizeof conditions, 1024, 0, 0, 0, 0, 0},
+                                               conditions};
+    const double before = results[0].load;
+    results[1].load = 0;
+    CHECK(ehdrom_step_many(both, one_is_wrong, step, results, 2) == EHDROM_DATA);
+    CHECK(results[0].status == EHDROM_DATA && results[0].load == before && results[1].load > 0);
+    CHECK(!EHDROM_FAILED(results[1].status) && *ehdrom_contact_error(contact));
     results[1].size = 0;
     CHECK(ehdrom_step_many(both, NULL, step, results, 2) == EHDROM_DATA);
     CHECK(most == largest(other, model, &first_x));

@@ -116,6 +116,10 @@ class Result:
     def __getattr__(self, name):
         return getattr(self._struct, name)
 
+    def __repr__(self):
+        numbers = ((name, getattr(self, name)) for name, _ in _ffi.typeof("ehdrom_result").fields[1:])
+        return f"Result({', '.join(f'{name}={value:.6g}' for name, value in numbers)}, reason={self.reason!r})"
+
     def __dir__(self):
         return ["reason", "check", *(name for name, _ in _ffi.typeof("ehdrom_result").fields[1:])]
 
@@ -151,6 +155,8 @@ class Contact:
     """
 
     def __init__(self, model, scene=None, dimensionless=False, accuracy=None, tolerance=None, step_tolerance=None):
+        if not isinstance(model, Model):
+            raise TypeError(f"model: found {type(model).__name__}, expected a Model")
         handle = _ffi.new("ehdrom_contact **")
         status = _lib.ehdrom_contact_create(handle, model._handle)
         self.model = model  # has to outlive the handle

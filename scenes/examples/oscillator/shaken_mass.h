@@ -155,7 +155,7 @@ static int write_trace(const trace *self, const char *path, failure *error) {
     if (!file) return fail(error, CANNOT_CREATE, "%s: %s", path, strerror(errno));
     fputs("time,approach,force,central_film_thickness\n", file);
     for (size_t i = 0; i <= NUM_STEPS; i++)
-        fprintf(file, "%.10g,%.10g,%.10g,%.10g\n", self->time[i], self->states[i].approach,
+        fprintf(file, "%.17g,%.17g,%.17g,%.17g\n", self->time[i], self->states[i].approach,
                 self->states[i].force, self->states[i].film);
     bool failed = ferror(file);
     if (fclose(file) || failed) return fail(error, IO_FAILED, "%s: %s", path, strerror(errno));

@@ -1,0 +1,399 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A roller on a track, by the installed library alone: it carries a slide over the oblique joint of two rails, of which
+ * the second is a little higher. The roller is cut into slices, each of which is a lubricated line contact with an
+ * approach of its own (slide and roller being stiff, where the slide is and how it is tilted), and pushes back with a
+ * force. All of them are solved at once, by some threads, as often as the slide's integrator tries a step.
+ *
+ *     roller SCENE.yml MODEL OUT.csv [THREADS] */
+#include <ehdrom.h>
+
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+// ---- the machine, SI
+
+enum { NUM_SLICES = 8 };
+static const double LENGTH = 0.02;    // of the roller
+static const double LOAD = 6000;      // on it
+static const double SPEED = 0.8;      // of the slide
+static const double MASS = 2.5;       // of the slide, as far as it rests on this roller
+static const double INERTIA = 7.5e-4; // against tilting about the direction in which it moves
+static const double RAIL_STEP = 1e-6; // the second rail is so much higher,
+static const double RAMP = 0.4e-3;    // which it comes to over this length,
+static const double SKEW = 0.1;       // along a joint that lies at an angle: this is its tangent
+static const double BEFORE = 1.5e-3;  // from where to
+static const double BEHIND = 4.5e-3;  // where, seen from the joint
+
+// ---- the integrator
+
+static const double POSITION_ERROR = 2e-11; // m, of a step
+static const double FILM_ERROR = 1e-3;      // of the central film, relative
+static const double EQUILIBRIUM = 1e-13;    // m, to which the positions of a step are found
+enum { MAX_TRIALS = 12, MAX_THREADS = 64 };
+
+enum { NOT_CONVERGED = 3, UNTRUSTED = 4, USAGE = 64, CANNOT_CREATE = 73, IO_FAILED = 74 };
+
+/* How far slice k is from the middle. */
+static double place(int k) {
+    return LENGTH * ((k + 0.5) / NUM_SLICES - 0.5);
+}
+
+static double track(double travel, double across) {
+    const double part = fmin(fmax((travel - SKEW * across) / RAMP, 0), 1);
+
+    return RAIL_STEP * part * part * (3 - 2 * part);
+}
+
+// ---- the contacts
+
+typedef struct crew crew;
+
+/* What a thread of its own is told. */
+typedef struct hand {
+    crew *of;
+    int number;
+    pthread_t thread;
+} hand;
+
+struct crew {
+    ehdrom_model *model;
+    ehdrom_contact *contacts[NUM_SLICES];
+    ehdrom_conditions conditions[NUM_SLICES];
+    ehdrom_result results[NUM_SLICES];
+    double step;
+    // threads, each of which steps its share of the contacts; this one is number 0
+    int num_threads;
+    hand hands[MAX_THREADS];
+    ehdrom_status statuses[MAX_THREADS];
+    pthread_barrier_t begin, end;
+    int over;
+};
+
+static void step_share(crew *self, int number) {
+    const int first = NUM_SLICES * number / self->num_threads;
+    const int last = NUM_SLICES * (number + 1) / self->num_threads;
+
+    self->statuses[number] =
+        ehdrom_step_many(self->contacts + first, self->conditions + first, self->step,
+                         self->results + first, (size_t)(last - first));
+}
+
+static void *work(void *argument) {
+    const hand *self = argument;
+
+    for (;;) {
+        pthread_barrier_wait(&self->of->begin);
+        if (self->of->over) return NULL;
+        step_share(self->of, self->number);
+        pthread_barrier_wait(&self->of->end);
+    }
+}
+
+/* A step of all contacts from the last accepted state; the worst of their statuses. */
+static ehdrom_status step_all(crew *self, double step) {
+    ehdrom_status worst = EHDROM_OK;
+
+    self->step = step;
+    pthread_barrier_wait(&self->begin);
+    step_share(self, 0);
+    pthread_barrier_wait(&self->end);
+    for (int i = 0; i < self->num_threads; i++)
+        if (self->statuses[i] > worst) worst = self->statuses[i];
+    return worst;
+}
+
+/* Prints why, as the contact of the worst status tells it. */
+static ehdrom_status tell(const crew *self, ehdrom_status status) {
+    for (int k = 0; k < NUM_SLICES; k++)
+        if (self->results[k].status == status) {
+            fprintf(stderr, "roller: slice %d: %s\n", k, ehdrom_contact_error(self->contacts[k]));
+            return status;
+        }
+    return status;
+}
+
+/* A contact under its share of the load; returns at which approach. */
+static ehdrom_status start_contact(crew *self, int k, const char *scene, double factor) {
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
+    ehdrom_contact *contact = self->contacts[k];
+    ehdrom_status status = ehdrom_contact_read(contact, scene);
+
+    conditions.given = EHDROM_LOAD;
+    conditions.load = factor * LOAD / LENGTH;
+    self->results[k] = (ehdrom_result)EHDROM_RESULT_INIT;
+    self->conditions[k] = (ehdrom_conditions)EHDROM_CONDITIONS_INIT;
+    self->conditions[k].given = EHDROM_APPROACH;
+    if (!status) status = ehdrom_contact_set_step_tolerance(contact, FILM_ERROR);
+    if (!status) status = ehdrom_start(contact, &conditions, &self->results[k]);
+    if (EHDROM_FAILED(status)) self->results[k].status = status;
+    return status;
+}
+
+static ehdrom_status open_contacts(crew *self, const char *scene, const char *path) {
+    ehdrom_status status = ehdrom_model_open(&self->model, path, NULL);
+
+    if (status) {
+        fprintf(stderr, "roller: %s\n", ehdrom_model_error(self->model));
+        return status;
+    }
+    for (int k = 0; k < NUM_SLICES; k++) {
+        status = ehdrom_contact_create(&self->contacts[k], self->model);
+        if (!status) status = start_contact(self, k, scene, 1);
+        if (EHDROM_FAILED(status) || status == EHDROM_NOT_CONVERGED) return tell(self, status);
+    }
+    return EHDROM_OK;
+}
+
+static int begin_threads(crew *self, int count) {
+    self->num_threads = count;
+    pthread_barrier_init(&self->begin, NULL, (unsigned)count);
+    pthread_barrier_init(&self->end, NULL, (unsigned)count);
+    for (int i = 1; i < count; i++) {
+        self->hands[i] = (hand){.of = self, .number = i};
+        if (pthread_create(&self->hands[i].thread, NULL, work, &self->hands[i])) abort();
+    }
+    return 0;
+}
+
+static void close_crew(crew *self) {
+    if (self->num_threads > 0) {
+        self->over = 1;
+        pthread_barrier_wait(&self->begin);
+    }
+    for (int i = 1; i < self->num_threads; i++)
+        pthread_join(self->hands[i].thread, NULL);
+    for (int k = 0; k < NUM_SLICES; k++)
+        ehdrom_contact_free(self->contacts[k]);
+    ehdrom_model_close(self->model);
+}
+
+// ---- the slide
+
+/* Height above where it rests in the beginning, and tilt. */
+enum { HEIGHT, TILT, NUM_POSITIONS };
+
+typedef struct slide {
+    double time, step, shortest; // s; of the next step, and as far as films ask for short ones
+    double position[NUM_POSITIONS], velocity[NUM_POSITIONS], acceleration[NUM_POSITIONS];
+    double rest;                  // approach of the contacts in the beginning, m
+    double stiffness[NUM_SLICES]; // N/m^2: what a slice gives way by, between the last two trials
+    size_t num_steps, num_trials, num_rejected, num_untrusted;
+} slide;
+
+/* What the forces of the slices do. */
+static void accelerate(double acceleration[NUM_POSITIONS], const crew *contacts) {
+    double force = 0, moment = 0;
+
+    for (int k = 0; k < NUM_SLICES; k++) {
+        force += contacts->results[k].load * LENGTH / NUM_SLICES;
+        moment += contacts->results[k].load * LENGTH / NUM_SLICES * place(k);
+    }
+    acceleration[HEIGHT] = (force - LOAD) / MASS;
+    acceleration[TILT] = moment / INERTIA;
+}
+
+/* Where the contacts are when the slide is there, at the end of a step; learns from what it came to by the trial before
+ * it. The worst status. */
+static ehdrom_status try_there(crew *contacts, slide *self, double step,
+                               const double position[NUM_POSITIONS], int learn) {
+    double approach[NUM_SLICES], load[NUM_SLICES];
+    const double travel = SPEED * (self->time + step) - BEFORE;
+
+    for (int k = 0; k < NUM_SLICES; k++) {
+        approach[k] = contacts->conditions[k].approach;
+        load[k] = contacts->results[k].load;
+        contacts->conditions[k].approach =
+            self->rest + position[HEIGHT] + position[TILT] * place(k) - track(travel, place(k));
+    }
+    const ehdrom_status status = step_all(contacts, step);
+    for (int k = 0; k < NUM_SLICES && learn; k++) {
+        const double moved = contacts->conditions[k].approach - approach[k];
+        const double found = (load[k] - contacts->results[k].load) / moved;
+        if (fabs(moved) > EQUILIBRIUM && found > 0) self->stiffness[k] = found;
+    }
+    self->num_trials++;
+    return status;
+}
+
+/* Newton's step for both positions, with the slices as springs. */
+static void correct(double position[NUM_POSITIONS], const double defect[NUM_POSITIONS],
+                    const slide *self, double step) {
+    const double part = step * step / 4 * LENGTH / NUM_SLICES;
+    double a = 1, b = 0, c = 0, d = 1; // the matrix by rows
+
+    for (int k = 0; k < NUM_SLICES; k++) {
+        const double spring = part * self->stiffness[k], z = place(k);
+        a += spring / MASS;
+        b += spring * z / MASS;
+        c += spring * z / INERTIA;
+        d += spring * z * z / INERTIA;
+    }
+    position[HEIGHT] -= (d * defect[HEIGHT] - b * defect[TILT]) / (a * d - b * c);
+    position[TILT] -= (a * defect[TILT] - c * defect[HEIGHT]) / (a * d - b * c);
+}
+
+/* A step of the trapezoidal rule, x_1 = x_0 + h v_0 + h^2/4 (a_0 + a_1), all of whose trials start from the state that the
+ * contacts accepted last. EHDROM_NOT_CONVERGED: to be tried again, shorter. */
+static ehdrom_status try_step(double position[NUM_POSITIONS], double acceleration[NUM_POSITIONS],
+                              slide *self, crew *contacts, double step) {
+    double drift[NUM_POSITIONS], defect[NUM_POSITIONS];
+
+    for (int i = 0; i < NUM_POSITIONS; i++) {
+        drift[i] = self->position[i] + step * self->velocity[i];
+        position[i] = drift[i] + step * step / 2 * self->acceleration[i];
+    }
+    for (int trial = 0; trial < MAX_TRIALS; trial++) {
+        const ehdrom_status status = try_there(contacts, self, step, position, trial > 0);
+        if (EHDROM_FAILED(status) || status == EHDROM_NOT_CONVERGED) return status;
+        accelerate(acceleration, contacts);
+        for (int i = 0; i < NUM_POSITIONS; i++)
+            defect[i] = position[i] - drift[i] -
+                        step * step / 4 * (self->acceleration[i] + acceleration[i]);
+        if (fabs(defect[HEIGHT]) + LENGTH * fabs(defect[TILT]) < EQUILIBRIUM) return EHDROM_OK;
+        correct(position, defect, self, step);
+    }
+    return EHDROM_NOT_CONVERGED;
+}
+
+/* How far the step is above what it may be wrong by: the slide's positions, a third of what they differ from those that
+ * were predicted, and the films. What is left of these in steps in which the fluid hardly moves is noise of the grid,
+ * which no shorter step takes away. */
+static double error_of(const crew *contacts, const slide *self,
+                       const double acceleration[NUM_POSITIONS], double step) {
+    const double off = step * step / 12 *
+                       (fabs(acceleration[HEIGHT] - self->acceleration[HEIGHT]) +
+                        LENGTH / 2 * fabs(acceleration[TILT] - self->acceleration[TILT]));
+    double most = off / POSITION_ERROR;
+
+    for (int k = 0; k < NUM_SLICES && step > self->shortest; k++)
+        most = fmax(most, contacts->results[k].local_error / FILM_ERROR);
+    return most;
+}
+
+static void accept(slide *self, crew *contacts, const double position[NUM_POSITIONS],
+                   const double acceleration[NUM_POSITIONS], double step) {
+    int trusted = 1;
+
+    for (int k = 0; k < NUM_SLICES; k++)
+        trusted = trusted && contacts->results[k].trusted;
+    // before the next call with these contacts, which has another text
+    if (!trusted && self->num_untrusted++ == 0) tell(contacts, EHDROM_UNTRUSTED);
+    for (int k = 0; k < NUM_SLICES; k++)
+        ehdrom_accept(contacts->contacts[k]);
+    for (int i = 0; i < NUM_POSITIONS; i++) {
+        self->velocity[i] += step / 2 * (self->acceleration[i] + acceleration[i]);
+        self->position[i] = position[i];
+        self->acceleration[i] = acceleration[i];
+    }
+    self->time += step;
+    self->num_steps++;
+}
+
+/* One step, as long as its error allows. */
+static ehdrom_status advance(slide *self, crew *contacts) {
+    double position[NUM_POSITIONS], acceleration[NUM_POSITIONS] = {0};
+
+    for (;;) {
+        const double step = self->step;
+        ehdrom_status status = try_step(position, acceleration, self, contacts, step);
+        if (EHDROM_FAILED(status)) return tell(contacts, status);
+        const double error = status ? 64 : error_of(contacts, self, acceleration, step);
+        self->step *= fmin(fmax(0.9 / cbrt(error), 0.25), 2);
+        if (error <= 1) {
+            accept(self, contacts, position, acceleration, step);
+            return EHDROM_OK;
+        }
+        self->num_rejected++;
+        if (!(self->step > self->shortest / 1000)) return tell(contacts, EHDROM_NOT_CONVERGED);
+    }
+}
+
+/* At rest; how stiff a contact is, to begin with, from another one under a percent more of the load. */
+static ehdrom_status begin(slide *self, crew *contacts, const char *scene) {
+    ehdrom_scales scales = EHDROM_SCALES_INIT;
+    ehdrom_status status = ehdrom_contact_scales(contacts->contacts[0], &scales);
+    const double load = contacts->results[0].load, approach = contacts->results[0].approach;
+
+    *self = (slide){.rest = approach, .step = scales.time / 100, .shortest = scales.time / 100};
+    if (!status) status = start_contact(contacts, 0, scene, 1.01);
+    const double stiffness =
+        (load - contacts->results[0].load) / (contacts->results[0].approach - approach);
+    for (int k = 0; k < NUM_SLICES; k++)
+        self->stiffness[k] = stiffness;
+    if (!EHDROM_FAILED(status)) status = start_contact(contacts, 0, scene, 1);
+    return EHDROM_FAILED(status) ? tell(contacts, status) : EHDROM_OK;
+}
+
+// ---- a run
+
+static void write_state(FILE *file, const slide *self, const crew *contacts) {
+    double film = INFINITY, pressure = 0;
+
+    for (int k = 0; k < NUM_SLICES; k++) {
+        film = fmin(film, contacts->results[k].minimum_film_thickness);
+        pressure = fmax(pressure, contacts->results[k].peak_pressure);
+    }
+    fprintf(file, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", self->time, SPEED * self->time - BEFORE,
+            self->position[HEIGHT], self->position[TILT], film, pressure, self->step);
+    for (int k = 0; k < NUM_SLICES; k++)
+        fprintf(file, ",%.9g", contacts->results[k].load);
+    fputc('\n', file);
+}
+
+static double seconds(void) {
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int roll(crew *contacts, const char *scene, FILE *file) {
+    slide body;
+    const double started = seconds(), end = (BEFORE + BEHIND) / SPEED;
+    ehdrom_status status = begin(&body, contacts, scene);
+
+    fputs("time,travel,height,tilt,minimum_film_thickness,peak_pressure,step", file);
+    for (int k = 0; k < NUM_SLICES; k++)
+        fprintf(file, ",load_%d", k);
+    fputc('\n', file);
+    if (!status) write_state(file, &body, contacts);
+    while (!status && body.time < end) {
+        status = advance(&body, contacts);
+        if (!status) write_state(file, &body, contacts);
+    }
+    const double spent = seconds() - started;
+    printf("%zu steps, %zu repeated, %zu trials of %d contacts with %d threads: %.2f s, %.0f "
+           "contacts a second; %zu steps not to be trusted\n",
+           body.num_steps, body.num_rejected, body.num_trials, NUM_SLICES, contacts->num_threads,
+           spent, (double)(NUM_SLICES * body.num_trials) / spent, body.num_untrusted);
+    return !status && body.num_untrusted > 0 ? UNTRUSTED : status;
+}
+
+int main(int argc, char **argv) {
+    static crew contacts;
+    const int count = argc > 4 ? atoi(argv[4]) : 1;
+
+    if (argc < 4 || argc > 5 || count < 1 || count > MAX_THREADS) {
+        fputs("usage: roller SCENE.yml MODEL OUT.csv [THREADS]\n", stderr);
+        return USAGE;
+    }
+    int status = open_contacts(&contacts, argv[1], argv[2]);
+    if (!status) {
+        FILE *file = fopen(argv[3], "w");
+        if (!file) {
+            fprintf(stderr, "roller: %s: %s\n", argv[3], strerror(errno));
+            status = CANNOT_CREATE;
+        } else {
+            begin_threads(&contacts, count);
+            status = roll(&contacts, argv[1], file);
+            if (fclose(file) && !status) status = IO_FAILED;
+        }
+    }
+    close_crew(&contacts);
+    return status;
+}

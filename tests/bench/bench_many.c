@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Contacts in time by the shared library, as others call it, in this program's own threads:
+ *
+ *     bench_many MODEL SCENE.yml STEPS CONTACTS [REPEATS]
+ *
+ * Each contact is stepped by 0.005 under a load that swings by a tenth, by ehdrom_step_many and
+ * ehdrom_accept. With REPEATS the times of one thread and of two, in turns, the least of each: on a machine
+ * that does other work processor time alone tells whether they are in each other's way. Without, once in one
+ * thread, for callgrind (costs.sh). */
+#include <ehdrom.h>
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+static const double STEP = 0.005, SWING = 0.1;
+enum { MOST_CONTACTS = 64 };
+
+/* What a thread does: all steps of its contacts. */
+typedef struct share {
+    ehdrom_contact **contacts;
+    ehdrom_conditions *conditions;
+    ehdrom_result *results;
+    size_t count, num_steps;
+} share;
+
+static void must(ehdrom_status status, const char *text) {
+    if (!EHDROM_FAILED(status) && status != EHDROM_NOT_CONVERGED) return;
+    fprintf(stderr, "bench_many: %s\n", text);
+    exit(1);
+}
+
+static void *step(void *argument) {
+    const share *self = argument;
+    const double pi = acos(-1);
+
+    for (size_t i = 1; i <= self->num_steps; i++) {
+        for (size_t k = 0; k < self->count; k++) {
+            self->conditions[k] = (ehdrom_conditions)EHDROM_CONDITIONS_INIT;
+            self->conditions[k].given = EHDROM_LOAD;
+            self->conditions[k].load = 1 + SWING * sin(2 * pi * STEP * (double)i);
+        }
+        must(ehdrom_step_many(self->contacts, self->conditions, STEP, self->results, self->count),
+             ehdrom_contact_error(self->contacts[0]));
+        for (size_t k = 0; k < self->count; k++)
+            must(ehdrom_accept(self->contacts[k]), ehdrom_contact_error(self->contacts[k]));
+    }
+    return NULL;
+}
+
+static double seconds(void) {
+    struct timespec now;
+
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void start(const share *all) {
+    for (size_t k = 0; k < all->count; k++) {
+        all->results[k] = (ehdrom_result)EHDROM_RESULT_INIT;
+        must(ehdrom_start(all->contacts[k], NULL, &all->results[k]),
+             ehdrom_contact_error(all->contacts[k]));
+    }
+}
+
+typedef struct spent {
+    double wall, processor;
+} spent;
+
+/* All steps in one thread or in two. */
+static spent run(const share *all, int num_threads) {
+    const size_t half = num_threads == 2 ? all->count / 2 : 0;
+    share first = *all, second = *all;
+    pthread_t thread;
+
+    start(all);
+    const double started = seconds();
+    const clock_t before = clock();
+    first.contacts += half;
+    first.conditions += half;
+    first.results += half;
+    first.count -= half;
+    second.count = half;
+    if (half && pthread_create(&thread, NULL, step, &second)) exit(1);
+    step(&first);
+    if (half) pthread_join(thread, NULL);
+    return (spent){seconds() - started, (double)(clock() - before) / CLOCKS_PER_SEC};
+}
+
+static void measure(const share *all, size_t repeats) {
+    spent least[] = {{INFINITY, INFINITY}, {INFINITY, INFINITY}};
+    const double stepped = (double)(all->count * all->num_steps);
+
+    for (size_t i = 0; i < repeats; i++)
+        for (int threads = 1; threads <= 2; threads++) {
+            const spent now = run(all, threads);
+            least[threads - 1].wall = fmin(least[threads - 1].wall, now.wall);
+            least[threads - 1].processor = fmin(least[threads - 1].processor, now.processor);
+        }
+    printf("%zu contacts, %zu steps, least of %zu: one thread %.0f contacts a second, two threads "
+           "%.0f: "
+           "%.2f times, in %.2f times the processor time\n",
+           all->count, all->num_steps, repeats, stepped / least[0].wall, stepped / least[1].wall,
+           least[0].wall / least[1].wall, least[1].processor / least[0].processor);
+}
+
+int main(int argc, char **argv) {
+    if (argc != 5 && argc != 6) {
+        fputs("usage: bench_many MODEL SCENE.yml STEPS CONTACTS [REPEATS]\n", stderr);
+        return 64;
+    }
+    static ehdrom_contact *contacts[MOST_CONTACTS];
+    static ehdrom_conditions conditions[MOST_CONTACTS];
+    static ehdrom_result results[MOST_CONTACTS];
+    const share all = {contacts, conditions, results, strtoul(argv[4], NULL, 10),
+                       strtoul(argv[3], NULL, 10)};
+    ehdrom_model *model;
+
+    if (all.count > MOST_CONTACTS) return 64;
+    must(ehdrom_model_open(&model, argv[1], NULL), ehdrom_model_error(model));
+    for (size_t k = 0; k < all.count; k++) {
+        must(ehdrom_contact_create(&all.contacts[k], model), "contact");
+        must(ehdrom_contact_read(all.contacts[k], argv[2]), ehdrom_contact_error(all.contacts[k]));
+        must(ehdrom_contact_set_units(all.contacts[k], EHDROM_DIMENSIONLESS), "units");
+    }
+    if (argc > 5)
+        measure(&all, strtoul(argv[5], NULL, 10));
+    else
+        run(&all, 1);
+    for (size_t k = 0; k < all.count; k++)
+        ehdrom_contact_free(all.contacts[k]);
+    ehdrom_model_close(model);
+    return 0;
+}
