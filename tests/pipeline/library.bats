@@ -284,6 +284,15 @@ assert abs(response["stiffness"] / -by_approach.load - 1) < 1e-9
 solved["approach_length"] = 20  # of a line contact that is held farther off the compliance is larger
 solved.solve()
 assert 0 < solved.respond()["stiffness"] < 0.95 * response["stiffness"]
+# a start away from the reference has those of the solution there
+away = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+away["physical.load"], away["physical.speed"] = 21e3, 0.04
+away.solve()
+started = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+started["approach_length"] = 10 * away.scales()["half_width"] / started.scales()["half_width"]
+started.start(load=21e3, speed=0.04)
+for name, near in (("stiffness", 1e-3), ("damping", 0.2)):
+    assert abs(started.respond()[name] / away.respond()[name] - 1) < near, (name, started.respond(), away.respond())
 tangent = other.differentiate(load=1)
 sides = [other.step(0.01 * time, load=20.2e3 + change).central_pressure for change in (-20, 20)]
 assert abs(tangent.central_pressure * 40 / (sides[1] - sides[0]) - 1) < 2e-3
