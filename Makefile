@@ -97,6 +97,7 @@ BENCH_SHARED := $(patsubst %.c,$(BUILD)/%.o,$(filter-out tests/bench/bench_%,$(B
 # the programs, each with a name for its main, and what hands them files
 FUZZ_SHARED  := $(BUILD)/tests/fuzz/target.o $(BUILD)/tests/fuzz/edit.o $(BUILD)/tests/fuzz/flat_edit.o $(MAINS:%/main.c=$(BUILD)/fuzz/%-main.o)
 REPLAY       := $(BUILD)/fuzz/replay
+USE_LIBRARY  := $(BUILD)/unit/use_library
 FUZZER       := $(BUILD)/fuzz/libfuzzer
 FAULT_TOOLS  := $(BUILD)/fault/inject.so $(BUILD)/fault/sweep
 PIPELINES    := $(sort $(filter-out tests/pipeline/long_%,$(wildcard tests/pipeline/*.bats)) tests/fault/fault.bats)

@@ -7,6 +7,7 @@
 #include "common/output/time_result.h"
 #include "common/output/time_run.h"
 #include "common/output/vtk.h"
+#include "common/program/output_file.h"
 #include "common/program/program.h"
 #include "common/training/pool.h"
 #include "fullrun/resolution.h"
@@ -589,8 +590,11 @@ static ehd_status print_trade(const romrun_options *options, ehd_error *error) {
 
 static ehd_status export_model(const program *self, const romrun_options *options,
                                ehd_error *error) {
+    const char *const inputs[] = {options->exported, NULL};
     online_model *model = NULL;
-    ehd_status status = online_open(&model, options->exported, &options->sizes, error);
+    ehd_status status = output_file_check_inputs(self->output, inputs, error);
+
+    if (!status) status = online_open(&model, options->exported, &options->sizes, error);
 
     if (!status) status = online_export(model, self->output, self->force, error);
     online_close(model);
@@ -616,7 +620,10 @@ static ehd_status check_regime(const romrun_options *options, bool transient, eh
 
 /* Said with a result: a foreign writer may leave the digest out, and so does a program of before. */
 static void note_content(const program *self, const char *model) {
-    if (online_is_flat(model) || artefact_content(model) != content_without_digest) return;
+    bool is_flat = true;
+    if (online_is_flat(&is_flat, model, NULL) || is_flat ||
+        artefact_content(model) != content_without_digest)
+        return;
     program_note(self, "%s: found %s of its content, so that a change of it would not be noticed",
                  model, content_without_digest);
 }
@@ -626,7 +633,9 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
-    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
+    const char *const inputs[] = {self->arguments[0], options->model, NULL};
+    ehd_status status = output_file_check_inputs(self->output, inputs, error);
+    if (!status) status = contact_load(&contact, &given, &scene_lines, self, error);
     const fmu_request request = {.model = options->model,
                                  .sizes = &options->sizes,
                                  .given = &given,
@@ -639,13 +648,17 @@ static ehd_status export_fmu(const program *self, const romrun_options *options,
     return status;
 }
 
-/* --check of a flat model; of all others output_check does it. */
-static ehd_status check_flat(const char *path, ehd_error *error) {
+/* A flat model is opened for --check; of all other files output_check does it. */
+static int check(program *self) {
+    bool is_flat = false;
     online_model *model = NULL;
-    const ehd_status status = online_open(&model, path, NULL, error);
+    ehd_error error = {""};
+    ehd_status status = online_is_flat(&is_flat, self->check, &error);
 
+    if (!status && !is_flat) return output_check(self, model_readers);
+    if (!status) status = online_open(&model, self->check, NULL, &error);
     online_close(model);
-    return status;
+    return program_finish(self, status, &error);
 }
 
 /* The grid of a model of either format. */
@@ -653,8 +666,10 @@ static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *err
     const contact_kind *kind;
     online_model *model = NULL;
 
-    if (!online_is_flat(path)) return grid_of_file(grid, &kind, path, error);
-    const ehd_status status = online_open(&model, path, NULL, error);
+    bool is_flat = false;
+    ehd_status status = online_is_flat(&is_flat, path, error);
+    if (!status && !is_flat) return grid_of_file(grid, &kind, path, error);
+    if (!status) status = online_open(&model, path, NULL, error);
     if (!status) *grid = *online_grid(model);
     online_close(model);
     return status;
@@ -723,8 +738,10 @@ static ehd_status run_cases(const program *self, const romrun_options *given_opt
                             ehd_error *error) {
     romrun_options options = *given_options;
     case_list *list = NULL;
+    const char *const inputs[] = {self->arguments[0], options.cases, options.model, NULL};
     ehd_status status = case_table_check(self, error);
 
+    if (!status && self->output) status = output_file_check_inputs(self->output, inputs, error);
     if (!status)
         status = case_list_read(&list, self->arguments[0], options.cases, self->overrides,
                                 self->num_overrides, error);
@@ -791,9 +808,7 @@ int main(int argc, char **argv) {
     program self;
 
     program_start(&self, argc, argv, &options);
-    if (self.check && online_is_flat(self.check))
-        return program_finish(&self, check_flat(self.check, &error), &error);
-    if (self.check) return output_check(&self, model_readers);
+    if (self.check) return check(&self);
     if (self.print) return output_print(&self);
     if (self.vtk) return output_vtk(&self);
     ehd_status status = run(&self, &own, &error);

@@ -11,10 +11,11 @@
 enum { PIECE_BYTES = 60000 };
 
 static _Thread_local bool started = false;
+static bool not_begun; // HDF5 was refused memory when it began, and nothing of it works
 
 static void be_quiet(void) {
     // where HDF5 was built to be thread-safe, each thread has a stack of errors of its own, and prints
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    if (H5Eset_auto2(H5E_DEFAULT, NULL, NULL) < 0) not_begun = true;
     H5PLset_loading_state(0); // code that a file asks for is not loaded
 }
 
@@ -22,8 +23,8 @@ void hdf5_start(void) {
     errno = 0;
     if (started) return;
     started = true;
-    H5dont_atexit(); // must come first
-    H5open();
+    H5dont_atexit();                                       // must come first
+    if (H5open() < 0 || errno == ENOMEM) not_begun = true; // it may not notice itself
     be_quiet();
 }
 
@@ -98,7 +99,7 @@ static bool exists(htri_t found) {
 
 /* Of an attribute that is there and was not read: where memory was refused, it is not that it is
  * something else. */
-static void note_unread(void) {
+void hdf5_note_failure(void) {
     if (errno == ENOMEM) note_unknown();
 }
 
@@ -106,7 +107,7 @@ ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error) {
     const bool unread = has_unknown;
     has_unknown = false;
     if (status == EHD_MEMORY || status == EHD_INTERRUPTED) return status;
-    if ((errno == ENOMEM && status != EHD_OK) || (unread && unknown.memory))
+    if (((errno == ENOMEM || not_begun) && status != EHD_OK) || (unread && unknown.memory))
         return ehd_fail(error, EHD_MEMORY, "%s: found too little memory, expected more", path);
     if (unread && status != EHD_IO)
         return ehd_fail(error, unknown.system ? EHD_IO : EHD_DATA,
@@ -212,12 +213,21 @@ hid_t hdf5_create(const char *path) {
     return file;
 }
 
+/* A look-up that failed for lack of memory, since when HDF5 has given back what it kept, is worth another:
+ * a reader takes "no" for something that a file may lack, and goes on. After a read failure the
+ * second would say no. */
+static bool is_worth_another(htri_t found) {
+    return found < 0 && errno == ENOMEM;
+}
+
 bool hdf5_has_dataset(hid_t root, const char *name) {
-    return exists(H5Lexists(root, name, H5P_DEFAULT));
+    const htri_t found = H5Lexists(root, name, H5P_DEFAULT);
+    return exists(is_worth_another(found) ? H5Lexists(root, name, H5P_DEFAULT) : found);
 }
 
 bool hdf5_has_attribute(hid_t object, const char *name) {
-    return exists(H5Aexists(object, name));
+    const htri_t found = H5Aexists(object, name);
+    return exists(is_worth_another(found) ? H5Aexists(object, name) : found);
 }
 
 typedef struct attribute_visitor {
@@ -304,7 +314,7 @@ static char *fixed_string(hid_t attribute, hid_t type) {
     size_t size = H5Tget_size(type);
     char *text = calloc(size + 1, 1);
     if (!text || H5Aread(attribute, type, text) < 0) {
-        note_unread();
+        hdf5_note_failure();
         free(text);
         return NULL;
     }
@@ -320,7 +330,7 @@ static char *variable_string(hid_t attribute, hid_t type) {
     char *text = NULL;
     if (H5Aread(attribute, type, &stored) >= 0) text = strdup(stored ? stored : "");
     H5free_memory(stored);
-    if (!text) note_unread();
+    if (!text) hdf5_note_failure();
     return text;
 }
 
@@ -329,7 +339,7 @@ static hid_t open_single(hid_t object, const char *name) {
     if (!hdf5_has_attribute(object, name)) return -1;
     hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
     hid_t space = H5Aget_space(attribute);
-    if (attribute < 0 || space < 0) note_unread();
+    if (attribute < 0 || space < 0) hdf5_note_failure();
     bool single = H5Sget_simple_extent_npoints(space) == 1;
     hdf5_release(space);
     if (single) return attribute;
@@ -342,7 +352,7 @@ char *hdf5_get_string(hid_t object, const char *name) {
     if (attribute < 0) return NULL;
     char *text = NULL;
     hid_t type = H5Aget_type(attribute);
-    if (type < 0) note_unread();
+    if (type < 0) hdf5_note_failure();
     if (H5Tget_class(type) == H5T_STRING) {
         bool variable = H5Tis_variable_str(type) > 0;
         text = variable ? variable_string(attribute, type) : fixed_string(attribute, type);
@@ -364,7 +374,7 @@ char *hdf5_get_text(hid_t root, const char *name) {
         size_t more = strlen(piece);
         char *longer = realloc(text, length + more + 1);
         if (!longer) {
-            note_unread();
+            hdf5_note_failure();
             free(text);
             text = NULL;
         } else {
@@ -385,7 +395,7 @@ bool hdf5_get_number(hid_t object, const char *name, H5T_class_t wanted, void *v
     bool fits = found == wanted || (wanted == H5T_FLOAT && found == H5T_INTEGER);
     hid_t memory_type = wanted == H5T_FLOAT ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
     bool read = fits && H5Aread(attribute, memory_type, value) >= 0;
-    if (type < 0 || (fits && !read)) note_unread();
+    if (type < 0 || (fits && !read)) hdf5_note_failure();
     hdf5_release(type);
     hdf5_release(attribute);
     return read;

@@ -65,6 +65,8 @@ hdf5_reason hdf5_last_reason(void);
  * hdf5_start, and any outcome EHD_IO or EHD_DATA where it could not be looked up what there is. `path`
  * is for the message. */
 ehd_status hdf5_blame(ehd_status status, const char *path, ehd_error *error);
+/* Of a call that failed and is gone on from, for hdf5_blame: nothing unless memory was refused. */
+void hdf5_note_failure(void);
 
 /* Closes whatever the id stands for and keeps the last reason; accepts negative ids. */
 void hdf5_release(hid_t id);

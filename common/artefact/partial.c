@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The file under its provisional name: who may write it, and how it gets its final name. */
 #include "common/artefact/internal.h"
+#include "common/program/output_file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,21 +12,6 @@
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
-
-/* The final name must be free, or a regular file that may be replaced. */
-static ehd_status check_final_name(const artefact *file, ehd_error *error) {
-    struct stat found;
-    if (stat(file->path, &found) != 0) return EHD_OK;
-    if (!S_ISREG(found.st_mode)) {
-        return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected a file name",
-                        file->path);
-    }
-    if (!file->force) {
-        return ehd_fail(error, EHD_CANTCREATE,
-                        "%s: found an existing file, expected none (or --force)", file->path);
-    }
-    return EHD_OK;
-}
 
 /* Whether the file of this name is the one that is open; a writer may have given the name to another.
  */
@@ -253,7 +239,7 @@ ehd_status writer_new(artefact **result, const char *path, const artefact_schema
     file->schema = schema;
     file->force = caller->force;
 
-    ehd_status status = check_final_name(file, error);
+    ehd_status status = output_file_check(file->path, file->force, error);
     if (status == EHD_OK) status = open_locked(&file->lock, file->partial, flags, error);
     if (status == EHD_OK && flags & O_CREAT) status = check_unfinished(file, error);
     if (status == EHD_OK) unlink(file->copy); // of a run that was killed
@@ -272,7 +258,7 @@ no_memory:
 
 ehd_status give_final_name(artefact *file, ehd_error *error) {
     ehd_status status = sync_file(file, error);
-    if (status == EHD_OK) status = check_final_name(file, error);
+    if (status == EHD_OK) status = output_file_check(file->path, file->force, error);
     if (status != EHD_OK) return status;
     if (rename(written_name(file), file->path) != 0) {
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected %s to get this name",

@@ -149,6 +149,7 @@ static bool has_line(const char *text, const char *line, size_t length) {
 static char *history_of(const char *path) {
     char *history = NULL;
     hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
+    if (file < 0) hdf5_note_failure();
     if (file < 0) return NULL;
     if (hdf5_has_attribute(file, "schema_name")) history = hdf5_get_text(file, "history");
     H5Fclose(file);
@@ -178,6 +179,7 @@ static char *history_of_inputs(const char *const *inputs) {
 
 static const char *content_of(const char *path) {
     const hid_t file = hdf5_open(path, H5F_ACC_RDONLY, false);
+    if (file < 0) hdf5_note_failure();
     if (file < 0) return NULL;
     const char *outcome = digest_outcome(file);
     H5Fclose(file);

@@ -216,6 +216,7 @@ static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     *num_uses = length > 0 ? (size_t)length : 0;
     scale_use *uses = calloc(*num_uses + 1, sizeof *uses);
     if (uses && H5Aread(attribute, type, uses) < 0) {
+        hdf5_note_failure();
         free(uses);
         uses = NULL;
         *num_uses = 0;
@@ -231,7 +232,10 @@ static bool use_fits(const artefact *file, hid_t scale, const scale_use *use, co
                      const artefact_field **field) {
     char name[128] = "";
     hid_t dataset = H5Rdereference2(scale, H5P_DEFAULT, H5R_OBJECT, &use->dataset);
-    if (dataset < 0) return true;
+    if (dataset < 0) {
+        hdf5_note_failure();
+        return true;
+    }
     H5Iget_name(dataset, name, sizeof name); // "/pressure"
     hdf5_release(dataset);
     *field = find_field(file, name[0] == '/' ? name + 1 : name);
@@ -538,8 +542,9 @@ static ehd_status get(artefact *file, const char *name, artefact_type type, size
                         name, file->schema->name);
     }
     if (!hdf5_has_dataset(file->id, name)) {
-        return ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file),
-                        name, field->long_name);
+        ehd_fail(error, EHD_DATA, "%s: found no dataset %s, expected %s", shown_name(file), name,
+                 field->long_name);
+        return hdf5_blame(EHD_DATA, shown_name(file), error);
     }
     const size_t all = num_entries(file, field), entries = count == WHOLE_FIELD ? all : count;
     ehd_status status = check_memory(file, field, entries, error);
@@ -582,8 +587,9 @@ bool artefact_has_scale(const artefact *file, const char *axis) {
 
 ehd_status artefact_get_axis(artefact *file, const char *axis, double *values, ehd_error *error) {
     if (!artefact_has_scale(file, axis)) {
-        return ehd_fail(error, EHD_DATA, "%s: found no values of axis %s, expected its scale",
-                        shown_name(file), axis);
+        ehd_fail(error, EHD_DATA, "%s: found no values of axis %s, expected its scale",
+                 shown_name(file), axis);
+        return hdf5_blame(EHD_DATA, shown_name(file), error);
     }
     // the axis of a file that is being written may have grown since
     const ehd_status status =

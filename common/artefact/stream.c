@@ -175,6 +175,8 @@ static ehd_status cut_dataset(artefact *file, const char *name, size_t length, e
 ehd_status artefact_cut_axis(artefact *file, const char *name, size_t length, ehd_error *error) {
     if (file->history_line && !file->growing)
         return not_resumable(file, "axes of which none grows", error);
+    if (file->history_line && strcmp(name, file->growing) != 0)
+        return not_resumable(file, "another axis that grows", error);
     if (file->streaming || !file->growing || strcmp(name, file->growing) != 0) {
         return ehd_fail(error, EHD_INTERNAL,
                         "%s: found axis %s, expected the one that grows, before streaming",

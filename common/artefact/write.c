@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ordinary writing. */
 #include "common/artefact/internal.h"
+#include "common/program/output_file.h"
 
 #include <fcntl.h>
 #include <hdf5_hl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 // Scalars share a chunk, and a large field has several chunks an entry.
 enum { CHUNK_MIN_BYTES = 8192, CHUNK_MAX_BYTES = 1 << 20 };
@@ -27,25 +27,12 @@ typedef enum layout {
 
 // ---- the file
 
-/* --force replaces an earlier output, never what the program reads. */
-static ehd_status check_inputs(const char *path, const char *const *inputs, ehd_error *error) {
-    struct stat output, input;
-
-    if (!inputs || stat(path, &output) != 0) return EHD_OK;
-    for (; *inputs; inputs++)
-        if (stat(*inputs, &input) == 0 && input.st_dev == output.st_dev &&
-            input.st_ino == output.st_ino)
-            return ehd_fail(error, EHD_CANTCREATE,
-                            "%s: found an input as output, expected another name", path);
-    return EHD_OK;
-}
-
 static ehd_status create_file(artefact **result, const char *path, const artefact_schema *schema,
                               const program *caller, const char *settings_text,
                               const char *const *inputs, ehd_error *error) {
     *result = NULL;
     artefact *file = NULL;
-    ehd_status status = check_inputs(path, inputs, error);
+    ehd_status status = output_file_check_inputs(path, inputs, error);
     if (status == EHD_OK) status = writer_new(&file, path, schema, caller, O_CREAT, error);
     if (status != EHD_OK) return status;
 

@@ -80,6 +80,5 @@ int output_check(program *self, const output_reader *readers) {
     ehd_status status = artefact_check(self->check, &error);
 
     if (!status) status = read_as_input(readers, self->check, &error);
-    if (status == EHD_NOINPUT || status == EHD_IO) status = EHD_DATA;
     return program_finish(self, status, &error);
 }

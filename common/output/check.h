@@ -15,7 +15,7 @@ typedef struct output_reader {
 /* Whether caller->check is a whole and valid artefact, which the reader of its kind takes, if any
  * of `readers` (which end with {0}; NULL: none) is of that kind; results are read in any case, and
  * of all others the grid. Silent where it is; else one line says what is wrong. Frees the program
- * and returns the exit code for main: 0, or 65 for whatever is wrong with the file. */
+ * and returns the exit code for main: 0, or as where the file is read: 65, 66, 71, 74. */
 int output_check(program *caller, const output_reader *readers);
 
 #endif

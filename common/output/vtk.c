@@ -305,8 +305,10 @@ ehd_status vtk_write(artefact *file, const program *caller, ehd_error *error) {
 int output_vtk(program *self) {
     ehd_error error = {""};
     artefact *file = NULL;
-    ehd_status status = artefact_open_unfinished(&file, self->vtk, artefact_schemas, &error);
+    const char *const inputs[] = {self->vtk, NULL};
+    ehd_status status = output_file_check_inputs(self->output, inputs, &error);
 
+    if (!status) status = artefact_open_unfinished(&file, self->vtk, artefact_schemas, &error);
     if (!status) status = vtk_write(file, self, &error);
     artefact_close(&file);
     return program_finish(self, status, &error);

@@ -17,11 +17,27 @@ ehd_status output_file_check(const char *path, bool force, ehd_error *error) {
         return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", path,
                         strerror(errno));
     }
+    if (S_ISLNK(found.st_mode) && stat(path, &found) != 0) found.st_mode = S_IFREG; // leads nowhere
     if (S_ISDIR(found.st_mode))
         return ehd_fail(error, EHD_CANTCREATE, "%s: found a folder, expected a file or none", path);
+    if (!S_ISREG(found.st_mode)) // a rename would replace a device, too
+        return ehd_fail(error, EHD_CANTCREATE, "%s: found no regular file, expected one or none",
+                        path);
     if (force) return EHD_OK;
     return ehd_fail(error, EHD_CANTCREATE, "%s: found an existing file, expected none (or --force)",
                     path);
+}
+
+ehd_status output_file_check_inputs(const char *path, const char *const *inputs, ehd_error *error) {
+    struct stat output, input;
+
+    if (!inputs || stat(path, &output) != 0) return EHD_OK;
+    for (; *inputs; inputs++)
+        if (stat(*inputs, &input) == 0 && input.st_dev == output.st_dev &&
+            input.st_ino == output.st_ino)
+            return ehd_fail(error, EHD_CANTCREATE,
+                            "%s: found an input as output, expected another name", path);
+    return EHD_OK;
 }
 
 /* Opened and locked, its former content gone. NULL with errno; EWOULDBLOCK: another is writing. */
@@ -64,8 +80,9 @@ ehd_status output_file_create(output_file *self, const char *path, bool force, e
             status = ehd_fail(error, EHD_CANTCREATE,
                               "%s: found another process writing it, expected none", self->partial);
         else if (!self->stream)
-            status = ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it",
-                              self->partial, strerror(errno));
+            status =
+                ehd_fail(error, errno == ENOMEM ? EHD_MEMORY : EHD_CANTCREATE,
+                         "%s: found %s, expected to create it", self->partial, strerror(errno));
     }
     if (status) release(self);
     return status;

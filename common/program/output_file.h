@@ -16,7 +16,11 @@ typedef struct output_file {
 /* EHD_CANTCREATE where the name exists and `force` is not set, or may not be the program's. */
 ehd_status output_file_check(const char *path, bool force, ehd_error *error);
 
-/* The same check, and starts PATH.partial anew. EHD_CANTCREATE also where that cannot be created, or
+/* EHD_CANTCREATE where the output is one of the inputs (NULL at the end, or for none), by whatever name:
+ * `force` replaces an earlier output, never what the program reads. */
+ehd_status output_file_check_inputs(const char *path, const char *const *inputs, ehd_error *error);
+
+/* The same check as output_file_check, and starts PATH.partial anew. EHD_CANTCREATE also where that cannot be created, or
  * another process is writing it; EHD_MEMORY. */
 ehd_status output_file_create(
     // output:

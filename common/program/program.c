@@ -153,20 +153,15 @@ bool program_interrupted(void) {
 
 static const char *name_of_program; // NULL: not a program of ours
 
-static void say_no_memory(void) {
-    static const char text[] = ": found too little memory, expected more\n";
+/* Without stdio, which may be in the middle of something. */
+static void say(const char *text) {
     if (write(STDERR_FILENO, name_of_program, strlen(name_of_program)) < 0 ||
-        write(STDERR_FILENO, text, sizeof text - 1) < 0)
+        write(STDERR_FILENO, text, strlen(text)) < 0)
         return;
 }
 
-/* HDF5 may crash where memory is refused. What else crashes is left to crash, by the
- * default action, which SA_RESETHAND brings back. */
-static void on_crash(int number) {
-    (void)number;
-    if (errno != ENOMEM) return;
-    say_no_memory();
-    _exit(EHD_MEMORY);
+static void say_no_memory(void) {
+    say(": found too little memory, expected more\n");
 }
 
 /* HDF5 may call exit(-1) where memory is refused. */
@@ -195,10 +190,27 @@ void fftw_assertion_failed(const char *text, int line, const char *file) {
 #endif
 #endif
 
+#ifndef HAS_SANITIZER
+/* HDF5 may crash where memory is refused, and what is mapped of a file may be cut off, or not to be read
+ * from the disk. What else crashes is left to crash, by the default action, which SA_RESETHAND brings
+ * back. */
+static void on_crash(int number, siginfo_t *info, void *unused) {
+    (void)unused;
+    if (number == SIGBUS && info->si_code == BUS_ADRERR) {
+        say(": mapped file: found it cut or unreadable while it was in use, expected it whole\n");
+        _exit(EHD_IO);
+    }
+    if (errno != ENOMEM) return;
+    say_no_memory();
+    _exit(EHD_MEMORY);
+}
+#endif
+
 static void set_last_resort(void) {
     on_exit(on_foreign_exit, NULL);
 #ifndef HAS_SANITIZER
-    struct sigaction crash = {.sa_handler = on_crash, .sa_flags = (int)SA_RESETHAND};
+    struct sigaction crash = {.sa_sigaction = on_crash,
+                              .sa_flags = (int)(SA_RESETHAND | SA_SIGINFO)};
     sigemptyset(&crash.sa_mask);
     sigaction(SIGABRT, &crash, NULL);
     sigaction(SIGSEGV, &crash, NULL);
@@ -279,7 +291,8 @@ static const struct argp_option common_options[] = {
     {.name = "check",
      .key = KEY_CHECK,
      .arg = "FILE",
-     .doc = "Only check that FILE is whole and valid: exit 0, or 65 and what is wrong",
+     .doc = "Only check that FILE is whole and valid: exit 0, or what its readers exit with, and "
+            "what is wrong",
      .group = 10},
     {.name = "print",
      .key = KEY_PRINT,
@@ -550,9 +563,21 @@ static ehd_status parse_arguments(program *self, const program_options *options,
     return *done ? EHD_OK : status;
 }
 
+/* Where one of the standard files was closed, the next file to be opened would take its place, and what is
+ * said or printed would be written into that. These fail each write. */
+static void fill_standard_files(void) {
+    int file;
+
+    do
+        file = open("/dev/null", O_RDONLY | O_CLOEXEC);
+    while (file >= 0 && file <= STDERR_FILENO);
+    if (file >= 0) close(file);
+}
+
 void program_start(program *self, int argc, char **argv, const program_options *options) {
     ehd_error error = {""};
     bool done;
+    fill_standard_files();
     *self = (program){.name = argc > 0 ? base_name(argv[0]) : "ehdrom", .argc = argc, .argv = argv};
     setlocale(LC_ALL, "C"); // numbers are written and read with a decimal point
     name_of_program = self->name;

@@ -264,10 +264,12 @@ static ehd_status read_document(reader *self, tree_node **root) {
 ehd_status tree_parse(tree_node **root, const char *text, size_t length, const char *name,
                       ehd_error *error) {
     reader self = {.name = name, .text = text, .length = length, .error = error};
+    const size_t skipped = length >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     *root = NULL;
     if (!yaml_parser_initialize(&self.parser)) return place_no_memory(error, name);
-    yaml_parser_set_input_string(&self.parser, (const unsigned char *)text, length);
-    // a byte order mark could otherwise select UTF-16
+    // a byte order mark is no text where the encoding is given, as it is lest it select UTF-16
+    yaml_parser_set_input_string(&self.parser, (const unsigned char *)text + skipped,
+                                 length - skipped);
     yaml_parser_set_encoding(&self.parser, YAML_UTF8_ENCODING);
     const ehd_status status = read_document(&self, root);
     yaml_parser_delete(&self.parser);

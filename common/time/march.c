@@ -20,9 +20,6 @@ const double march_error_growth = 1.5;
  * the power 2/3. */
 static const double PASSAGE = 30;
 
-/* Along the path errors are added up by the solver. What may be noise of it is accepted up to this
- * many tolerances. */
-static const double PATH_NOISE = 3;
 /* The tolerance is a root mean square over time, and what a film may have taken up in all, at once, is
  * so many of them. Where it is more, since errors travel with a front in place of cancelling along
  * the way, steps are made as much more accurate. Of the eight histories of
@@ -205,11 +202,6 @@ static bool is_along_path(const march *self) {
     return self->reference->transport == TRANSPORT_PATH;
 }
 
-/* Tolerances above which nothing is accepted, by whatever noise. */
-static double most_error(const march *self) {
-    return is_along_path(self) ? PATH_NOISE : PASSAGE;
-}
-
 /* Along the path the error of a step whose films have taken up more than they may counts as many
  * times. */
 static double error_with_taken_up(const march *self, const march_step *outcome) {
@@ -226,20 +218,23 @@ static double error_order(const march *self) {
 /* Where a step is shorter than the one tried before and its error not even less by as much, what is
  * left is the solver's own noise, of exits that move by whole nodes, which no shorter one takes
  * away: then that much more is accepted, for some steps, and then it is tried again. Not more than
- * what all steps together are asked for. */
+ * what all steps together are asked for. A reduced model of a point contact (33 nodes a side, 60 modes,
+ * 180 rows, load of an unseen period 3/4, upwind) takes 571 steps to T = 3 so, and without it does not
+ * get beyond T = 1.31. Along the path, where steps have a shortest length, it changed nothing but 438 to 433 steps in one of 17 marches (lines
+ * and points, full and reduced, tolerances from 5e-4 to 5e-3, loads of 10 and 30 %, a reversal). */
 static void watch_noise(march *self, const march_step *outcome) {
     march_state *state = &self->state;
     double error = outcome->local_error, tolerance = self->settings.tolerance;
     bool hardly_less = error * state->rejected_step > state->rejected_error * outcome->step;
 
-    if (state->rejected_step > 0 && hardly_less && error <= most_error(self) * tolerance)
+    if (state->rejected_step > 0 && hardly_less && error <= PASSAGE * tolerance)
         state->noise = fmax(state->noise, error);
 }
 
 static double accepted_error(const march *self) {
     double tolerance = self->settings.tolerance;
 
-    return fmin(fmax(tolerance, 2 * self->state.noise), most_error(self) * tolerance);
+    return fmin(fmax(tolerance, 2 * self->state.noise), PASSAGE * tolerance);
 }
 
 /* Along the path no step is shortened beyond it. */
@@ -287,7 +282,7 @@ static ehd_status attempt(march_step *outcome, march *self, const next_stop *nex
         outcome->local_error = error_after_kink(self, step, outcome->local_error);
     outcome->local_error = error_with_taken_up(self, outcome);
     state->num_iterations += (double)outcome->iterations;
-    if (outcome->status != EHD_NOT_CONVERGED) watch_noise(self, outcome);
+    if (outcome->status != EHD_NOT_CONVERGED && !is_along_path(self)) watch_noise(self, outcome);
     return EHD_OK;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* romrun --fallback full in time: reduced steps while they are to be trusted, else steps of the full
- * model from the same states, until the reduced one can be trusted again (romrun/README.md). */
+ * model from the same states, until the reduced one can be trusted again (README.md, Fallback). */
 #ifndef EHD_FALLBACK_MARCH_H
 #define EHD_FALLBACK_MARCH_H
 

@@ -24,7 +24,7 @@ typedef struct export_job {
     const program *caller;
     const fmu_request *request;
     char installed[PATH_MAX]; // where the shared object and the licences are
-    char folder[64];          // with its resources, of this process
+    char folder[PATH_MAX];    // with its resources, of this process
     fmu_contents contents;
     double step; // s
     char *description, *page;
@@ -197,9 +197,10 @@ static ehd_status find_approach(export_job *job, ehd_error *error) {
     char path[PATH_MAX];
     ehd_status status = path_in(path, job->folder, "model.ehdrom", error);
 
-    if (!status && ehdrom_model_open(&model, path, NULL))
-        status =
-            ehd_fail(error, EHD_DATA, "%s: %s", job->request->model, ehdrom_model_error(model));
+    const ehdrom_status opened = status ? EHDROM_OK : ehdrom_model_open(&model, path, NULL);
+    if (opened)
+        status = ehd_fail(error, (ehd_status)opened, "%s: %s", job->request->model,
+                          ehdrom_model_error(model));
     if (!status && ehdrom_contact_create(&contact, model)) status = no_memory(error);
     if (!status) status = ask_contact(job, contact, error);
     ehdrom_contact_free(contact);
@@ -250,15 +251,19 @@ static void keep_failure(void *to, bool wrong, const char *text) {
     if (wrong) ehd_fail(to, EHD_INTERNAL, "fmu: %s", text);
 }
 
-/* As an importer does. */
+/* As an importer does. What is read then was written just before. */
 static ehd_status try_out(const export_job *job, ehd_error *error) {
+    no_memory(error);
+    errno = 0;
     fmu_instance *trial = fmu_create(job->contents.token, job->folder, keep_failure, error);
+    const ehd_status otherwise = trial ? EHD_NOT_CONVERGED : EHD_IO;
     const bool works = trial && fmu_setup(trial, 0, INFINITY, 0) &&
                        fmu_enter_initialization(trial) && fmu_exit_initialization(trial) &&
                        fmu_step(trial, 0, job->step);
+    const bool refused = errno == ENOMEM;
 
     fmu_free(trial);
-    return works ? EHD_OK : EHD_NOT_CONVERGED;
+    return works ? EHD_OK : refused ? EHD_MEMORY : otherwise;
 }
 
 // ---- the package
@@ -372,11 +377,15 @@ static ehd_status pack(export_job *job, ehd_error *error) {
 // ---- all of it
 
 static ehd_status make_folder(export_job *job, ehd_error *error) {
-    snprintf(job->folder, sizeof job->folder, "/tmp/ehdrom-fmu-XXXXXX");
-    if (mkdtemp(job->folder)) return EHD_OK;
+    const char *given = getenv("TMPDIR"), *parent = given && *given ? given : "/tmp";
+    const ehd_status status = path_in(job->folder, parent, "ehdrom-fmu-XXXXXX", error);
+
+    if (!status && mkdtemp(job->folder)) return EHD_OK;
+    const int reason = errno;
     job->folder[0] = '\0';
-    return ehd_fail(error, EHD_CANTCREATE, "/tmp: found %s, expected to make a folder in it",
-                    strerror(errno));
+    return status ? status
+                  : ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to make a folder in it",
+                             parent, strerror(reason));
 }
 
 static void remove_folder(const export_job *job) {

@@ -37,15 +37,18 @@ typedef struct moment {
     conditions aimed; // at the end of the pending step
 } moment;
 
-static const char state_mark[8] = "ehdfmu1";
+static const char state_mark[8] = "ehdfmu2";
 
 struct fmu_instance {
     fmu_log log;
     void *log_to;
     bool verbose;
     fmu_contents contents;
+    char *resources; // the folder
     ehdrom_model *model;
     ehdrom_contact *contact;
+    ehdrom_contact *stationary; // of the stationary outputs; NULL: nobody has asked yet
+    bool responded;             // these are of the present outputs
     moment now;
 };
 
@@ -117,20 +120,24 @@ static bool read_contents(fmu_instance *self, const char *token, const char *res
     return true;
 }
 
-static bool open_contact(fmu_instance *self, const char *resources) {
+static bool read_contact(const fmu_instance *self, ehdrom_contact **contact) {
     char path[PATH_MAX];
-    FILE *file = open_resource(path, resources, "model.ehdrom");
+    FILE *file = open_resource(path, self->resources, "contact.yml");
+
+    if (file) fclose(file);
+    if (ehdrom_contact_create(contact, self->model) || ehdrom_contact_read(*contact, path))
+        return fail(self, "%s", ehdrom_contact_error(*contact));
+    return true;
+}
+
+static bool open_contact(fmu_instance *self) {
+    char path[PATH_MAX];
+    FILE *file = open_resource(path, self->resources, "model.ehdrom");
 
     if (file) fclose(file);
     if (ehdrom_model_open(&self->model, path, NULL))
         return fail(self, "%s", ehdrom_model_error(self->model));
-    if (ehdrom_contact_create(&self->contact, self->model))
-        return fail(self, "%s", ehdrom_contact_error(self->contact));
-    file = open_resource(path, resources, "contact.yml");
-    if (file) fclose(file);
-    if (ehdrom_contact_read(self->contact, path))
-        return fail(self, "%s", ehdrom_contact_error(self->contact));
-    return true;
+    return read_contact(self, &self->contact);
 }
 
 fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, void *log_to) {
@@ -139,7 +146,8 @@ fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, 
     if (!self) return NULL;
     self->log = log;
     self->log_to = log_to;
-    if (!read_contents(self, token, resources) || !open_contact(self, resources)) {
+    self->resources = strdup(resources);
+    if (!self->resources || !read_contents(self, token, resources) || !open_contact(self)) {
         fmu_free(self);
         return NULL;
     }
@@ -150,7 +158,9 @@ fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, 
 void fmu_free(fmu_instance *self) {
     if (!self) return;
     ehdrom_contact_free(self->contact);
+    ehdrom_contact_free(self->stationary);
     ehdrom_model_close(self->model);
+    free(self->resources);
     free(self);
 }
 
@@ -168,12 +178,15 @@ static const fmu_variable *find(const fmu_instance *self, unsigned reference, fm
 }
 
 static bool start(fmu_instance *self);
+static bool respond_now(fmu_instance *self);
 
 bool fmu_get(fmu_instance *self, unsigned reference, fmu_type type, double *value) {
     const fmu_variable *variable = find(self, reference, type);
 
     if (!variable) return false;
     if (variable->role == FMU_OUTPUT && self->now.mode == MODE_INITIALIZATION && !start(self))
+        return false;
+    if (reference >= FMU_STIFFNESS && self->now.mode >= MODE_INITIALIZATION && !respond_now(self))
         return false;
     *value = reference == FMU_TIME ? self->now.time : self->now.values[reference];
     return true;
@@ -197,6 +210,7 @@ bool fmu_set(fmu_instance *self, unsigned reference, fmu_type type, double value
     return true;
 }
 
+/* Those of ehdrom_result. */
 static void take_outputs(double values[FMU_NUM_VARIABLES], const ehdrom_result *result) {
     for (size_t i = 0; i < FMU_NUM_VARIABLES; i++) {
         const fmu_variable *variable = &fmu_variables[i];
@@ -252,17 +266,16 @@ static bool took(const fmu_instance *self, ehdrom_status status) {
 }
 
 /* The scene's settings with the parameters. */
-static bool take_parameters(fmu_instance *self) {
+static bool take_parameters(const fmu_instance *self, ehdrom_contact *contact) {
     ehdrom_status status = EHDROM_OK;
 
     for (size_t i = 0; i < FMU_NUM_VARIABLES && !status; i++) {
         const fmu_variable *variable = &fmu_variables[i];
         if (variable->role == FMU_PARAMETER && variable->key && self->contents.has[i])
-            status = ehdrom_contact_set_number(self->contact, variable->key, self->now.values[i]);
+            status = ehdrom_contact_set_number(contact, variable->key, self->now.values[i]);
     }
-    if (!status)
-        status = ehdrom_contact_set_accuracy(self->contact, self->now.values[FMU_ACCURACY]);
-    return took(self, status);
+    if (!status) status = ehdrom_contact_set_accuracy(contact, self->now.values[FMU_ACCURACY]);
+    return status ? fail(self, "%s", ehdrom_contact_error(contact)) : true;
 }
 
 static void tell_trust(const fmu_instance *self, const ehdrom_result *result) {
@@ -278,12 +291,63 @@ static bool start(fmu_instance *self) {
     if (now->solved) return true;
     now->pending = now->last = 0;
     now->held = now->aimed = conditions_of(now->values, self->contents.approach_given);
-    if (!take_parameters(self) || !took(self, repeat(self, &now->aimed, &result))) return false;
+    if (!take_parameters(self, self->contact) || !took(self, repeat(self, &now->aimed, &result)))
+        return false;
     now->values[FMU_TRUSTED] = 1;
     tell_trust(self, &result);
     take_outputs(now->values, &result);
     now->solved = true;
+    self->responded = false;
     return true;
+}
+
+// ---- the stationary response
+
+/* The scene's settings with the parameters and with conditions, the force in place of the approach. */
+static bool set_stationary(fmu_instance *self, const conditions *at, double force) {
+    ehdrom_contact *contact = self->stationary;
+    const struct {
+        const char *key;
+        double value;
+    } settings[] = {
+        {"physical.load", force}, {"physical.speed", at->speed}, {"physical.radius", at->radius}};
+    ehdrom_status status = EHDROM_OK;
+
+    if (!take_parameters(self, contact)) return false;
+    for (size_t i = 0; i < sizeof settings / sizeof *settings && !status; i++)
+        status = ehdrom_contact_set_number(contact, settings[i].key, settings[i].value);
+    return status ? fail(self, "%s", ehdrom_contact_error(contact)) : true;
+}
+
+/* The stationary outputs into values; NaN where such a contact rests or has no solution. */
+static bool respond(fmu_instance *self, const conditions *at, double force,
+                    double values[FMU_NUM_VARIABLES]) {
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    ehdrom_response response = EHDROM_RESPONSE_INIT;
+    const bool moves = at->speed > 0 && force > 0;
+
+    if (!self->stationary && !read_contact(self, &self->stationary)) return false;
+    response.stiffness = response.damping = response.damping_bound = NAN;
+    if (moves) {
+        if (!set_stationary(self, at, force)) return false;
+        ehdrom_status status = ehdrom_solve(self->stationary, &result);
+        if (status == EHDROM_OK || status == EHDROM_UNTRUSTED)
+            status = ehdrom_respond(self->stationary, &response);
+        if (status) say(self, false, "stationary: %s", ehdrom_contact_error(self->stationary));
+    }
+    values[FMU_STIFFNESS] = response.stiffness;
+    values[FMU_DAMPING] = response.damping;
+    values[FMU_DAMPING_BOUND] = response.damping_bound;
+    return true;
+}
+
+/* Of the last outputs, unless they are known. */
+static bool respond_now(fmu_instance *self) {
+    moment *now = &self->now;
+
+    if (!self->responded)
+        self->responded = respond(self, &now->aimed, now->values[FMU_FORCE], now->values);
+    return self->responded;
 }
 
 // ---- modes
@@ -426,6 +490,7 @@ bool fmu_step(fmu_instance *self, double time, double step) {
     tell_trust(self, &result);
     take_outputs(now->values, &result);
     now->values[FMU_STEPS] = (double)of.steps;
+    self->responded = false;
     return true;
 }
 
@@ -448,24 +513,17 @@ static double scale_of(const fmu_instance *self, unsigned reference) {
     return fabs(values[reference]);
 }
 
-/* The length of the direction that is gone each way; 0: it is none. -1: another variable. */
+/* The length of the direction that is gone each way; 0: it is none. -1: one by what rests. */
 static double reach(const fmu_instance *self, const unsigned knowns[], size_t num_knowns,
                     const double direction[]) {
     double most = 0;
 
     for (size_t i = 0; i < num_knowns; i++) {
-        const fmu_variable *variable = find(self, knowns[i], FMU_REAL);
-        if (!variable) return -1;
-        if (variable->role != FMU_INPUT || !isfinite(direction[i])) {
-            say(self, true, "derivative: found by %s in direction %g, expected by an input",
-                variable->name, direction[i]);
-            return -1;
-        }
         const double scale = scale_of(self, knowns[i]);
         if (direction[i] == 0) continue;
         if (!(scale > 0)) {
             say(self, true, "derivative: found %s at rest, expected a value to change",
-                variable->name);
+                fmu_variables[knowns[i]].name);
             return -1;
         }
         most = fmax(most, fabs(direction[i]) / scale);
@@ -476,7 +534,7 @@ static double reach(const fmu_instance *self, const unsigned knowns[], size_t nu
 /* Real outputs where the inputs are moved by `length` of the direction. */
 static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
                        const unsigned knowns[], size_t num_knowns, const double direction[],
-                       double length) {
+                       double length, bool stationary) {
     const bool by_approach = self->contents.approach_given;
     double values[FMU_NUM_VARIABLES] = {0};
     ehdrom_result result = EHDROM_RESULT_INIT;
@@ -490,15 +548,56 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
     at.radius += moved.radius;
     if (!took(self, repeat(self, &at, &result))) return false;
     take_outputs(outputs, &result);
+    return !stationary || respond(self, &at, result.load, outputs);
+}
+
+/* By central differences of the step, or the start, repeated. */
+static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
+                           const unsigned knowns[], size_t num_knowns, const double direction[],
+                           double derivative[]) {
+    double before[FMU_NUM_VARIABLES] = {0}, behind[FMU_NUM_VARIABLES] = {0};
+    const double length = reach(self, knowns, num_knowns, direction);
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    bool stationary = false;
+
+    if (length < 0) return false;
+    for (size_t k = 0; k < num_unknowns; k++) {
+        stationary |= unknowns[k] >= FMU_STIFFNESS;
+        derivative[k] = 0;
+    }
+    if (length == 0) return true;
+    const bool found =
+        outputs_at(self, behind, knowns, num_knowns, direction, length, stationary) &&
+        outputs_at(self, before, knowns, num_knowns, direction, -length, stationary);
+    // and back, to the same bits
+    if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
+    for (size_t k = 0; k < num_unknowns; k++)
+        derivative[k] = (behind[unknowns[k]] - before[unknowns[k]]) / (2 * length);
     return true;
 }
 
-bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
-                    const unsigned knowns[], size_t num_knowns, const double direction[],
-                    double derivative[]) {
-    double before[FMU_NUM_VARIABLES] = {0}, behind[FMU_NUM_VARIABLES] = {0};
-    ehdrom_result result = EHDROM_RESULT_INIT;
+/* The library's tangent, of the outputs that it has; NaN of others, and of all where it has none. */
+static void by_tangent(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
+                       const unsigned knowns[], size_t num_knowns, const double direction[],
+                       double derivative[]) {
+    double rates[FMU_NUM_VARIABLES] = {0};
+    ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
 
+    for (size_t i = 0; i < num_knowns; i++)
+        rates[knowns[i]] += direction[i];
+    const conditions rate = conditions_of(rates, self->contents.approach_given);
+    const ehdrom_conditions whole = for_library(self, &rate);
+    const bool there = ehdrom_differentiate(self->contact, &whole, &found) == EHDROM_OK;
+    for (size_t k = 0; k < num_unknowns; k++) {
+        const size_t offset = fmu_variables[unknowns[k]].derivative;
+        const char *member = (const char *)&found + offset;
+        derivative[k] = there && offset > 0 ? *(const double *)(const void *)member : NAN;
+    }
+}
+
+/* Whether these are outputs by inputs, now. */
+static bool can_derive(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
+                       const unsigned knowns[], size_t num_knowns, const double direction[]) {
     for (size_t k = 0; k < num_unknowns; k++) {
         const fmu_variable *variable = find(self, unknowns[k], FMU_REAL);
         if (!variable) return false;
@@ -510,16 +609,25 @@ bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_un
         return false;
     if (self->now.lost)
         return fail(self, "derivative: found a step that failed, expected one that did not");
-    const double length = reach(self, knowns, num_knowns, direction);
-    if (length < 0) return false;
-    if (length > 0) {
-        const bool found = outputs_at(self, behind, knowns, num_knowns, direction, length) &&
-                           outputs_at(self, before, knowns, num_knowns, direction, -length);
-        // and back, to the same bits
-        if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
+    for (size_t i = 0; i < num_knowns; i++) {
+        const fmu_variable *variable = find(self, knowns[i], FMU_REAL);
+        if (!variable) return false;
+        if (variable->role != FMU_INPUT || !isfinite(direction[i]))
+            return fail(self, "derivative: found by %s in direction %g, expected by an input",
+                        variable->name, direction[i]);
     }
+    return true;
+}
+
+bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
+                    const unsigned knowns[], size_t num_knowns, const double direction[],
+                    double derivative[]) {
+    if (!can_derive(self, unknowns, num_unknowns, knowns, num_knowns, direction)) return false;
+    by_tangent(self, unknowns, num_unknowns, knowns, num_knowns, direction, derivative);
     for (size_t k = 0; k < num_unknowns; k++)
-        derivative[k] = length > 0 ? (behind[unknowns[k]] - before[unknowns[k]]) / (2 * length) : 0;
+        if (isnan(derivative[k]) &&
+            !by_differences(self, &unknowns[k], 1, knowns, num_knowns, direction, &derivative[k]))
+            return false;
     return true;
 }
 
@@ -582,18 +690,22 @@ static bool restore(fmu_instance *self, const fmu_state *state) {
 
     if (!numbers) return fail(self, "state: found no memory for %zu numbers", count);
     memcpy(numbers, state->bytes + sizeof self->now, count * sizeof *numbers);
-    const bool restored =
-        take_parameters(self) && took(self, ehdrom_state_restore(self->contact, numbers, count));
+    const bool restored = take_parameters(self, self->contact) &&
+                          took(self, ehdrom_state_restore(self->contact, numbers, count));
     free(numbers);
     if (!restored) return false;
-    // the step that was not accepted yet, to the same bits
-    return !(self->now.pending > 0) || took(self, repeat(self, &self->now.aimed, &result));
+    self->responded = false;
+    // the step that was not accepted yet, or the start, to the same bits
+    const bool at_start = self->now.last == 0 && !self->now.lost;
+    return !(self->now.pending > 0 || at_start) ||
+           took(self, repeat(self, &self->now.aimed, &result));
 }
 
 bool fmu_state_set(fmu_instance *self, const fmu_state *state) {
     if (!state || !check_state(self, state->bytes, state->size)) return false;
     memcpy(&self->now, state->bytes, sizeof self->now);
     if (has_contact(&self->now)) return restore(self, state);
+    self->responded = false;
     self->now.solved = false; // the contact itself may be at another time
     return true;
 }

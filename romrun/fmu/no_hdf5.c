@@ -21,6 +21,13 @@ ehd_status model_read_modes(double **pressure_basis, double **deformation_basis,
     return refuse(error);
 }
 
+ehd_status model_has_modes(bool *has, const char *path, const reduced_model *model,
+                           ehd_error *error) {
+    (void)path, (void)model;
+    *has = false;
+    return refuse(error);
+}
+
 const artefact_schema schema_model;
 
 ehd_status artefact_open(artefact **file, const char *path, const artefact_schema *const *schemas,

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/fmu/package.h"
 
+#include "common/program/output_file.h"
+
 #include <errno.h>
 #include <minizip/zip.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 enum { PIECE = 1 << 16 };
 
@@ -74,31 +75,76 @@ static ehd_status put_entry(zipFile zip, const package_entry *entry, const zip_f
     return status;
 }
 
-ehd_status package_write(const char *path, package_entry *entries, size_t num_entries, time_t when,
-                         bool force, ehd_error *error) {
-    const zip_fileinfo info = info_at(when);
-    char *partial = NULL;
-    ehd_status status = EHD_OK;
+// ---- the stream that is written to, for minizip
 
-    if (!force && access(path, F_OK) == 0)
-        return ehd_fail(error, EHD_CANTCREATE,
-                        "%s: found an existing file, expected none (or --force)", path);
-    if (asprintf(&partial, "%s.partial", path) < 0)
-        return ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
-    errno = 0;
-    zipFile zip = zipOpen(partial, APPEND_STATUS_CREATE);
-    if (!zip) {
-        status = ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to create it", partial,
-                          errno ? strerror(errno) : "a failure");
-        free(partial);
-        return status;
-    }
+static voidpf open_given(voidpf stream, const void *path, int mode) {
+    (void)path, (void)mode;
+    return stream;
+}
+
+static uLong read_nothing(voidpf given, voidpf stream, void *bytes, uLong size) {
+    (void)given, (void)stream, (void)bytes, (void)size;
+    return 0;
+}
+
+static uLong write_to(voidpf given, voidpf stream, const void *bytes, uLong size) {
+    (void)given;
+    return fwrite(bytes, 1, size, stream);
+}
+
+static ZPOS64_T tell_of(voidpf given, voidpf stream) {
+    (void)given;
+    return (ZPOS64_T)ftello(stream);
+}
+
+static long seek_in(voidpf given, voidpf stream, ZPOS64_T offset, int origin) {
+    const int from[] = {[ZLIB_FILEFUNC_SEEK_SET] = SEEK_SET,
+                        [ZLIB_FILEFUNC_SEEK_CUR] = SEEK_CUR,
+                        [ZLIB_FILEFUNC_SEEK_END] = SEEK_END};
+    (void)given;
+    return fseeko(stream, (off_t)offset, from[origin]);
+}
+
+static int keep_open(voidpf given, voidpf stream) {
+    (void)given, (void)stream;
+    return 0;
+}
+
+static int error_of(voidpf given, voidpf stream) {
+    (void)given;
+    return ferror((FILE *)stream);
+}
+
+static ehd_status put_entries(FILE *stream, package_entry *entries, size_t num_entries, time_t when,
+                              const char *path, ehd_error *error) {
+    const zip_fileinfo info = info_at(when);
+    zlib_filefunc64_def functions = {.zopen64_file = open_given,
+                                     .zread_file = read_nothing,
+                                     .zwrite_file = write_to,
+                                     .ztell64_file = tell_of,
+                                     .zseek64_file = seek_in,
+                                     .zclose_file = keep_open,
+                                     .zerror_file = error_of,
+                                     .opaque = stream};
+    zipFile zip = zipOpen2_64(path, APPEND_STATUS_CREATE, NULL, &functions);
+    ehd_status status =
+        zip ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory, expected some", path);
+
     qsort(entries, num_entries, sizeof *entries, by_name);
     for (size_t i = 0; i < num_entries && !status; i++)
         status = put_entry(zip, &entries[i], &info, error);
-    if (zipClose(zip, NULL) != ZIP_OK && !status) status = write_failed(path, error);
-    if (!status && rename(partial, path) != 0) status = write_failed(path, error);
-    if (status) unlink(partial);
-    free(partial);
+    if (zip && zipClose(zip, NULL) != ZIP_OK && !status) status = write_failed(path, error);
+    return status;
+}
+
+ehd_status package_write(const char *path, package_entry *entries, size_t num_entries, time_t when,
+                         bool force, ehd_error *error) {
+    output_file out;
+    ehd_status status = output_file_create(&out, path, force, error);
+    if (status) return status;
+
+    status = put_entries(out.stream, entries, num_entries, when, path, error);
+    if (!status) return output_file_finish(&out, error);
+    output_file_drop(&out);
     return status;
 }

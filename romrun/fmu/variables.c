@@ -6,37 +6,39 @@
 #include <locale.h>
 #include <string.h>
 
-#define OF(member) offsetof(ehdrom_result, member)
+#define OF(member)   offsetof(ehdrom_result, member), 0
+#define BOTH(member) offsetof(ehdrom_result, member), offsetof(ehdrom_derivatives, member)
+#define NONE         0, 0
 
 // clang-format off
-// columns: name, role, type, unit, unit of a point contact, when, key, offset, help
+// columns: name, role, type, unit, unit of a point contact, when, key, offset and derivative, help
 const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
-    [FMU_TIME] = {"time", FMU_INDEPENDENT, FMU_REAL, "s", "s", FMU_ALWAYS, NULL, 0, "Time"},
-    [FMU_LOAD] = {"load", FMU_INPUT, FMU_REAL, "N/m", "N", FMU_LOAD_GIVEN, "physical.load", 0,
+    [FMU_TIME] = {"time", FMU_INDEPENDENT, FMU_REAL, "s", "s", FMU_ALWAYS, NULL, NONE, "Time"},
+    [FMU_LOAD] = {"load", FMU_INPUT, FMU_REAL, "N/m", "N", FMU_LOAD_GIVEN, "physical.load", NONE,
         "Load, of a line contact per length"},
-    [FMU_APPROACH] = {"approach", FMU_INPUT, FMU_REAL, "m", "m", FMU_APPROACH_GIVEN, NULL, 0,
+    [FMU_APPROACH] = {"approach", FMU_INPUT, FMU_REAL, "m", "m", FMU_APPROACH_GIVEN, NULL, NONE,
         "How far the bodies are from touching undeformed; negative where they overlap"},
-    [FMU_SPEED_1] = {"surface_speed_1", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", 0,
+    [FMU_SPEED_1] = {"surface_speed_1", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", NONE,
         "Speed of the first surface relative to the contact; only the mean of both matters"},
-    [FMU_SPEED_2] = {"surface_speed_2", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", 0,
+    [FMU_SPEED_2] = {"surface_speed_2", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", NONE,
         "Speed of the second surface relative to the contact; the mean must not be negative"},
-    [FMU_RADIUS] = {"radius", FMU_INPUT, FMU_REAL, "m", "m", FMU_ALWAYS, "physical.radius", 0,
+    [FMU_RADIUS] = {"radius", FMU_INPUT, FMU_REAL, "m", "m", FMU_ALWAYS, "physical.radius", NONE,
         "Reduced radius, 1/R = 1/R1 + 1/R2"},
-    [FMU_FORCE] = {"force", FMU_OUTPUT, FMU_REAL, "N/m", "N", FMU_ALWAYS, NULL, OF(load),
+    [FMU_FORCE] = {"force", FMU_OUTPUT, FMU_REAL, "N/m", "N", FMU_ALWAYS, NULL, BOTH(load),
         "Normal force between the bodies, of a line contact per length"},
-    [FMU_APPROACH_FOUND] = {"approach", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_LOAD_GIVEN, NULL, OF(approach),
+    [FMU_APPROACH_FOUND] = {"approach", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_LOAD_GIVEN, NULL, BOTH(approach),
         "How far the bodies are from touching undeformed; negative where they overlap"},
     [FMU_CENTRAL_FILM] = {"central_film_thickness", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL,
-        OF(central_film_thickness), "Film thickness at the centre"},
+        BOTH(central_film_thickness), "Film thickness at the centre"},
     [FMU_MINIMUM_FILM] = {"minimum_film_thickness", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL,
-        OF(minimum_film_thickness), "Smallest film thickness"},
+        BOTH(minimum_film_thickness), "Smallest film thickness"},
     [FMU_CENTRAL_PRESSURE] = {"central_pressure", FMU_OUTPUT, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, NULL,
-        OF(central_pressure), "Pressure at the centre"},
+        BOTH(central_pressure), "Pressure at the centre"},
     [FMU_PEAK_PRESSURE] = {"peak_pressure", FMU_OUTPUT, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, NULL,
-        OF(peak_pressure), "Largest pressure, at the nodes that the reduced solution looks at"},
-    [FMU_EXIT] = {"exit_position", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL, OF(exit_position),
+        BOTH(peak_pressure), "Largest pressure, at the nodes that the reduced solution looks at"},
+    [FMU_EXIT] = {"exit_position", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL, BOTH(exit_position),
         "How far behind the centre the pressure ends"},
-    [FMU_HALF_WIDTH] = {"half_width", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL, OF(half_width),
+    [FMU_HALF_WIDTH] = {"half_width", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL, BOTH(half_width),
         "Half width, or radius, of the dry contact"},
     [FMU_DEVIATION] = {"indicated_deviation", FMU_OUTPUT, FMU_REAL, "1", "1", FMU_ALWAYS, NULL,
         OF(indicated_deviation), "How far the central film is indicated to be from that of the full model, "
@@ -49,18 +51,24 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
         "False: outside of the trained range, indicated to deviate by more than accuracy, or not checked"},
     [FMU_ITERATIONS] = {"iterations", FMU_OUTPUT, FMU_INTEGER, NULL, NULL, FMU_ALWAYS, NULL, OF(iterations),
         "Iterations of the last internal step"},
-    [FMU_STEPS] = {"internal_steps", FMU_OUTPUT, FMU_INTEGER, NULL, NULL, FMU_ALWAYS, NULL, 0,
+    [FMU_STEPS] = {"internal_steps", FMU_OUTPUT, FMU_INTEGER, NULL, NULL, FMU_ALWAYS, NULL, NONE,
         "Internal steps of the last communication step: 1, unless that was too long"},
-    [FMU_MODULUS] = {"modulus", FMU_PARAMETER, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, "physical.modulus", 0,
+    [FMU_MODULUS] = {"modulus", FMU_PARAMETER, FMU_REAL, "Pa", "Pa", FMU_ALWAYS, "physical.modulus", NONE,
         "Reduced modulus, 2/E' = (1 - nu1^2)/E1 + (1 - nu2^2)/E2"},
-    [FMU_VISCOSITY] = {"viscosity", FMU_PARAMETER, FMU_REAL, "Pa.s", "Pa.s", FMU_ALWAYS, "physical.viscosity", 0,
+    [FMU_VISCOSITY] = {"viscosity", FMU_PARAMETER, FMU_REAL, "Pa.s", "Pa.s", FMU_ALWAYS, "physical.viscosity", NONE,
         "Viscosity at ambient pressure"},
     [FMU_PRESSURE_VISCOSITY] = {"pressure_viscosity_coefficient", FMU_PARAMETER, FMU_REAL, "1/Pa", "1/Pa",
-        FMU_ALWAYS, "lubricant.viscosity.alpha", 0, "Pressure-viscosity coefficient"},
-    [FMU_ACCURACY] = {"accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, 0,
+        FMU_ALWAYS, "lubricant.viscosity.alpha", NONE, "Pressure-viscosity coefficient"},
+    [FMU_ACCURACY] = {"accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, NONE,
         "An indicated deviation above it is not trusted"},
-    [FMU_STEP_ACCURACY] = {"step_accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, 0,
+    [FMU_STEP_ACCURACY] = {"step_accuracy", FMU_PARAMETER, FMU_REAL, "1", "1", FMU_ALWAYS, NULL, NONE,
         "A step with a larger local_error is halved; 0: as long as the importer wants it. FMI's tolerance sets it"},
+    [FMU_STIFFNESS] = {"stationary_stiffness", FMU_OUTPUT, FMU_REAL, "N/m2", "N/m", FMU_ALWAYS, NULL, NONE,
+        "By how much the force of a stationary contact of these inputs rises as the bodies come nearer"},
+    [FMU_DAMPING] = {"stationary_damping", FMU_OUTPUT, FMU_REAL, "N.s/m2", "N.s/m", FMU_ALWAYS, NULL, NONE,
+        "By how much more per speed at which they come nearer, slowly"},
+    [FMU_DAMPING_BOUND] = {"stationary_damping_bound", FMU_OUTPUT, FMU_REAL, "N.s/m2", "N.s/m", FMU_ALWAYS, NULL, NONE,
+        "What the model lacks of the damping, up to a factor of 2 to 8; models trained in time lack little"},
 };
 // clang-format on
 

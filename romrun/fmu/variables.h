@@ -37,6 +37,10 @@ enum {
     FMU_PRESSURE_VISCOSITY,
     FMU_ACCURACY,
     FMU_STEP_ACCURACY,
+    // outcomes of a stationary contact of the present inputs, made when they are asked for
+    FMU_STIFFNESS,
+    FMU_DAMPING,
+    FMU_DAMPING_BOUND,
     FMU_NUM_VARIABLES
 };
 
@@ -51,7 +55,8 @@ typedef struct fmu_variable {
     const char *unit, *unit_of_point; // of a line and of a point contact; NULL: none
     fmu_when when;                    // in which FMUs it is
     const char *key;                  // of the setting that it starts from; NULL: none
-    size_t offset;                    // of an output in ehdrom_result
+    size_t offset;                    // of an output in ehdrom_result; 0: of none
+    size_t derivative;                // of it in ehdrom_derivatives; 0: it has none there
     const char *help;
 } fmu_variable;
 

@@ -22,6 +22,9 @@ typedef struct unit_factors {
 
 typedef enum last_call { LAST_NONE, LAST_SOLVED, LAST_IN_TIME } last_call;
 
+/* What derivatives are of. */
+typedef enum last_solved { OF_NOTHING, OF_SOLUTION, OF_START, OF_STEP } last_solved;
+
 struct ehdrom_contact {
     const ehdrom_model *model;
     scene settings;
@@ -31,6 +34,7 @@ struct ehdrom_contact {
     bool dimensionless;
     double accuracy, tolerance, step_tolerance; // NaN: not set
     last_call last;
+    last_solved differentiable;
     // stationary
     online_solver *solver; // NULL: not needed yet
     ehd_contact solved;
@@ -39,8 +43,9 @@ struct ehdrom_contact {
     online_transient *in_time; // NULL: not started
     ehd_contact reference;
     unit_factors reference_units;
-    bool started;    // there is an accepted state
-    bool can_accept; // and a step after it
+    bool by_approach; // the last start or step was given it
+    bool started;     // there is an accepted state
+    bool can_accept;  // and a step after it
     // of fields, NULL: not needed yet
     double *pressure, *film; // [num_nodes]
     char deviation[MARCH_REASON];
@@ -62,6 +67,11 @@ ehd_status library_give(void *target, const void *source, size_t size, const cha
 /* The contact of the settings, with its units: stationary, or the reference in time. EHD_DATA. */
 ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_contact *self,
                            bool in_time, ehd_error *error);
+
+/* What the caller gives of conditions, relative to the reference; what is not given stays as it is in *own.
+ * EHD_DATA. */
+ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *given,
+                              const unit_factors *units, ehd_error *error);
 
 /* Where one thread at a time has to be: in HDF5, whose ways of the process are the
  * caller's again afterwards, and in FFTW's planner. */

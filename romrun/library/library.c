@@ -82,7 +82,9 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
         status = ehd_fail(error, EHD_NOINPUT, "path: found NULL, expected a file");
     if (status) return status;
     const model_sizes sizes = {options.pressure_modes, options.deformation_modes, options.rows};
-    const bool flat = online_is_flat(path); // of which neither HDF5 nor FFTW is asked
+    bool flat = false; // of which neither HDF5 nor FFTW is asked
+    status = online_is_flat(&flat, path, error);
+    if (status) return status;
     if (!flat) library_lock();
     status = online_open(&self->online, path, &sizes, error);
     if (!status && options.stationary) {

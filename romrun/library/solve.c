@@ -57,6 +57,7 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
     ehd_status status = EHD_OK;
 
     self->last = LAST_NONE;
+    self->differentiable = OF_NOTHING;
     if (!self->solver)
         status = online_solver_create(&self->solver, self->model->online, &self->error);
     if (!status)
@@ -71,7 +72,10 @@ static ehd_status solve(ehdrom_contact *self, ehdrom_result *result) {
                          .residual = found.residual,
                          .iterations = found.iterations};
     fill(&own, &found.scalars, found.peak_pressure, 1, &self->solved_units);
-    if (found.status != EHD_NOT_CONVERGED) self->last = LAST_SOLVED;
+    if (found.status != EHD_NOT_CONVERGED) {
+        self->last = LAST_SOLVED;
+        self->differentiable = OF_SOLUTION;
+    }
     return give(self, result, &own, found.reason, false);
 }
 
@@ -98,6 +102,7 @@ static ehd_status take_reference(ehdrom_contact *self) {
 
     self->in_time = online_transient_free(self->in_time);
     self->last = LAST_NONE;
+    self->differentiable = OF_NOTHING;
     self->started = self->can_accept = false;
     if (!status)
         status = library_contact(&self->reference, &self->reference_units, self, true, error);
@@ -110,12 +115,10 @@ static ehd_status take_reference(ehdrom_contact *self) {
     return EHD_OK;
 }
 
-/* What the caller gives, relative to the reference. */
-static ehd_status take_conditions(online_conditions *own, const ehdrom_conditions *given,
-                                  const unit_factors *units, ehd_error *error) {
+ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *given,
+                              const unit_factors *units, ehd_error *error) {
     ehdrom_conditions all = EHDROM_CONDITIONS_INIT;
 
-    *own = (online_conditions){.load = 1, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
     if (!given) return EHD_OK;
     if (given->size < offsetof(ehdrom_conditions, load))
         return ehd_fail(
@@ -158,6 +161,15 @@ static ehd_status take_conditions(online_conditions *own, const ehdrom_condition
     return EHD_OK;
 }
 
+/* What holds at the end of a step. */
+static ehd_status take_conditions(online_conditions *own, ehdrom_contact *self,
+                                  const ehdrom_conditions *given) {
+    *own = (online_conditions){.load = 1, .approach = NAN, .speed = 1, .radius = 1, .modulus = 1};
+    const ehd_status status = library_conditions(own, given, &self->reference_units, &self->error);
+    self->by_approach = !isnan(own->approach);
+    return status;
+}
+
 static ehd_status give_state(ehdrom_contact *self, ehdrom_result *result,
                              const online_state *state) {
     const unit_factors *units = &self->reference_units;
@@ -181,11 +193,14 @@ static ehd_status start(ehdrom_contact *self, const ehdrom_conditions *given,
     online_state state;
     ehd_status status = take_reference(self);
 
-    if (!status) status = take_conditions(&conditions, given, &self->reference_units, &self->error);
+    if (!status) status = take_conditions(&conditions, self, given);
     if (!status) status = online_transient_start(&state, self->in_time, &conditions, &self->error);
     if (status) return status;
     self->started = state.status != EHD_NOT_CONVERGED;
-    if (self->started) self->last = LAST_IN_TIME;
+    if (self->started) {
+        self->last = LAST_IN_TIME;
+        self->differentiable = OF_START;
+    }
     return give_state(self, result, &state);
 }
 
@@ -213,9 +228,10 @@ static ehd_status step_on(ehdrom_contact *self, const ehdrom_conditions *given, 
                           ehdrom_result *result) {
     online_conditions conditions;
     online_state state;
-    ehd_status status = take_conditions(&conditions, given, &self->reference_units, &self->error);
+    ehd_status status = take_conditions(&conditions, self, given);
 
     self->can_accept = false;
+    self->differentiable = OF_NOTHING;
     if (!status && !(step > 0 && isfinite(step)))
         status =
             ehd_fail(&self->error, EHD_DATA, "step: found %g, expected a number above 0", step);
@@ -224,6 +240,7 @@ static ehd_status step_on(ehdrom_contact *self, const ehdrom_conditions *given, 
                              &self->error);
     if (status) return status;
     self->can_accept = state.status != EHD_NOT_CONVERGED;
+    if (self->can_accept) self->differentiable = OF_STEP;
     return give_state(self, result, &state);
 }
 
@@ -266,6 +283,7 @@ ehdrom_status ehdrom_accept(ehdrom_contact *self) {
     if (status) return (ehdrom_status)status;
     online_accept(self->in_time);
     self->can_accept = false;
+    if (self->differentiable == OF_STEP) self->differentiable = OF_NOTHING;
     self->last = LAST_IN_TIME;
     return EHDROM_OK;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/model/flat.h"
 
+#include "common/program/output_file.h"
 #include "common/program/program.h"
 
 #include <errno.h>
@@ -79,14 +80,25 @@ static uint64_t checksum_of(const unsigned char *bytes, size_t size) {
     return sum;
 }
 
-bool flat_is(const char *path) {
+static ehd_status open_failed(const char *path, ehd_error *error) {
+    return ehd_fail(error, errno == ENOMEM ? EHD_MEMORY : EHD_NOINPUT,
+                    "%s: found %s, expected a readable file", path,
+                    errno == ENOTSUP ? "no regular file" : strerror(errno));
+}
+
+ehd_status flat_is(bool *is, const char *path, ehd_error *error) {
     char found[sizeof magic] = "";
     FILE *file = program_open(path);
-    const bool same =
-        file && fread(found, sizeof found, 1, file) == 1 && memcmp(found, magic, sizeof magic) == 0;
 
-    if (file) fclose(file);
-    return same;
+    *is = false;
+    if (!file) return open_failed(path, error);
+    *is = fread(found, sizeof found, 1, file) == 1 && memcmp(found, magic, sizeof magic) == 0;
+    const bool failed = ferror(file) != 0;
+    const int reason = errno;
+    fclose(file);
+    return failed ? ehd_fail(error, EHD_IO, "%s: found a read failure (%s), expected to read it",
+                             path, strerror(reason))
+                  : EHD_OK;
 }
 
 void flat_begin(flat *self, const char *path, ehd_error *error) {
@@ -144,51 +156,25 @@ ehd_status flat_read(flat *self, const char *path, ehd_error *error) {
 
     flat_begin(self, path, error);
     self->reading = true;
-    if (!file)
-        return self->status = ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected a readable file",
-                                       path, strerror(errno));
+    if (!file) return self->status = open_failed(path, error);
     map_bytes(self, file);
     fclose(file);
     if (flat_good(self)) check_header(self);
     return self->status;
 }
 
-/* Under another name first. */
-static ehd_status write_bytes(const flat *self, const char *partial, ehd_error *error) {
-    FILE *file = fopen(partial, "wb");
-    if (!file)
-        return ehd_fail(error, EHD_CANTCREATE, "%s: found %s, expected to write it", partial,
-                        strerror(errno));
-    bool written = fwrite(self->bytes, self->size, 1, file) == 1 && fflush(file) == 0 &&
-                   fsync(fileno(file)) == 0;
-    int reason = errno;
-    if (fclose(file) != 0) written = false;
-    if (written && rename(partial, self->path) != 0) {
-        written = false;
-        reason = errno;
-    }
-    if (written) return EHD_OK;
-    remove(partial);
-    return ehd_fail(error, EHD_IO, "%s: found %s, expected to write it", self->path,
-                    strerror(reason));
-}
-
 ehd_status flat_write(flat *self, bool force) {
     flat_header header = {.version = VERSION, .order = ORDER, .size = self->size};
-    char *partial = NULL;
+    output_file out;
 
     if (!flat_good(self)) return self->status;
-    if (!force && access(self->path, F_OK) == 0)
-        return ehd_fail(self->error, EHD_CANTCREATE,
-                        "%s: found an existing file, expected none (or --force)", self->path);
     memcpy(header.magic, magic, sizeof magic);
     header.checksum = checksum_of(self->bytes + ALIGNMENT, self->size - ALIGNMENT);
     memcpy(self->bytes, &header, sizeof header);
-    if (asprintf(&partial, "%s.partial", self->path) < 0)
-        return ehd_fail(self->error, EHD_MEMORY, "%s: found no memory", self->path);
-    const ehd_status status = write_bytes(self, partial, self->error);
-    free(partial);
-    return status;
+    const ehd_status status = output_file_create(&out, self->path, force, self->error);
+    if (status) return status;
+    fwrite(self->bytes, self->size, 1, out.stream);
+    return output_file_finish(&out, self->error);
 }
 
 // ---- blocks

@@ -20,8 +20,8 @@ typedef struct flat {
     ehd_error *error;
 } flat;
 
-/* Whether a file begins as one; false also where it cannot be read. */
-bool flat_is(const char *path);
+/* Whether a file begins as one. EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ehd_status flat_is(bool *is, const char *path, ehd_error *error);
 
 /* Begins to write, or maps a file: its length has to be the one that it tells, and its checksum
  * right, unless the environment's EHDROM_DIGEST is no. EHD_NOINPUT, EHD_DATA, EHD_IO, EHD_MEMORY. */

@@ -42,6 +42,10 @@ ehd_status model_read(
     // input:
     const char *path, const model_sizes *sizes, ehd_error *error);
 
+/* Whether the file has what model_read_modes takes for steps in time. */
+ehd_status model_has_modes(bool *has, const char *path, const reduced_model *model,
+                           ehd_error *error);
+
 /* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and,
  * of an independent basis, [num_nodes, num_deformation] (else NULL). */
 ehd_status model_read_modes(

@@ -434,6 +434,17 @@ static ehd_status check_same_model(artefact *file, const reduced_model *model, e
                     artefact_path(file));
 }
 
+ehd_status model_has_modes(bool *has, const char *path, const reduced_model *model,
+                           ehd_error *error) {
+    const artefact_schema *const kinds[] = {&schema_model, NULL};
+    artefact *file = NULL;
+    const ehd_status status = artefact_open(&file, path, kinds, error);
+
+    *has = !status && (model->num_deformation == 0 || artefact_has(file, "deformation_basis"));
+    artefact_close(&file);
+    return status;
+}
+
 ehd_status model_read_modes(double **pressure_basis, double **deformation_basis, const char *path,
                             const reduced_model *model, ehd_error *error) {
     const artefact_schema *const kinds[] = {&schema_model, NULL};

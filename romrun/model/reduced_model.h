@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The reduced model (romrun/README.md; Maier et al. (2015), section 3): bases at the nodes that
+/* The reduced model (romrun/online/README.md; Maier et al. (2015), section 3): bases at the nodes that
  * the selected Reynolds rows need, and tables that cut them at the exit. Level i (all rows) and
  * level n (selected rows) differ in the list of rows only. */
 #ifndef EHD_REDUCED_MODEL_H

@@ -374,9 +374,9 @@ bool exits_settled(const exit_search *self, const node_state *nodes) {
     return sum <= settled_distance(model) * model->grid.inner_lines;
 }
 
-static void watch_all(exit_search *self, exit_watch watch) {
+static void watch_all(exit_search *self) {
     for (size_t l = 0; l < self->model->band.num_lines; l++)
-        self->watches[l] = watch;
+        self->watches[l] = (exit_watch){.change = INFINITY};
 }
 
 /* An exit's move by a node changes the film by about 1e-5: a coarser tolerance does not need the
@@ -385,33 +385,51 @@ void exits_watch_stationary(exit_search *self, double tolerance) {
     const double coarse = 1e-5;
 
     self->far = INFINITY;
-    watch_all(self, (exit_watch){.max_turns = 0,
-                                 .near = settled_distance(self->model),
-                                 .small = tolerance < coarse ? 1e-3 : 5e-3,
-                                 .stalled = 5e-3,
-                                 .change = INFINITY});
+    self->hold = HELD_IN_CYCLE;
+    self->small = tolerance < coarse ? 1e-3 : 5e-3;
+    watch_all(self);
 }
 
-void exits_watch_in_time(exit_search *self, double stalled, double far) {
+void exits_watch_in_time(exit_search *self, double far) {
     self->far = self->model->band.num_lines > 1 ? INFINITY : far;
-    watch_all(self,
-              (exit_watch){.max_turns = 1, .near = 1, .stalled = stalled, .change = INFINITY});
+    self->hold = HELD_AT_TURN;
+    watch_all(self);
+}
+
+/* New exit that is HELD_AT_TURN, and has turned round now or not. */
+static size_t hold_at_turn(exit_watch *watch, size_t exit, size_t next, bool turns) {
+    if (watch->held) return exit;
+    if (!turns) return next;
+    if (index_distance(next, exit) > 1) return next > exit ? exit + 1 : exit - 1;
+    watch->held = true;
+    return next > exit ? next : exit;
+}
+
+/* New exit that is HELD_IN_CYCLE; `before`: change of the pressure in the iteration before. */
+static size_t hold_in_cycle(const exit_search *self, const exit_watch *watch, double before,
+                            size_t exit, size_t next) {
+    const double stalled = 0.6, few = 5e-3; // reduced by less than 40 %, and changes that may be
+    const bool near = index_distance(next, exit) <= settled_distance(self->model);
+    const bool stalls = watch->change < few && watch->change > stalled * before;
+    const bool cycles = near && (watch->change < self->small || stalls);
+
+    if (watch->turns == 0 || next == exit) return next;
+    if (watch->turns > (cycles ? 0 : 3)) return exit;
+    return next > exit ? exit + 1 : exit - 1;
 }
 
 /* New exit on a line, where `next` is wanted; `change`: of the pressure in this iteration. */
-static size_t watch_exit(exit_watch *watch, double change, size_t exit, size_t next) {
-    const double stalled = 0.6; // reduced by less than 40 %
-    int direction = next > exit ? 1 : next < exit ? -1 : 0;
-    bool near = index_distance(next, exit) <= watch->near;
-    bool stalls = change < watch->stalled && change > stalled * watch->change;
-    bool cycles = near && (change < watch->small || stalls);
+static size_t watch_exit(const exit_search *self, exit_watch *watch, double change, size_t exit,
+                         size_t next) {
+    const int direction = next > exit ? 1 : next < exit ? -1 : 0;
+    const bool turns = direction && watch->direction && direction != watch->direction;
+    const double before = watch->change;
 
     watch->change = change;
-    if (direction && watch->direction && direction != watch->direction) watch->turns++;
+    watch->turns += turns;
     if (direction) watch->direction = direction;
-    if (watch->turns == 0) return next;
-    if (watch->turns > (cycles ? watch->max_turns : 3)) return exit;
-    return (size_t)((ptrdiff_t)exit + direction);
+    if (self->hold == HELD_AT_TURN) return hold_at_turn(watch, exit, next, turns);
+    return hold_in_cycle(self, watch, before, exit, next);
 }
 
 bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
@@ -428,7 +446,8 @@ bool exits_adapt(exit_search *self, node_state *nodes, reduced_state *state,
     if (change > self->far) return false;
     find_exits(&query);
     for (size_t l = 0; l < num_lines; l++)
-        self->moved[l] = watch_exit(&self->watches[l], change, nodes->exit[l], self->wanted[l]);
+        self->moved[l] =
+            watch_exit(self, &self->watches[l], change, nodes->exit[l], self->wanted[l]);
     if (num_lines > 1) interpolate_exits(self->moved, self);
     bool moved = memcmp(self->moved, nodes->exit, num_lines * sizeof *self->moved) != 0;
     reduced_state_set_exits(state, model, self->moved);

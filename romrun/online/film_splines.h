@@ -3,7 +3,7 @@
  * cubic splines of all modes are made once, and a state's spline is a combination of them, since
  * splines are linear in their values. The deflection by the pressures that a state's own exit line
  * cuts is added as splines of the kernel. Values and curvatures are summed at a node when they are
- * first asked for, once a state (romrun/README.md, In time). */
+ * first asked for, once a state (README.md, In time). */
 #ifndef EHD_FILM_SPLINES_H
 #define EHD_FILM_SPLINES_H
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Error indicator of a reduced solution's films (romrun/README.md, Knowing when it is
- * wrong).
+/* Error indicator of a reduced solution's films (README.md, Indicated deviation).
  *
  * The residual of the selected rows, over-determined, and of the control rows samples that of the
  * Reynolds equation everywhere. What a residual in each of them does to a film follows from the

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "romrun/online/node_state.h"
 
+#include "common/physics/far_field.h"
 #include "common/physics/minimum.h"
 #include "romrun/online/band_minimum.h"
 
@@ -376,6 +377,41 @@ double nodes_minimum_between(size_t *node, const node_state *self, film_function
     if (beside < self->least_in_band) return beside;
     *node = self->lowest_in_band;
     return self->least_in_band;
+}
+
+contact_scalars nodes_scalars(node_state *self, const double *z, double exit_position,
+                              const ehd_contact *contact) {
+    const reduced_model *model = self->model;
+    const double approach = z[model->num_unknowns - 1];
+    size_t lowest = 0;
+    const double minimum = nodes_minimum_film(&lowest, self, z);
+
+    return (contact_scalars){.central_film_thickness = nodes_at_centre(model, self->now.film),
+                             .central_pressure = nodes_at_centre(model, self->now.pressure),
+                             .minimum_film_thickness = minimum,
+                             .minimum_position = grid_x(&model->grid, lowest),
+                             .rigid_approach = approach,
+                             .exit_position = exit_position,
+                             .load = (nodes_load(self) + far_field_load(contact, approach).value) /
+                                     model->kind->load};
+}
+
+reduced_pressures nodes_pressure_range(node_state *self, const double *z) {
+    const reduced_model *model = self->model;
+    const exit_band *band = &model->band;
+    reduced_pressures range = {0, 0};
+
+    for (size_t q = 0; q < model->rows.num_needed; q++)
+        if (self->pressurised[q]) reduced_pressures_include(&range, self->now.pressure[q]);
+    for (size_t l = 0; l < band->num_lines; l++) {
+        const band_line *line = &band->lines[l];
+        const size_t end = self->exit[l] < line->end ? self->exit[l] : line->end;
+        if (end <= line->begin) continue;
+        nodes_expand_range(self, z, line->offset, end - line->begin);
+        for (size_t k = line->offset; k < line->offset + end - line->begin; k++)
+            reduced_pressures_include(&range, self->band_pressure[k]);
+    }
+    return range;
 }
 
 // ---- derivatives of the film

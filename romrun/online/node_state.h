@@ -84,6 +84,13 @@ double nodes_minimum_between(size_t *node, const node_state *self, film_function
  * */
 bool nodes_have_dip(const node_state *self);
 
+/* Scalars of the present state, whose exit is at a place X. */
+contact_scalars nodes_scalars(node_state *self, const double *z, double exit_position,
+                              const ehd_contact *contact);
+
+/* Least and largest P of the present state before its exit, at the needed nodes and in the band. */
+reduced_pressures nodes_pressure_range(node_state *self, const double *z);
+
 /* Adds dH/dz at a needed node, times a factor, to [num_unknowns], without the rigid approach. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);
 

@@ -90,8 +90,8 @@ online_properties online_describe(const online_model *model);
  * NULL: it was. */
 const char *online_unchecked(const online_properties *model, bool in_time);
 
-/* Whether a file begins as a flat model does. */
-bool online_is_flat(const char *path);
+/* Whether a file begins as a flat model does. EHD_NOINPUT, EHD_IO, EHD_MEMORY. */
+ehd_status online_is_flat(bool *is, const char *path, ehd_error *error);
 
 /* Prepares a model for all that it can do and writes it as a flat file, whose results have the same bits.
  * EHD_CANTCREATE: there is such a file, without `force`; EHD_DATA, EHD_IO, EHD_MEMORY. */
@@ -253,5 +253,48 @@ contact_frame online_transient_frame(const online_transient *transient);
  * either that or the calls above, not both in turn. */
 march_solver online_march(online_transient *transient);
 void online_march_effort(double *rows, double *linear, double *exit, const void *solver);
+
+// ---- derivatives
+
+/* How fast conditions change along a direction, in the units of online_conditions: of load and
+ * approach that which is given, and the other NaN. */
+typedef online_conditions online_direction;
+
+/* How fast results change along it, relative to the reference. */
+typedef struct online_derivatives {
+    // in the reference frame; of a line the approach as measured from approach_length. The exit is NaN
+    // where it is known as a node only, and minimum_position means nothing
+    contact_scalars scalars;
+    double peak_pressure; // in Hertz pressures, of the node where it is largest
+    double half_width;
+} online_derivatives;
+
+/* Of the last stationary solution, which is the reference: at all factors 1, and at its approach.
+ * `contact`: that of the last online_solve, whose approach_length counts. Exact but for what least
+ * squares leave (romrun/library/README.md). Takes as long as an iteration. EHD_DATA: a direction that
+ * is not finite, or an approach measured from too near; EHD_INTERNAL: no solution. */
+ehd_status online_differentiate(online_derivatives *derivatives, online_solver *solver,
+                                const ehd_contact *contact, const online_direction *direction,
+                                ehd_error *error);
+
+/* Response of the load to a small slow change of the approach, dF = -(stiffness + s damping) dH0 for s
+ * -> 0 in 1/T, of a stationary contact of constant speed. */
+typedef struct online_response {
+    double stiffness, damping;
+    // By how much the damping moves by what least squares leave of the squeeze term; of ten models it
+    // was 2 to 8 times as far off (romrun/library/README.md).
+    double damping_bound;
+} online_response;
+ehd_status online_respond(online_response *response, online_solver *solver,
+                          const ehd_contact *contact, ehd_error *error);
+
+/* The same of the last step that was not accepted yet: how its end would change with the conditions
+ * there; or of the start, as long as no step was accepted. EHD_INTERNAL: neither. */
+ehd_status online_transient_differentiate(online_derivatives *derivatives,
+                                          online_transient *transient,
+                                          const online_direction *direction, ehd_error *error);
+/* Of the start. */
+ehd_status online_transient_respond(online_response *response, online_transient *transient,
+                                    ehd_error *error);
 
 #endif

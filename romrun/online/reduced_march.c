@@ -41,6 +41,15 @@ typedef struct error_estimate {
 
 static const size_t NO_ROW = SIZE_MAX;
 
+/* Equations of conditions beside those of the attempt. */
+typedef struct march_beside {
+    reduced_march *march;
+    contact_frame frame;
+    double entrainment;
+    double *sum; // [num_rows]
+    reduced_squeeze squeeze;
+} march_beside;
+
 /* Arguments of the solver's kept factors, from which a restored march makes the same ones. */
 typedef struct factors_origin {
     bool valid;
@@ -80,6 +89,8 @@ struct reduced_march {
     // where the approach is given they differ from the frames solved in
     contact_frame load_frame, last_load_frame;
     reduced_info info; // of the attempt
+    march_beside beside[2];
+    double *beside_mass; // [num_rows, BDF_PREVIOUS] work
     reduced_march_effort effort;
     arena memory; // of all arrays
 };
@@ -130,6 +141,9 @@ static void allocate_arrays(reduced_march *self) {
     self->entrained = arena_array(memory, num_rows, sizeof(double));
     self->influence = arena_array(memory, num_rows, sizeof(double));
     self->band_entrained = arena_array(memory, num_band, sizeof(double));
+    for (int i = 0; i < 2; i++)
+        self->beside[i].sum = arena_array(memory, num_rows, sizeof(double));
+    self->beside_mass = arena_array(memory, num_rows, BDF_PREVIOUS * sizeof(double));
 }
 
 static bool is_along_path(const reduced_march *self) {
@@ -144,7 +158,7 @@ static bool tells_minimum(const reduced_march *self) {
 /* Finds the places on the way to the centre: those of rows on the central line, and nodes between
  * them where these are farther apart than errors in time are long. */
 static bool find_way(reduced_march *self) {
-    const double widest = 0.05; // see README.md, Along the path
+    const double widest = 0.05; // see common/time/README.md, Along the path
     const reduced_model *model = self->model;
     const ehd_grid *grid = &model->grid;
     const size_t begin = grid_central_line(grid), end = begin + grid_width(grid) - 1;
@@ -556,26 +570,32 @@ static void masses_at(double *mass, const previous_film *const *films, size_t nu
                              &self->reference);
 }
 
-static void carry_over(reduced_march *self, const contact_frame *frame) {
+/* rho H of the states at the rows' nodes, [num_rows, BDF_PREVIOUS], and what the squeeze has of it. */
+static void sum_at_rows(double *sum, double *mass, const reduced_march *self,
+                        const contact_frame *frame, double entrainment) {
     const reduced_model *model = self->model;
     const previous_film *films[BDF_PREVIOUS];
     size_t num = self->ring.num_previous;
-    double start = program_seconds();
 
     list_previous(films, self);
     for (size_t i = 0; i < model->rows.num_rows; i++) {
-        size_t r = self->previous.ascending[i];
-        double *mass = self->previous.mass + r * BDF_PREVIOUS;
-        masses_at(mass, films, num, model->rows.node[r], frame, self);
-        self->previous.sum[r] = cblas_ddot((int)num, self->formula.weight, 1, mass, 1) +
-                                self->entrainment * self->entrained[r];
+        const size_t r = self->previous.ascending[i];
+        double *of_row = mass + r * BDF_PREVIOUS;
+        masses_at(of_row, films, num, model->rows.node[r], frame, self);
+        sum[r] = cblas_ddot((int)num, self->formula.weight, 1, of_row, 1) +
+                 entrainment * self->entrained[r];
     }
+}
+
+static void carry_over(reduced_march *self, const contact_frame *frame) {
+    const double start = program_seconds();
+
+    sum_at_rows(self->previous.sum, self->previous.mass, self, frame, self->entrainment);
     self->effort.seconds_previous += program_seconds() - start;
 }
 
-/* The weighted sum of previous rho H at a node. */
-static double sum_at(const reduced_march *self, size_t node) {
-    const contact_frame *now = &self->states[self->ring.place[0]].frame;
+/* The weighted sum of previous rho H at a node of a frame. */
+static double sum_in_frame(const reduced_march *self, size_t node, const contact_frame *now) {
     const previous_film *films[BDF_PREVIOUS];
     double mass[BDF_PREVIOUS];
     size_t order = self->formula.order;
@@ -583,6 +603,11 @@ static double sum_at(const reduced_march *self, size_t node) {
     list_previous(films, self);
     masses_at(mass, films, order, node, now, self);
     return cblas_ddot((int)order, self->formula.weight, 1, mass, 1);
+}
+
+/* The same in that of the attempt. */
+static double sum_at(const reduced_march *self, size_t node) {
+    return sum_in_frame(self, node, &self->states[self->ring.place[0]].frame);
 }
 
 /* The same, evaluated once an attempt. */
@@ -802,6 +827,13 @@ static void entrained_contact(ehd_contact *contact, double *entrainment, const c
     if (is_along_path(self)) contact->entrainment = 0;
 }
 
+static reduced_squeeze squeeze_of(reduced_march *self) {
+    return (reduced_squeeze){.rate = self->formula.rate,
+                             .previous = self->previous.sum,
+                             .previous_at = previous_at,
+                             .context = self};
+}
+
 static double film_of_attempt(const void *context, size_t node) {
     const reduced_march *self = context;
 
@@ -837,12 +869,9 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     reduced_solver_set_tolerance(self->solver, iteration_tolerance(self, step));
     carry_over(self, frame);
     predict(self);
-    const reduced_squeeze squeeze = {.rate = self->formula.rate,
-                                     .previous = self->previous.sum,
-                                     .previous_at = previous_at,
-                                     .context = self,
-                                     .start = &next->values,
-                                     .last = state_before(self, 1)->values.pressure};
+    reduced_squeeze squeeze = squeeze_of(self);
+    squeeze.start = &next->values;
+    squeeze.last = state_before(self, 1)->values.pressure;
     ehd_status status = solve(&info, self, &contact, &squeeze, error);
     if (status) return status;
     if (info.status == EHD_UNTRUSTED && shorter_may_settle(self, step))
@@ -877,6 +906,46 @@ static ehd_status attempt(march_step *outcome, void *solver, const contact_frame
     }
     self->effort.seconds += program_seconds() - start;
     return EHD_OK;
+}
+
+// ---- derivatives
+
+static double beside_previous_at(void *context, size_t node) {
+    const march_beside *beside = context;
+    const reduced_march *self = beside->march;
+
+    return sum_in_frame(self, node, &beside->frame) +
+           beside->entrainment * self->band_entrained[reduced_model_band_index(self->model, node)];
+}
+
+/* Whether films carried into both frames are the same. */
+static bool carries_alike(const contact_frame *a, const contact_frame *b) {
+    return a->half_width == b->half_width && a->film_scale == b->film_scale &&
+           a->hertz_pressure == b->hertz_pressure && a->path == b->path && a->speed == b->speed;
+}
+
+static reduced_equations equations_beside(void *context, const contact_frame *frame,
+                                          ehd_contact *contact, int side) {
+    reduced_march *self = context;
+    march_beside *beside = &self->beside[side];
+
+    frame_contact(contact, frame, &self->reference);
+    if (!(self->formula.rate > 0)) return (reduced_equations){contact, NULL};
+    beside->march = self;
+    beside->frame = *frame;
+    entrained_contact(contact, &beside->entrainment, frame, self);
+    beside->squeeze = squeeze_of(self);
+    if (!carries_alike(frame, &state_before(self, 0)->frame)) {
+        sum_at_rows(beside->sum, self->beside_mass, self, frame, beside->entrainment);
+        beside->squeeze.previous = beside->sum;
+        beside->squeeze.previous_at = beside_previous_at;
+        beside->squeeze.context = beside;
+    }
+    return (reduced_equations){contact, &beside->squeeze};
+}
+
+frame_equations reduced_march_equations(reduced_march *self) {
+    return (frame_equations){self, equations_beside};
 }
 
 // ---- kept factors

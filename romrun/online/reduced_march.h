@@ -6,6 +6,7 @@
 
 #include "common/time/march.h"
 #include "romrun/online/film_splines.h"
+#include "romrun/online/frame_tangent.h"
 #include "romrun/online/reduced_solver.h"
 
 typedef struct reduced_march reduced_march;
@@ -98,6 +99,10 @@ ehd_status reduced_march_take_base(reduced_march *self, const handed_state *stat
  * [NUM_ERROR_PLACES] (film_errors.h). */
 const double *reduced_march_errors(const reduced_march *self);
 void reduced_march_take_errors(reduced_march *self, const double *errors);
+
+/* The equations that conditions beside those of the last attempt would have had, or of the start where
+ * that came last; the state is that of reduced_march_state_before at 0, of the start at 1. */
+frame_equations reduced_march_equations(reduced_march *self);
 
 /* Effort so far. */
 typedef struct reduced_march_effort {

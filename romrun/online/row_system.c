@@ -435,10 +435,20 @@ static void fill_flux_step(row_system *self, const node_state *nodes) {
     target[model->num_unknowns - 1] += approach;
 }
 
+static size_t cell_row(const row_system *self) {
+    return self->num_active + self->model->num_deformation + 1;
+}
+
+void system_add_cell_right(row_system *self, const node_state *nodes, const exit_cell *cell) {
+    const double weight = nearest_weight(&self->model->rows, nodes->exit[0] - 1);
+
+    self->right[cell_row(self)] = weight * cell->row.residual;
+    self->num_cells = 1;
+}
+
 void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell) {
     const reduced_model *model = self->model;
-    const size_t node = nodes->exit[0] - 1;
-    const size_t last = self->num_active + model->num_deformation + 1;
+    const size_t node = nodes->exit[0] - 1, last = cell_row(self);
     const double weight = nearest_weight(&model->rows, node);
 
     fill_band_row(self->matrix + last * model->num_unknowns, weight, &cell->row, self, nodes, node);
@@ -447,8 +457,7 @@ void system_add_cell(row_system *self, const node_state *nodes, const exit_cell 
     nodes_add_row(self->matrix + last * model->num_unknowns, weight * cell->row_by_flux,
                   self->flux_step, model->num_unknowns);
     nodes_add_row(self->offset, cell->offset_by_flux, self->flux_step, model->num_unknowns);
-    self->right[last] = weight * cell->row.residual;
-    self->num_cells = 1;
+    system_add_cell_right(self, nodes, cell);
 }
 
 /* product += J times a vector. */

@@ -85,6 +85,9 @@ double system_flux(row_system *self, const ehd_contact *contact, const node_stat
 /* Appends the row of the cell in which the exit lies, and makes self->offset. */
 void system_add_cell(row_system *self, const node_state *nodes, const exit_cell *cell);
 
+/* Its right side alone, behind those of system_fill_right. */
+void system_add_cell_right(row_system *self, const node_state *nodes, const exit_cell *cell);
+
 /* Right side (Maier et al. (2015), eq. 37): the Reynolds rows of a list (zero behind the exit),
  * projected elasticity, closure. Returns the number of rows. */
 size_t system_fill_right(row_system *self, const node_state *nodes, const double *z,

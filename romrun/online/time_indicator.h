@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How far the films of a reduced model in time may be off (romrun/README.md, In time it is
- * carried).
+/* How far the films of a reduced model in time may be off (README.md, Indicated deviation in
+ * time).
  *
  * What a film misses of the equations where it is formed, in the inlet, goes through the contact
  * with the fluid. So control nodes, which take no part in the solution, sample the residual on the

@@ -12,6 +12,9 @@ load sweeps
     sweep moving rename kill
     sweep snapgen sync kill
     sweep reduced write kill -n 5
+    sweep cases write tear
+    sweep export write tear
+    sweep fmu write kill -e 99
 }
 
 # Only pages that were synced are on the disk for sure, of the others any earlier state.
@@ -33,6 +36,18 @@ load sweeps
     sweep fullrun rename fail
     sweep romrun close fail -e 5
     sweep residuals open fail -e 5
+    sweep cases write last
+    sweep cases-h5 read fail -e 59
+    sweep vtk write fail
+    sweep flat open fail
+    sweep export read fail -e 9 # also of what an export can do without
+    sweep export sync fail
+    sweep fmu rename fail
+}
+
+@test "a mapped file that is cut, or cannot be read, ends with a line" {
+    sweep flat map fail
+    sweep flat map short
 }
 
 @test "memory that is refused is 71 and a line" {
@@ -40,6 +55,9 @@ load sweeps
     sweep podbuild memory fail -e 401
     sweep romrun memory fail -e 701
     sweep adaptive memory fail -e 9001
+    sweep export memory fail -e 395 # where it was refused a look-up it left out what an export can do without
+    sweep vtk memory fail -e 397
+    sweep cases memory fail -e 997
 }
 
 @test "a limit of memory is said before OpenBLAS waits for ever" {

@@ -6,9 +6,11 @@
  *     open    open, fopen            read   read, pread, fread of a regular file
  *     write   write, pwrite          sync   fsync, fdatasync
  *     close   of a regular file      rename rename, link, unlink
+ *     map     mmap of a regular file
  *
  * FAULT_HOW says what happens at call number FAULT_AT: `fail` (ENOMEM, EIO, or ENOSPC of a write),
- * `last` (that and all later ones fail, as on a full disk), `short` (half of it is written), `kill`
+ * `last` (that and all later ones fail, as on a full disk), `short` (half of it is written; what is
+ * mapped is cut to its first page while it is), `kill`
  * (the process ends before the call), `tear` (it ends in a write, at the first end of a page), `power`
  * (it ends there, and of each page that was written since its file was last synced any earlier
  * state may be what is on the disk; a file that has grown may be as short as it was).
@@ -36,12 +38,12 @@
 #include <time.h>
 #include <unistd.h>
 
-enum kind { MEMORY, OPEN, READ, WRITE, SYNC, CLOSE, RENAME, NUM_KINDS };
+enum kind { MEMORY, OPEN, READ, WRITE, SYNC, CLOSE, RENAME, MAP, NUM_KINDS };
 enum how { FAIL, LAST, SHORT, KILL, TEAR, POWER, NUM_HOWS };
 enum { PAGE = 4096 };
 
-static const char *const kinds[NUM_KINDS] = {"memory", "open",  "read",  "write",
-                                             "sync",   "close", "rename"};
+static const char *const kinds[NUM_KINDS] = {"memory", "open",  "read",   "write",
+                                             "sync",   "close", "rename", "map"};
 static const char *const hows[NUM_HOWS] = {"fail", "last", "short", "kill", "tear", "power"};
 
 static int wanted_kind = -1, wanted_how;
@@ -266,10 +268,26 @@ int posix_memalign(void **memory, size_t alignment, size_t size) {
     return *memory ? 0 : ENOMEM;
 }
 
+/* A file of which only the first page is left. */
+static int cut_copy(int file) {
+    char page[PAGE] = "";
+    const int copy = (int)syscall(SYS_memfd_create, "cut", 0);
+    if (syscall(SYS_pread64, file, page, sizeof page, 0) >= 0)
+        syscall(SYS_write, copy, page, sizeof page);
+    return copy;
+}
+
 void *mmap(void *address, size_t length, int protection, int flags, int file, off_t offset) {
     if (flags & MAP_ANONYMOUS && is_hit(MEMORY)) {
         errno = ENOMEM;
         return MAP_FAILED;
+    }
+    if (!(flags & MAP_ANONYMOUS) && is_regular(file) && is_hit(MAP)) {
+        if (wanted_how != SHORT) {
+            errno = EIO;
+            return MAP_FAILED;
+        }
+        file = cut_copy(file);
     }
     return (void *)syscall(SYS_mmap, address, length, protection, flags, file, offset); // NOLINT
 }
@@ -398,13 +416,25 @@ static ssize_t write_stream(void *cookie, const char *data, size_t size) {
     return written < 0 ? 0 : written;
 }
 
+static int seek_stream(void *cookie, off64_t *offset, int from) {
+    *offset = lseek((int)(intptr_t)cookie, *offset, from);
+    return *offset < 0 ? -1 : 0;
+}
+
 static int close_stream(void *cookie) {
     return close((int)(intptr_t)cookie);
 }
 
+static const cookie_io_functions_t stream_functions = {
+    .read = read_stream, .write = write_stream, .seek = seek_stream, .close = close_stream};
+
+static FILE *stream_of(int file, const char *mode) {
+    FILE *stream = fopencookie((void *)(intptr_t)file, mode, stream_functions); // NOLINT
+    if (stream) stream->_fileno = file;                                         // what fileno gives
+    return stream;
+}
+
 static FILE *open_stream(const char *path, const char *mode) {
-    const cookie_io_functions_t functions = {
-        .read = read_stream, .write = write_stream, .close = close_stream};
     const int flags =
         *mode == 'r' ? O_RDONLY : O_WRONLY | O_CREAT | (*mode == 'w' ? O_TRUNC : O_APPEND);
 
@@ -414,7 +444,7 @@ static FILE *open_stream(const char *path, const char *mode) {
     }
     const int file = (int)syscall(SYS_openat, AT_FDCWD, path, flags, 0666);
     if (file < 0) return NULL;
-    FILE *stream = fopencookie((void *)(intptr_t)file, mode, functions); // NOLINT
+    FILE *stream = stream_of(file, mode);
     if (!stream) syscall(SYS_close, file);
     return stream;
 }
@@ -424,9 +454,7 @@ FILE *fopen(const char *path, const char *mode) {
 }
 
 FILE *fdopen(int file, const char *mode) {
-    const cookie_io_functions_t functions = {
-        .read = read_stream, .write = write_stream, .close = close_stream};
-    return fopencookie((void *)(intptr_t)file, mode, functions); // NOLINT
+    return stream_of(file, mode);
 }
 
 FILE *fopen64(const char *path, const char *mode) {

@@ -6,7 +6,7 @@
 load sweeps
 
 @test "every call of a file fails" {
-    for name in fullrun romrun podbuild deimselect residuals snapgen; do
+    for name in fullrun romrun podbuild deimselect residuals snapgen flat cases cases-h5 vtk export; do
         for kind in open read write sync close rename; do
             sweep $name $kind fail
         done
@@ -19,10 +19,27 @@ load sweeps
         done
         sweep $name write last -e 3
     done
+    # half a second each, most of it to pack
+    for kind in open write sync close rename map; do
+        sweep fmu $kind fail
+    done
+    sweep fmu read fail -e 197
+    sweep flat map fail
+    sweep flat map short
+}
+
+@test "what is no HDF5 file is whole or not there" {
+    for name in cases vtk export fmu; do
+        for kind in open close sync rename; do
+            sweep $name $kind kill
+        done
+        sweep $name write kill
+        sweep $name write tear
+    done
 }
 
 @test "allocations fail" {
-    for name in fullrun romrun podbuild deimselect residuals snapgen moving; do
+    for name in fullrun romrun podbuild deimselect residuals snapgen moving flat cases cases-h5 vtk export; do
         sweep $name memory fail -e "${EVERY:-41}"
     done
 }

@@ -28,6 +28,11 @@ YAML
     podbuild -q s.h5 -o b.h5
     snapgen -q -j1 plan.yml --basis b.h5 -o r.h5
     deimselect -q r.h5 --basis b.h5 --no-check -o m.h5
+    romrun --export m.h5 -o m.ehdrom
+    printf 'moes.M\n9\n12\n' >cases.csv
+    sed 's/^moes: .*/physical: {load: 60e3, radius: 0.0125, speed: 0.8, modulus: 226e9, viscosity: 0.02}/' scene.yml >si.yml
+    fullrun -q si.yml -o si.h5
+    export TMPDIR=$PWD
 } >/dev/null
 
 # The small runs, by name.
@@ -38,6 +43,12 @@ run_of() {
     podbuild) run=(podbuild -q s.h5 -o x.h5) ;;
     deimselect) run=(deimselect -q r.h5 --basis b.h5 --no-check -o x.h5) ;;
     residuals) run=(snapgen -q -j1 plan.yml --basis b.h5 -o x.h5) ;;
+    cases) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.csv) ;;
+    cases-h5) run=(romrun -q scene.yml --cases cases.csv -j1 --model m.h5 --allow-untrusted -o x.h5) ;;
+    vtk) run=(fullrun -q --vtk si.h5 -o x.vti) ;;
+    export) run=(romrun --export m.h5 -o x.ehdrom) ;;
+    fmu) run=(romrun -q --fmu si.yml --model m.h5 -o x.fmu) ;;
+    flat) run=(romrun -q scene.yml --model m.ehdrom --allow-untrusted -o x.h5) ;;
     # the others can be resumed
     snapgen) run=(snapgen -q -j1 plan.yml -o x.h5) ;;
     fine) run=(snapgen -q -j1 fine.yml -o x.h5) ;;
@@ -55,7 +66,7 @@ sweep() {
     case $name in
     snapgen | fine | adaptive | moving | reduced) set -- -r "$@" ;;
     esac
-    "$SWEEP" "$@" "$kind" "$how" x.h5 "${run[@]}" >>table
+    "$SWEEP" "$@" "$kind" "$how" "${run[-1]}" "${run[@]}" >>table
 }
 
 # The counts, into the log.

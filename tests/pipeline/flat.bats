@@ -87,6 +87,46 @@ PYTHON
     [ ! -e x.ehdrom ] && [ ! -e x.ehdrom.partial ]
 }
 
+@test "what is made beside HDF5 files goes to regular files of its own" {
+    echo mine >other
+    mkfifo pipe
+    mkdir folder
+    sed -i 's/moes: .*/physical: {load: 60e3, radius: 0.0125, speed: 0.8, modulus: 226e9, viscosity: 0.02}/' line.yml
+    printf 'moes.M\n12\n' >cases.csv
+    echo 'moes: {M: 12, L: 4}' | cat <(grep -v physical line.yml) - >moes.yml
+    for command in "romrun --export c.h5" "romrun -q --fmu line.yml --model c.h5" "romrun -q moes.yml --cases cases.csv --model c.h5 --allow-untrusted"; do
+        name=x.csv # which the last one asks for
+        # a name that another put there is not followed, nor a pipe waited for
+        ln -sf other $name.partial
+        refused 73 "$name.partial: found" $command -o $name
+        ln -f pipe $name.partial
+        refused 73 "$name.partial: found" $command -o $name
+        rm $name.partial
+        [ "$(cat other)" = mine ]
+        # a device would be replaced where the user may do that
+        for there in folder /dev/null pipe; do
+            ln -sf "$there" $name
+            refused 73 "$name: found" $command -o $name --force
+            [ -L $name ]
+            rm $name
+        done
+        ln -s nowhere $name
+        refused 73 "$name: found an existing file" $command -o $name
+        [ -L $name ]
+        rm $name
+    done
+    # nor is it what is read, by whatever name
+    ln cases.csv hard.csv
+    for command in "romrun --export c.h5 -o c.h5" "romrun --fmu line.yml --model c.h5 -o line.yml" "romrun moes.yml --cases cases.csv --model c.h5 -o hard.csv"; do
+        refused 73 "found an input as output" $command --force
+    done
+    cp c.h5 c.vti
+    refused 73 "found an input as output" romrun --vtk c.vti -o c.vti --force
+    # nor by what makes HDF5 files
+    ln -s nowhere x.h5
+    refused 73 "x.h5: found an existing file" romrun moes.yml --model c.h5 -o x.h5
+}
+
 @test "damage is found, and a stranger's numbers lead nowhere" {
     head -c 100000 c.ehdrom >cut.ehdrom
     refused 65 "cut.ehdrom: found" romrun line.yml --model cut.ehdrom

@@ -21,13 +21,18 @@ lubricant:
   density: {law: dowson-higginson}
 grid: {x_min: -4, x_max: 2, step: 0.05}
 YAML
+    sed 's/stationary/transient/' scene.yml >moving.yml
+    cat >>moving.yml <<'YAML'
+transport: upwind
+transient: {end_time: 2, tolerance: 2e-3, load: {law: sine, amplitude: 0.1, period: 1}, speed: {law: sine, amplitude: 0.1, period: 1.4}}
+YAML
     cat >plan.yml <<'YAML'
 groups:
-  - scene: scene.yml
-    vary: {physical.load: [240e3, 300e3, 360e3], physical.speed: [0.5, 0.8, 1.1]}
+  - scene: moving.yml
+    vary: {physical.load: [270e3, 300e3, 330e3]}
 YAML
     snapgen plan.yml -o s.h5 --quiet
-    podbuild s.h5 -o b.h5 --pressure-modes 9
+    podbuild s.h5 -o b.h5 --pressure-modes 55
     snapgen plan.yml --basis b.h5 -o r.h5 --quiet
     deimselect --no-check r.h5 --basis b.h5 -o m.h5
     for fmi in 2 3; do

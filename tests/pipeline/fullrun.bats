@@ -442,7 +442,7 @@ YAML
     [[ $output == "fullrun: stdout: "* ]]
 }
 
-@test "--check: 0 and silent, or 65 and a line" {
+@test "--check: 0 and silent, or 65, or 66 where there is no file, and a line" {
     fullrun scene.yml -o good.h5
     size=$(stat -c %s good.h5)
     for part in 0 1 8 100 $((size / 2)) $((size - 1)); do
@@ -461,11 +461,16 @@ PYTHON
     run fullrun --check good.h5
     [ "$status" -eq 0 ]
     [ -z "$output" ]
-    for bad in cut*.h5 noise.h5 flipped.h5 scene.yml none.h5 .; do
+    mkfifo pipe
+    for bad in cut*.h5 noise.h5 flipped.h5 scene.yml none.h5 . pipe; do
         run fullrun --check "$bad"
         echo "$bad: $status $output"
-        [ "$status" -eq 65 ]
         [ "${#lines[@]}" -eq 1 ]
+        # as the readers
+        case $bad in
+        none.h5 | . | pipe) [ "$status" -eq 66 ] ;;
+        *) [ "$status" -eq 65 ] ;;
+        esac
     done
     run fullrun --check flipped.h5 --verbose
     [[ $output == *flipped.h5*pressure* ]]

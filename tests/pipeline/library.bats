@@ -26,7 +26,7 @@ install_all() {
 setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     ! is_installed || install_all
-    [ ! -e "$BIN/../unit/use_library" ] || cp "$BIN/../unit/use_library" use_inside
+    cp "$BIN/../unit/use_library" use_inside
     common_setup_small
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5 --pressure-modes 9
@@ -136,6 +136,55 @@ YAML
         "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
 }
 
+# si.yml: the scene of the model in SI units.
+si_scene() {
+    cat >si.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+}
+
+@test "derivatives of solutions and steps; the stiffness is the full model's" {
+    si_scene
+    for kind in $kinds; do
+        run --separate-stderr use_library $kind derivatives m.h5 si.yml
+        echo "$output$stderr"
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    done
+    # of films that are carried along their paths
+    { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
+grid: {x_min: -4, x_max: 2, step: 0.05}
+transport: path
+transient: {end_time: 1, tolerance: 2e-3, load: {law: sine, amplitude: 0.05, period: 1}}
+YAML
+    printf 'groups:\n  - scene: moving.yml\n    vary: {physical.load: [19e3, 20e3, 21e3]}\n' >moving-plan.yml
+    snapgen moving-plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5 --pressure-modes 25
+    snapgen moving-plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect --no-check r.h5 --basis b.h5 -o path.h5
+    use_library "${kinds##*$'\n'}" derivatives path.h5 si.yml
+    for load in 19.8e3 20.2e3; do
+        fullrun si.yml --grid-of m.h5 --set physical.load=$load --quiet -o full-$load.h5
+    done
+    /usr/bin/python3 - "$(value stiffness)" "$(value central_film_by_load)" <<'PYTHON'
+import math, sys, h5py
+stiffness, film_by_load = map(float, sys.argv[1:])
+def full(load):
+    a, reference = (math.sqrt(8 * w * 0.01 / (math.pi * 220e9)) for w in (load, 20e3))
+    with h5py.File(f"full-{load / 1e3:.1f}e3.h5") as file:
+        approach, film = (file[name][0] * a * a / 0.01 for name in ("rigid_approach", "central_film_thickness"))
+    # as measured from ten half widths of the reference, since a line's deflection has no limit
+    return approach + math.log(a / (10 * reference)) / 2 * a * a / 0.01, film
+(h, film), (other_h, other_film) = full(19.8e3), full(20.2e3)
+assert abs(stiffness / (400 / (h - other_h)) - 1) < 2e-3, (stiffness, 400 / (h - other_h))
+assert abs(film_by_load * 20e3 - (other_film - film) * 50) < 0.02 * film, (film_by_load, (other_film - film) / 400)
+PYTHON
+}
+
 @test "what is wrong is said in the handle" {
     run --separate-stderr use_library "${kinds##*$'\n'}" wrong m.h5 scene.yml
     echo "$output$stderr"
@@ -161,14 +210,7 @@ YAML
     # as one would install it, but for pip
     make -C "$root" -s python VARIANT="$VARIANT" DEPS=no
     export PYTHONPATH=$root/build/$VARIANT/python
-    cat >si.yml <<'YAML'
-contact: line
-regime: stationary
-physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
+    si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet --set output.fields=true
     romrun --export m.h5 -o m.ehdrom
     /usr/bin/python3 -B - <<'PYTHON'
@@ -229,6 +271,29 @@ for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, s
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
+
+# derivatives of solutions and steps
+solved = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+solved.solve()
+by_load, by_approach = solved.differentiate(load=1), solved.differentiate(approach=1)
+assert abs(by_approach.load * by_load.approach / by_load.load - 1) < 1e-9 and by_approach.load < 0
+faster = solved.differentiate(speed=1, approach=0)
+assert faster.load > 0 and abs(faster.approach) < 1e-9 * abs(by_load.approach * faster.load)
+response = solved.respond()
+assert abs(response["stiffness"] / -by_approach.load - 1) < 1e-9
+solved["approach_length"] = 20  # of a line contact that is held farther off the compliance is larger
+solved.solve()
+assert 0 < solved.respond()["stiffness"] < 0.95 * response["stiffness"]
+tangent = other.differentiate(load=1)
+sides = [other.step(0.01 * time, load=20.2e3 + change).central_pressure for change in (-20, 20)]
+assert abs(tangent.central_pressure * 40 / (sides[1] - sides[0]) - 1) < 2e-3
+for wrong in (contact.respond, lambda: solved.differentiate(load=1, approach=1)):
+    try:
+        wrong()
+    except ehdrom.Error as error:
+        assert "expected" in str(error), error
+    else:
+        raise AssertionError("nothing raised")
 
 # a flat model: the same bits, fields too
 flat = ehdrom.Contact(ehdrom.Model("m.ehdrom"), "si.yml", accuracy=math.inf)

@@ -134,6 +134,89 @@ with h5py.File('T.h5', 'w') as f:
     refuse 65 "T.h5: found numbers that take 80 MB in a file with .* MB of data, expected at most 1032 times as much" fullrun moving.yml -o x.h5
 }
 
+@test "files that nobody writes on purpose" {
+    # what leads nowhere bad is read: a group within itself, a block before the file, bytes behind it, many attributes
+    patch m.h5 "
+    g = f.create_group('g')
+    g['g'] = g
+    f['g/root'] = f['/']
+    for i in range(100): f.attrs[f'own{i}'] = i"
+    romrun --check bad.h5
+    romrun scene.yml --model bad.h5 --allow-untrusted
+    /usr/bin/python3 -c "
+import h5py
+with h5py.File('block.h5', 'w', userblock_size=512) as to, h5py.File('m.h5') as f:
+    for n in f: f.copy(n, to)
+    for n in f.attrs: to.attrs[n] = f.attrs[n]"
+    cat m.h5 m.h5 >twice.h5
+    for file in block twice; do
+        romrun --check $file.h5
+        romrun scene.yml --model $file.h5 --allow-untrusted
+    done
+    /usr/bin/python3 -c "
+import h5py, numpy
+with h5py.File('T.h5', 'w') as f:
+    g = f.create_group('g')
+    g['g'] = g
+    f['g/F'], f['time'] = numpy.ones(3), numpy.arange(3.)"
+    sed -i '/^transient/d' moving.yml
+    echo 'transient: {end_time: 0.1, load: {law: table, file: T.h5, column: g/g/g/g/g/g/F}}' >>moving.yml
+    fullrun moving.yml --quiet
+    sed -i 's,g/g/g/g/g/g/F,../g/F,' moving.yml
+    refuse 65 "no dataset ../g/F" fullrun moving.yml -o x.h5
+    # what is not what it is called
+    local name=load_jacobian
+    stranger m "$name: found a soft link" "del f['$name']; f['$name'] = h5py.SoftLink('/$name')"
+    stranger m "$name: found no dataset" "del f['$name']; f.create_group('$name')"
+    stranger m "$name: found no dataset" "del f['$name']; f['$name'] = numpy.dtype('f8')"
+    stranger m "$name: found 0 axes, expected 1" "del f['$name']; f['$name'] = h5py.Empty('f8')"
+    stranger m "$name: found length 0" "del f['$name']; f['$name'] = numpy.zeros(0)"
+    for type in bool complex "h5py.string_dtype()" "h5py.ref_dtype" "h5py.vlen_dtype('f8')"; do
+        stranger m "$name: found values of another type" "del f['$name']; f.create_dataset('$name', (8,), $type)"
+    done
+    for value in "numpy.full(3, 0.05)" "f.ref" "h5py.Empty('f8')" "'0.05'" "b'0.05' * 10000"; do
+        stranger m "attribute step: found something else" "f.attrs['step'] = $value"
+    done
+    # nothing of the file reaches a terminal as it is
+    stranger m 'deformation: found cou.pled..2J., expected' "f.attrs['deformation'] = 'cou\\npled\\x1b[2J\\x07'"
+    [[ $stderr != *$'\x1b'* ]]
+}
+
+@test "tables and scenes that nobody writes on purpose" {
+    /usr/bin/python3 -c "
+text = open('scene.yml').read()
+base = '\n'.join(l for l in text.split('\n') if 'moes' not in l)
+def put(name, data): open(name, 'wb').write(data if isinstance(data, bytes) else data.encode())
+put('wide.csv', ','.join('a%d' % i for i in range(1700000)) + '\n')
+put('again.csv', ','.join(['moes.M'] * 2000000) + '\n')
+put('commas.csv', 'moes.M' + ',' * 16000000 + '\n')
+put('huge.csv', 'moes.M\n' + '1' * 17000000)
+put('long.csv', 'moes.M\n' + '1\n' * 2000000)
+put('zero.csv', b'moes.M\n1\x002\n')
+put('utf16.csv', 'moes.M\n12\n'.encode('utf-16'))
+put('quoted.csv', 'moes.M\n\"12\"\n')
+put('mac.csv', 'moes.M\r12\r')
+put('utf16.yml', text.encode('utf-16'))
+put('zero.yml', text.replace('12', '1\0002'))
+put('bytes.yml', b'# \xe4\n' + text.encode())
+put('lists.yml', '[' * 1000000)
+put('maps.yml', 'a: ' + '{a: ' * 1000000)
+put('keys.yml', '? ' * 100000)
+put('laughs.yml', 'a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n')
+put('mark.yml', b'\xef\xbb\xbf' + text.encode())
+many = str([1 + 1e-3 * i for i in range(100000)])
+put('product.yml', 'groups:\n- {scene: base.yml, vary: {moes.M: %s, moes.L: %s}}\n' % (many, many))
+"
+    for table in wide again commas huge long zero utf16 quoted mac; do
+        refused 65 "$table.csv" romrun scene.yml --cases $table.csv --model m.h5 -o x.csv
+    done
+    for scene in utf16 zero bytes lists maps keys laughs; do
+        refuse 65 "$scene.yml:[0-9]*: found" fullrun $scene.yml -o x.h5
+    done
+    fullrun mark.yml
+    refuse 65 "groups: found more than 1000000 points" snapgen product.yml -o x.h5
+}
+
 @test "memory is asked for before numbers are taken" {
     [[ ${VARIANT:-} != san ]] || skip "the address sanitizer needs more than the limit"
     # 0.9 GB in 8 MB

@@ -4,6 +4,7 @@
  *     use_library solve MODEL SCENE [KEY VALUE]...   solution and fields, dimensionless
  *     use_library set MODEL LOCALE                   the same contact by settings, in SI and dimensionless
  *     use_library march MODEL SCENE STEP NUM         steps under a sine of the load, each tried twice
+ *     use_library derivatives MODEL SCENE            against differences; stiffness and damping; of a step
  *     use_library wrong MODEL SCENE                  what is refused, and how it is said
  *     use_library threads MODEL SCENE                four threads, one contact each */
 #include <ehdrom.h>
@@ -227,6 +228,92 @@ static void march(char **argv) {
     ehdrom_model_close(model);
 }
 
+/* Whether a derivative is that of a difference, to the part that differences have. */
+static int as_difference(double found, double before, double behind, double change) {
+    return fabs(found - (behind - before) / change) < 2e-3 * fabs(found);
+}
+
+/* Of the solution of a scene in SI units by its load. */
+static void differentiate_solution(ehdrom_contact *contact, double load) {
+    ehdrom_derivatives by_load = EHDROM_DERIVATIVES_INIT, by_approach = EHDROM_DERIVATIVES_INIT;
+    ehdrom_conditions direction = EHDROM_CONDITIONS_INIT;
+    ehdrom_response response = EHDROM_RESPONSE_INIT;
+    ehdrom_result result = EHDROM_RESULT_INIT, sides[2] = {result, result};
+
+    taken(ehdrom_solve(contact, &result), contact);
+    direction.given = EHDROM_LOAD;
+    direction.load = 1;
+    taken(ehdrom_differentiate(contact, &direction, &by_load), contact);
+    direction.given = EHDROM_APPROACH;
+    direction.approach = 1;
+    taken(ehdrom_differentiate(contact, &direction, &by_approach), contact);
+    taken(ehdrom_respond(contact, &response), contact);
+    CHECK(fabs(by_load.load - 1) < 1e-2);
+    CHECK(fabs(by_load.half_width / (result.half_width / load / 2) - 1) < 1e-6);
+    CHECK(fabs(by_approach.load * by_load.approach / by_load.load - 1) < 1e-9);
+    CHECK(fabs(response.stiffness / -by_approach.load - 1) < 1e-9);
+    CHECK(response.damping_bound > 0);
+    for (int i = 0; i < 2; i++) {
+        taken(ehdrom_contact_set_number(contact, "physical.load", load * (i ? 1.001 : 0.999)),
+              contact);
+        taken(ehdrom_solve(contact, &sides[i]), contact);
+    }
+    CHECK(as_difference(by_load.central_pressure, sides[0].central_pressure,
+                        sides[1].central_pressure, 2e-3 * load));
+    CHECK(as_difference(by_load.peak_pressure, sides[0].peak_pressure, sides[1].peak_pressure,
+                        2e-3 * load));
+    show("stiffness", response.stiffness);
+    show("damping", response.damping);
+    show("central_film_by_load", by_load.central_film_thickness);
+    show("approach_by_load", by_load.approach);
+}
+
+/* Of a step, which can be accepted afterwards as if nothing had been asked. */
+static void differentiate_step(ehdrom_contact *contact, double load) {
+    ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT, direction = EHDROM_CONDITIONS_INIT;
+    ehdrom_response response = EHDROM_RESPONSE_INIT;
+    ehdrom_result result = EHDROM_RESULT_INIT, sides[2] = {result, result};
+    ehdrom_scales scales = EHDROM_SCALES_INIT;
+
+    taken(ehdrom_contact_set_number(contact, "physical.load", load), contact);
+    taken(ehdrom_contact_scales(contact, &scales), contact);
+    taken(ehdrom_start(contact, NULL, &result), contact);
+    taken(ehdrom_differentiate(contact, &direction, &found), contact); // none changes
+    CHECK(found.central_film_thickness == 0 && found.load == 0);
+    direction.given = conditions.given = EHDROM_LOAD;
+    direction.load = 1;
+    for (int i = 0; i < 2; i++) {
+        conditions.load = load * (i ? 1.011 : 1.009);
+        taken(ehdrom_step(contact, &conditions, 0.02 * scales.time, &sides[i]), contact);
+    }
+    conditions.load = load * 1.01;
+    taken(ehdrom_step(contact, &conditions, 0.02 * scales.time, &result), contact);
+    taken(ehdrom_differentiate(contact, &direction, &found), contact);
+    CHECK(as_difference(found.approach, sides[0].approach, sides[1].approach, 2e-3 * load));
+    CHECK(as_difference(found.central_pressure, sides[0].central_pressure,
+                        sides[1].central_pressure, 2e-3 * load));
+    CHECK(ehdrom_respond(contact, &response) == EHDROM_INTERNAL); // not of a step
+    direction.given |= EHDROM_APPROACH;
+    CHECK(ehdrom_differentiate(contact, &direction, &found) == EHDROM_DATA);
+    CHECK(!ehdrom_accept(contact));
+    direction.given = EHDROM_LOAD;
+    CHECK(ehdrom_differentiate(contact, &direction, &found) == EHDROM_INTERNAL);
+}
+
+static void derivatives(char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contact = new_contact(model, argv[3]);
+    ehdrom_derivatives found = EHDROM_DERIVATIVES_INIT;
+    const double load = 20e3;
+
+    CHECK(ehdrom_differentiate(contact, NULL, &found) == EHDROM_INTERNAL);
+    differentiate_solution(contact, load);
+    differentiate_step(contact, load);
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+}
+
 static void wrong(char **argv) {
     ehdrom_model *none, *model = open_model(argv[2]);
     ehdrom_contact *contact, *orphan;
@@ -361,6 +448,7 @@ int main(int argc, char **argv) {
     if (strcmp(argv[1], "solve") == 0) solve(argc, argv);
     if (strcmp(argv[1], "set") == 0) set(argv);
     if (strcmp(argv[1], "march") == 0 && argc == 6) march(argv);
+    if (strcmp(argv[1], "derivatives") == 0) derivatives(argv);
     if (strcmp(argv[1], "wrong") == 0) wrong(argv);
     if (strcmp(argv[1], "threads") == 0) threads(argv);
     return 0;

@@ -94,6 +94,7 @@ reduced_basis identity_basis(const snapshot_set *set, deformation_kind kind, con
         coordinates[num_unknowns - 1] = set->rigid_approach[s];
         basis.states.moes_M[s] = set->moes_M[s];
         basis.states.alpha_p_H[s] = set->alpha_p_H[s];
+        basis.states.central_film_thickness[s] = set->central_film_thickness[s];
     }
     deflection_free(deflection);
     return basis;

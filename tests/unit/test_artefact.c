@@ -4,6 +4,8 @@
 #include "tests/unit/check.h"
 #include "tests/unit/folder.h"
 
+#include <dlfcn.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
 #include <math.h>
@@ -431,7 +433,7 @@ static void output_names(void **state) {
     free(kept);
 
     check_refused(artefact_create(&file, folder, &schema_result, &forcing, "", NULL, &error),
-                  EHD_CANTCREATE, "regular");
+                  EHD_CANTCREATE, "found a folder");
     check_refused(artefact_create(&file, "/dev/null", &schema_result, &forcing, "", NULL, &error),
                   EHD_CANTCREATE, "regular");
     check_refused(artefact_create(&file, "/none/x.h5", &schema_result, &forcing, "", NULL, &error),
@@ -469,7 +471,7 @@ static void names_that_change_meanwhile(void **state) {
             assert_int_equal(unlink(path), 0);
         } else if (i == 1) {
             assert_int_equal(mkdir(path, 0777), 0);
-            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "no regular file");
+            check_refused(artefact_finish(&file, &error), EHD_CANTCREATE, "found a folder");
             assert_int_equal(rmdir(path), 0);
         } else {
             assert_int_equal(unlink(partial), 0);
@@ -553,6 +555,34 @@ static void refused_memory_ends_no_file(void **state) {
             fail_msg("allocation %zu: found %d, %s, expected 71", call, (int)status, error.text);
         if (!status) check_ok(artefact_check(path, &error));
     }
+}
+
+static int refused_looks; // of the next calls
+
+/* In the place of HDF5's. */
+htri_t H5Lexists(hid_t where, const char *name, hid_t access) {
+    typedef htri_t look(hid_t, const char *, hid_t);
+    void *symbol = dlsym(RTLD_NEXT, "H5Lexists");
+    look *own;
+
+    memcpy(&own, &symbol, sizeof own);
+    if (refused_looks <= 0) return own(where, name, access);
+    refused_looks--;
+    errno = ENOMEM;
+    return -1;
+}
+
+/* A reader goes on without what a file may lack. */
+static void refused_look_is_no_no(void **state) {
+    (void)state;
+    double pressure[NUM_STATES][NUM_NODES];
+    write_snapshots("a: 1\n");
+    artefact *file = reopen();
+    refused_looks = 1;
+    assert_true(artefact_has(file, "pressure"));
+    refused_looks = 2;
+    check_refused(artefact_get(file, "pressure", pressure[0], &error), EHD_MEMORY, "memory");
+    artefact_close(&file);
 }
 
 static void two_writers(void **state) {
@@ -1384,6 +1414,7 @@ int main(void) {
         TEST(survives_failing_allocations),
         TEST(refused_memory_is_no_other_text),
         TEST(refused_memory_ends_no_file),
+        TEST(refused_look_is_no_no),
         TEST(two_writers),
         TEST(refuses_what_is_no_artefact),
         TEST(refuses_what_does_not_fit),

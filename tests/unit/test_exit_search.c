@@ -131,6 +131,66 @@ static void an_exit_held_elsewhere_is_not_trusted(void **state) {
         }
 }
 
+/* A linear solver whose steps fill the node before the exit, so that it moves on, and then empty one
+ * farther before; then it takes the least squares. */
+typedef struct back_and_on {
+    size_t last, emptied; // modes
+    double suction;
+    size_t calls;
+    least_squares *own;
+} back_and_on;
+
+static ehd_status go_back_and_on(double *step, void *context, const double *matrix,
+                                 const double *right, size_t num_rows, size_t num_unknowns) {
+    back_and_on *self = context;
+    const size_t call = self->calls++;
+
+    if (call >= 2) return least_squares_solve(step, self->own, matrix, right, num_rows);
+    memset(step, 0, num_unknowns * sizeof *step);
+    if (call == 0)
+        step[self->last] = 3e-3;
+    else
+        step[self->emptied] = -self->suction;
+    return EHD_OK;
+}
+
+/* In time: one that would go back by several nodes is not held, though it has turned round, and ends
+ * where it belongs. */
+static void an_exit_that_turns_by_more_goes_on(void **state) {
+    (void)state;
+    back_and_on other;
+    reduced_settings settings = reduced_default_settings();
+    reduced_problem reduced;
+
+    settings.solve_linear = go_back_and_on;
+    settings.linear_context = &other;
+    reduced_problem_init(&reduced, &line_basis, NULL, 0, &settings);
+    const size_t n = reduced.model.num_unknowns;
+    const reduced_squeeze squeeze = no_squeeze(&reduced.model);
+    least_squares *own = least_squares_create(reduced.model.rows.num_rows + 1, n);
+
+    assert_non_null(own);
+    for (size_t s = 0; s < TRAINED_STATES; s += 5) {
+        const size_t place = line.set.exit[s], exit = place + 1;
+        const double *solution = line_basis.states.coordinates + s * n;
+
+        // a mode is an inner node, from 1 on
+        other = (back_and_on){.last = exit - 2, .emptied = exit - 4, .own = own};
+        other.suction = solution[other.emptied] + 1e-4;
+        memcpy(reduced.state.coordinates, solution, n * sizeof(double));
+        reduced.state.exit = exit;
+        assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
+                                       &line.contacts[s], &squeeze, NULL),
+                         EHD_OK);
+        assert_true(other.calls > 2);
+        assert_int_equal(reduced.info.status, EHD_OK);
+        assert_int_equal(reduced.state.exit, place);
+    }
+    free((void *)squeeze.previous);
+    least_squares_free(own);
+    reduced_problem_free(&reduced);
+}
+
 // ---- pressures far from the solution
 
 /* A linear solver whose first step leads to a suction three nodes before the exit, the second one back;
@@ -261,6 +321,7 @@ static void exits_end_where_the_band_does(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_exit_held_elsewhere_is_not_trusted),
+        cmocka_unit_test(an_exit_that_turns_by_more_goes_on),
         cmocka_unit_test(the_exit_stays_far_from_the_solution),
         cmocka_unit_test(exits_end_where_the_band_does),
     };

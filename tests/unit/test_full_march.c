@@ -726,6 +726,54 @@ static void a_trapped_pocket_passes(void **state) {
     check_close(most, 0.0935, 0.05, 0);
 }
 
+/* Fixed steps as long as the grid's: published rows that carry the films, or the path without a filter. */
+static void run_to_two(marched *run, bool path, double step) {
+    char transient[128];
+    snprintf(transient, sizeof transient,
+             "end_time: 2, fixed_step: %g, load: {law: sine, amplitude: 0.1, period: 1}", step);
+    scene of = marched_scene(20, 6, "dowson-higginson", step, transient);
+    if (path) of = along_path(of);
+    if (path) of.transient.smoothing = 0;
+    strcpy(of.discretization, path ? "accurate" : "published");
+    marched_all(run, &of);
+}
+
+static double film_at(const marched *run, const double *films, double time) {
+    size_t k = 0;
+
+    while (k + 1 < run->count && run->time[k] < time - 1e-9)
+        k++;
+    check_close(run->time[k], time, 1e-9, 1e-9);
+    return films[k];
+}
+
+/* The path's films are those that the other way of carrying them leads to: by published rows of second
+ * order, extrapolated in step and grid, which by themselves are farther off by far. */
+static void both_ways_of_carrying_lead_to_one(void **state) {
+    const double step = 0.0125;
+    double off[2] = {0}, of_rows = 0;
+    (void)state;
+    run_to_two(&first, false, 2 * step);
+    run_to_two(&second, false, step);
+    run_to_two(&third, true, step);
+    for (size_t i = 1; i <= 40; i++) {
+        const double time = 0.05 * (double)i;
+        const double coarse[] = {film_at(&first, first.film, time),
+                                 film_at(&first, first.least_film, time)};
+        const double fine[] = {film_at(&second, second.film, time),
+                               film_at(&second, second.least_film, time)};
+        const double path[] = {film_at(&third, third.film, time),
+                               film_at(&third, third.least_film, time)};
+        for (int film = 0; film < 2; film++)
+            off[film] = fmax(off[film], fabs((4 * fine[film] - coarse[film]) / 3 / path[film] - 1));
+        of_rows = fmax(of_rows, fabs(fine[0] / path[0] - 1));
+    }
+    assert_true(of_rows > 5e-3 && off[0] < 2e-3 && off[1] < 3e-3);
+    marched_end(&first);
+    marched_end(&second);
+    marched_end(&third);
+}
+
 // ---- what the steps do to the films
 
 /* Root of the mean square over the second half of a run of fixed steps: what was in the contact at
@@ -836,6 +884,7 @@ int main(void) {
         cmocka_unit_test(a_dent_passes_unchanged),
         cmocka_unit_test(a_ripple_is_damped),
         cmocka_unit_test(a_trapped_pocket_passes),
+        cmocka_unit_test(both_ways_of_carrying_lead_to_one),
         cmocka_unit_test(effects_are_those_of_shorter_steps),
         cmocka_unit_test(without_memory),
     };

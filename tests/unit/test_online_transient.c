@@ -295,6 +295,146 @@ static void a_step_can_be_repeated(void **unused) {
     }
 }
 
+// ---- derivatives
+
+static const double CHANGE = 3e-4;
+enum { BY_GIVEN, BY_SPEED, BY_RADIUS, BY_MODULUS, NUM_BY };
+
+static online_conditions changed(online_conditions at, int by, double change) {
+    if (by == BY_GIVEN && isnan(at.approach)) at.load += change;
+    if (by == BY_GIVEN && !isnan(at.approach)) at.approach += change;
+    if (by == BY_SPEED) at.speed += change;
+    if (by == BY_RADIUS) at.radius += change;
+    if (by == BY_MODULUS) at.modulus += change;
+    return at;
+}
+
+/* The step repeated with conditions beside, per unit of these. */
+static contact_scalars difference(online_transient *contact, online_conditions at, int by) {
+    online_state sides[2];
+    contact_scalars found = {.load = 0};
+
+    for (int i = 0; i < 2; i++) {
+        const online_conditions beside = changed(at, by, i ? CHANGE : -CHANGE);
+        check_ok(online_step(&sides[i], contact, &beside, STEP, &error));
+        assert_int_not_equal(sides[i].status, EHD_NOT_CONVERGED);
+    }
+    const double *before = (const double *)&sides[0].scalars;
+    const double *behind = (const double *)&sides[1].scalars;
+    for (size_t k = 0; k < sizeof found / sizeof(double); k++)
+        ((double *)&found)[k] = (behind[k] - before[k]) / (2 * CHANGE);
+    return found;
+}
+
+static online_derivatives differentiate(online_transient *contact, online_direction direction) {
+    online_derivatives found;
+
+    check_ok(online_transient_differentiate(&found, contact, &direction, &error));
+    return found;
+}
+
+/* Differences have the noise of iterations, and an exit that passes a node in one of them. */
+static void check_tangent(online_transient *contact, const online_conditions *at) {
+    const bool by_load = isnan(at->approach);
+    const online_direction held = {by_load ? 0 : NAN, by_load ? NAN : 0, 0, 0, 0};
+    online_derivatives found[NUM_BY];
+    online_state state;
+
+    check_ok(online_step(&state, contact, at, STEP, &error));
+    for (int by = 0; by < NUM_BY; by++)
+        found[by] = differentiate(contact, changed(held, by, 1));
+    const online_direction other = {by_load ? NAN : 1, by_load ? 1 : NAN, 0, 0, 0};
+    const contact_scalars turned = differentiate(contact, other).scalars;
+    const contact_scalars *own = &found[BY_GIVEN].scalars;
+    if (by_load)
+        check_close(turned.load, 1 / own->rigid_approach, 1e-9, 0);
+    else
+        check_close(turned.rigid_approach, 1 / own->load, 1e-9, 0);
+    for (int by = 0; by < NUM_BY; by++) {
+        const contact_scalars expected = difference(contact, *at, by), *f = &found[by].scalars;
+        const double near = 1e-3, noise = 1e-5;
+        check_close(f->central_film_thickness, expected.central_film_thickness, near, noise);
+        check_close(f->minimum_film_thickness, expected.minimum_film_thickness, near, noise);
+        check_close(f->central_pressure, expected.central_pressure, near, noise);
+        check_close(f->rigid_approach, expected.rigid_approach, near, noise);
+        check_close(f->exit_position, expected.exit_position, 3 * near, noise);
+        check_close(f->load, expected.load, near, noise);
+    }
+}
+
+static void the_tangent_of_a_step_is_that_of_repeating_it(void **unused) {
+    (void)unused;
+    static online_state states[10];
+    for_both_models {
+        online_transient *contact = create(models[m]);
+        start(contact);
+        go(states, contact, 0, 10);
+        online_conditions at = conditions_at(11 * STEP);
+        check_tangent(contact, &at);
+        at.approach = states[9].scalars.rigid_approach - 0.01;
+        at.load = NAN;
+        check_tangent(contact, &at);
+        online_transient_free(contact);
+    }
+}
+
+static void derivatives_leave_the_contact_as_it_is(void **unused) {
+    (void)unused;
+    const online_direction direction = {.load = 1, .approach = NAN, .speed = 1};
+    for_both_models {
+        online_transient *straight = create(models[m]), *asked = create(models[m]);
+        online_state expected[20], found;
+        start(straight);
+        start(asked);
+        differentiate(asked, direction);
+        go(expected, straight, 0, 20);
+        for (size_t i = 0; i < 20; i++) {
+            found = step_from(asked, (double)i * STEP, STEP);
+            differentiate(asked, direction);
+            online_accept(asked);
+            check_same(&found, &expected[i]);
+        }
+        online_derivatives none;
+        assert_int_equal(online_transient_differentiate(&none, asked, &direction, &error),
+                         EHD_INTERNAL);
+        online_transient_free(straight);
+        online_transient_free(asked);
+    }
+}
+
+/* Under a load that swings slowly by a little, the approach is A sin wT + w B cos wT: where the swing is zero,
+ * rising and falling, it is off by +-w B, on top by A. BDF2 misses 0.2 % of that. */
+static void the_stationary_response_is_that_to_a_slow_swing(void **unused) {
+    (void)unused;
+    enum { A_QUARTER = 20, NUM = 8 * A_QUARTER };
+    const double swing = 0.01, period = 80, step = period / (4 * A_QUARTER);
+    const double frequency = 2 * M_PI / period;
+    for_both_models {
+        online_transient *contact = create(models[m]);
+        online_response response;
+        double approach[NUM + 1];
+        start(contact);
+        check_ok(online_transient_respond(&response, contact, &error));
+        for (int i = 1; i <= NUM; i++) {
+            online_conditions at = conditions_at(0);
+            online_state state;
+            at.load = 1 + swing * sin(frequency * i * step);
+            check_ok(online_step(&state, contact, &at, step, &error));
+            assert_int_not_equal(state.status, EHD_NOT_CONVERGED);
+            online_accept(contact);
+            approach[i] = state.scalars.rigid_approach;
+        }
+        const double top = approach[5 * A_QUARTER], bottom = approach[7 * A_QUARTER];
+        const double A = (top - bottom) / (2 * swing);
+        const double B =
+            (approach[8 * A_QUARTER] - approach[6 * A_QUARTER]) / (2 * swing * frequency);
+        check_close(response.stiffness, -1 / A, 1e-3, 0);
+        check_close(response.damping, B / (A * A), 5e-3, 0);
+        assert_true(response.damping_bound < 1e-3 * response.damping); // trained in time
+        online_transient_free(contact);
+    }
+}
+
 /* Without a step there is nothing to accept. */
 static void a_step_counts_once(void **unused) {
     (void)unused;
@@ -783,6 +923,9 @@ int main(void) {
         cmocka_unit_test(the_exit_moves_as_in_the_full_model),
         cmocka_unit_test(a_constant_contact_stays),
         cmocka_unit_test(a_step_can_be_repeated),
+        cmocka_unit_test(the_tangent_of_a_step_is_that_of_repeating_it),
+        cmocka_unit_test(derivatives_leave_the_contact_as_it_is),
+        cmocka_unit_test(the_stationary_response_is_that_to_a_slow_swing),
         cmocka_unit_test(a_step_counts_once),
         cmocka_unit_test(after_a_jump_the_past_does_not_count),
         cmocka_unit_test(fields_are_those_of_the_accepted_state),

@@ -70,15 +70,17 @@ static double density_at(const ehd_contact *contact, double pressure, double her
     return lubricant_density(&contact->lubricant, pressure * hertz);
 }
 
-/* Largest deviation of the mass at the same physical places, where they are on the grid. */
-static double carry_error(const ehd_contact *reference, size_t i, size_t j) {
+/* Largest deviation of the mass from that at the physical places where the fluid was, a path farther
+ * upstream, where they are on the grid. */
+static double carry_error(const ehd_contact *reference, size_t i, size_t j, double path) {
     const double *then_factor = factors[i], *now_factor = factors[j];
-    const contact_frame then = frame_of_case(reference->kind, i),
-                        now = frame_of_case(reference->kind, j);
+    const contact_frame then = frame_of_case(reference->kind, i);
+    contact_frame now = frame_of_case(reference->kind, j);
     const double power = reference->kind->dimensions > 1 ? 1. / 3 : 0.5;
     carried self;
     carried_init(&self, reference, &then);
     const ehd_grid *grid = &reference->grid;
+    now.path = then.path + path;
     carry(&self, &now);
     // physical: half widths of the reference, films a_ref^2 / R_ref
     double a_then = pow(then_factor[0] * then_factor[2] / then_factor[3], power);
@@ -86,7 +88,7 @@ static double carry_error(const ehd_contact *reference, size_t i, size_t j) {
     double hertz = then_factor[0] / pow(a_then, reference->kind->dimensions), largest = 0;
     for (size_t r = 0; r < grid->num_inner; r++) {
         size_t k = grid_node_of_row(grid, r);
-        double x = a_now * grid_x(grid, k) / a_then, y = a_now * grid_y(grid, k) / a_then;
+        double x = (a_now * grid_x(grid, k) - path) / a_then, y = a_now * grid_y(grid, k) / a_then;
         if (!is_on_grid(grid, x, y)) continue;
         double film =
             (smooth_deflection(x, y) + (x * x + y * y) / 2) * a_then * a_then / then_factor[2];
@@ -118,8 +120,8 @@ static void change_of_frame_keeps_the_physical_film(void **state) {
                                         now = frame_of_case(reference->kind, j);
                     // most places would lie beyond the grid of a point contact, which takes long
                     if (kind > 0 && frame_stretch(&now, &then) > 1.1) continue;
-                    double coarse = carry_error(&reference[0], i, j);
-                    double fine = carry_error(&reference[1], i, j);
+                    double coarse = carry_error(&reference[0], i, j, 0);
+                    double fine = carry_error(&reference[1], i, j, 0);
                     double scale = factors[i][0] / factors[i][3]; // a^2/R of a line
                     if (kind > 0) scale = pow(scale, 2. / 3) * pow(factors[i][2], -1. / 3);
                     assert_true(coarse <= (kind > 0 ? 3e-5 : 3e-6) * scale &&
@@ -153,6 +155,35 @@ static void same_frame_changes_nothing(void **state) {
     compare_in_the_same_frame(&line);
     compare_in_the_same_frame(&whole);
     compare_in_the_same_frame(&half);
+}
+
+/* A rigid plug goes along the path of the fluid, either way: where its film lies between nodes with the
+ * error of cubic splines, and where it comes from node to node to the last digits. */
+static void a_rigid_plug_is_shifted(void **state) {
+    (void)state;
+    const double paths[] = {0.37, -0.73};
+    for (size_t kind = 0; kind < 3; kind++) {
+        ehd_contact reference[2];
+        for (int fine = 0; fine < 2; fine++) {
+            reference[fine] =
+                kind == 0
+                    ? sample_contact("barus", "dowson-higginson", 20, 8, fine ? 0.02 : 0.04)
+                    : sample_point("barus", "dowson-higginson", 20, 8, fine ? 160 : 80, kind == 2);
+            reference[fine].transport = TRANSPORT_PATH;
+            reference[fine].smoothing = 0;
+        }
+        for (int way = 0; way < 2; way++) {
+            const double coarse = carry_error(&reference[0], 0, 0, paths[way]);
+            const double fine = carry_error(&reference[1], 0, 0, paths[way]);
+            assert_true(coarse > 1e-9 && coarse < (kind > 0 ? 3e-5 : 3e-6));
+            assert_true(fine < coarse / 6); // by places between nodes
+        }
+        // the frame too has changed
+        assert_true(carry_error(&reference[1], 0, 1, paths[0]) < 1e-5);
+        const double step = reference[0].grid.step;
+        assert_true(carry_error(&reference[0], 0, 0, 17 * step) < 1e-14);
+        assert_true(carry_error(&reference[0], 0, 0, -8 * step) < 1e-14);
+    }
 }
 
 /* Deflection at a place by a sum over the nodes of the whole grid. */
@@ -409,6 +440,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(change_of_frame_keeps_the_physical_film),
         cmocka_unit_test(same_frame_changes_nothing),
+        cmocka_unit_test(a_rigid_plug_is_shifted),
         cmocka_unit_test(growing_contact_looks_beyond_the_grid),
         cmocka_unit_test(rate_is_of_second_order),
         cmocka_unit_test(equation_is_of_second_order),

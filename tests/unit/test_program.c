@@ -410,6 +410,25 @@ static int raise_twice(program *self) {
     return program_finish(self, EHD_OK, NULL);
 }
 
+/* A child of the child, which closes its standard files, finds none of them free. */
+static int open_first(program *self) {
+    static const char *const words[] = {"trial", "a.yml", "-o", "r.h5"};
+    program again;
+    for (int i = STDIN_FILENO; i <= STDERR_FILENO; i++)
+        close(i);
+    program_start(&again, 4, (char **)(uintptr_t)words, &options);
+    const int file = open("/dev/null", O_RDONLY);
+    const bool lost = write(STDOUT_FILENO, "x", 1) < 0 && write(STDERR_FILENO, "x", 1) < 0;
+    (void)self;
+    return file > STDERR_FILENO && lost ? 0 : 1;
+}
+
+static void closed_files_are_not_written_to(void **state) {
+    (void)state;
+    run(open_first, "a.yml", "-o", "r.h5");
+    assert_int_equal(child.code, 0);
+}
+
 static void second_signal_ends_at_once(void **state) {
     (void)state;
     run(raise_once, "a.yml", "-o", "r.h5");
@@ -434,6 +453,7 @@ int main(void) {
         cmocka_unit_test(messages_heed_quiet_and_verbose),
         cmocka_unit_test(progress_tells_the_time_left),
         cmocka_unit_test(numbers_keep_their_point),
+        cmocka_unit_test(closed_files_are_not_written_to),
         cmocka_unit_test(second_signal_ends_at_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

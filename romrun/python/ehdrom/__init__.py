@@ -23,7 +23,7 @@ import re
 import cffi
 import numpy
 
-__all__ = ["Contact", "Error", "Model", "NotConverged", "Result", "Untrusted", "version"]
+__all__ = ["Contact", "Derivatives", "Error", "Model", "NotConverged", "Result", "Untrusted", "version"]
 
 _folder = pathlib.Path(__file__).parent
 
@@ -130,6 +130,21 @@ class Result:
         return self
 
 
+class Derivatives:
+    """The members of ehdrom_derivatives in ehdrom.h: how load, approach, films, … change."""
+
+    __slots__ = ("_struct",)
+
+    def __init__(self, struct):
+        self._struct = struct
+
+    def __getattr__(self, name):
+        return getattr(self._struct, name)
+
+    def __dir__(self):
+        return [name for name, _ in _ffi.typeof("ehdrom_derivatives").fields[1:]]
+
+
 class Contact:
     """A contact with a solver and a time of its own.
 
@@ -164,10 +179,13 @@ class Contact:
         if status >= _FAILED:
             raise Error(status, self._error())
 
-    def _result(self, status, struct):
+    def _solved(self, status):
         self._passed(status)
         if status == _lib.EHDROM_NOT_CONVERGED:
             raise NotConverged(status, self._error())
+
+    def _result(self, status, struct):
+        self._solved(status)
         return Result(struct, self._error())
 
     def __setitem__(self, key, value):
@@ -212,6 +230,24 @@ class Contact:
                                        "modulus": modulus})
         struct = _begun("ehdrom_result")
         return self._result(_lib.ehdrom_step(self._handle, conditions, step, struct), struct)
+
+    def differentiate(self, *, load=None, approach=None, speed=None, radius=None, modulus=None):
+        """How results change along a direction in which conditions change so fast, in their units: of the last solve
+        or start the stationary derivatives, of the last step, until it is accepted, the tangent at its end. Others are
+        held; approach=0 holds the approach, load=0 the load, and with neither that which was given. `load` of the
+        Derivatives by approach=1 is dF/dh."""
+        direction = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
+                                      "modulus": modulus})
+        struct = _begun("ehdrom_derivatives")
+        self._solved(_lib.ehdrom_differentiate(self._handle, direction, struct))
+        return Derivatives(struct)
+
+    def respond(self):
+        """stiffness (N/m^2 or N/m), damping (N s/m^2 or N s/m) and damping_bound of the last solve or start: the force's
+        response to a small slow change of the approach, dF = -(stiffness + s damping) dh for s -> 0."""
+        struct = _begun("ehdrom_response")
+        self._solved(_lib.ehdrom_respond(self._handle, struct))
+        return {name: getattr(struct, name) for name, _ in _ffi.typeof("ehdrom_response").fields[1:]}
 
     def accept(self):
         """Accepts the last step."""

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Derivatives of what a contact's solution comes to in the reference frame by its conditions: the chain
+ * rule through the frame, which scales with load, radius and modulus. */
+#ifndef EHD_FRAME_TANGENT_H
+#define EHD_FRAME_TANGENT_H
+
+#include "common/time/frame.h"
+#include "romrun/online/reduced_tangent.h"
+
+/* How equations follow from a frame; `side` 0 or 1: whose memory they may use. */
+typedef struct frame_equations {
+    void *context;
+    reduced_equations (*in_frame)(void *context, const contact_frame *frame, ehd_contact *contact,
+                                  int side);
+} frame_equations;
+
+/* Scalars in the reference frame and what else results have. */
+typedef struct frame_quantities {
+    contact_scalars scalars;
+    double peak_pressure, half_width;
+} frame_quantities;
+
+/* Linearises the equations of a frame at their solution (reduced_tangent_at). */
+ehd_status frame_linearise(
+    // in and out:
+    reduced_tangent *tangent,
+    // input:
+    const reduced_state *state, const contact_frame *at, const frame_equations *equations,
+    bool exit_at_node, ehd_error *error);
+
+/* Derivatives per unit of a parameter, between frames a distance apart whose mean is linearised.
+ * `change` is filled. */
+ehd_status frame_tangent(
+    // output:
+    frame_quantities *derivatives, reduced_change *change,
+    // in and out:
+    reduced_tangent *tangent,
+    // input:
+    const contact_frame beside[2], double distance, const ehd_contact *reference,
+    const frame_equations *equations, ehd_error *error);
+
+/* Derivatives by s, in 1/T, where the parameter of the last frame_tangent varies with T as exp(sT), s -> 0.
+ * Stationary contacts only. */
+ehd_status frame_tangent_slow(
+    // output:
+    contact_scalars *slow, // rigid_approach and load in the reference frame
+    double *bound,         // of the approach (reduced_tangent_slow)
+    // in and out:
+    reduced_tangent *tangent,
+    // input:
+    const reduced_change *change, const contact_frame *at, const contact_frame beside[2],
+    double distance, const ehd_contact *reference, const frame_equations *equations,
+    ehd_error *error);
+
+#endif

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "romrun/online/reduced_tangent.h"
+
+#include "romrun/online/exit_search.h"
+#include "romrun/online/row_system.h"
+
+#include <cblas.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct reduced_tangent {
+    const reduced_model *model;
+    node_state nodes;
+    row_system system;
+    exit_search exits;
+    reduced_state state; // at which it is linearised
+    bool with_cell;      // whose exit lies within a node
+    bool at_place;       // is at a node, and where within it follows from the flux
+    size_t num_rows;
+    double *rights;       // [2, system_max_rows] of the equations beside
+    double *along, *slow; // [num_unknowns] changes
+    double *coordinates;  // [num_unknowns] work
+    arena memory;
+};
+
+reduced_tangent *reduced_tangent_free(reduced_tangent *self) {
+    if (!self) return NULL;
+    system_free(&self->system);
+    reduced_state_free(&self->state);
+    arena_free(&self->memory);
+    free(self);
+    return NULL;
+}
+
+ehd_status reduced_tangent_create(reduced_tangent **created, const reduced_model *model,
+                                  ehd_error *error) {
+    reduced_tangent *self = calloc(1, sizeof *self);
+
+    *created = NULL;
+    if (!self) return ehd_fail(error, EHD_MEMORY, "derivatives: found no memory");
+    self->model = model;
+    nodes_init(&self->nodes, model, &self->memory);
+    system_init(&self->system, model, &self->memory);
+    exits_init(&self->exits, model, 0, &self->memory);
+    self->rights = arena_array(&self->memory, system_max_rows(model), 2 * sizeof(double));
+    self->along = arena_array(&self->memory, model->num_unknowns, sizeof(double));
+    self->slow = arena_array(&self->memory, model->num_unknowns, sizeof(double));
+    self->coordinates = arena_array(&self->memory, model->num_unknowns, sizeof(double));
+    if (self->memory.failed || reduced_state_init(&self->state, model, NULL)) {
+        reduced_tangent_free(self);
+        return ehd_fail(error, EHD_MEMORY, "derivatives: found no memory");
+    }
+    *created = self;
+    return EHD_OK;
+}
+
+static ehd_status singular(ehd_error *error) {
+    return ehd_fail(
+        error, EHD_NOT_CONVERGED,
+        "derivatives: found least squares without a single finite solution, expected one");
+}
+
+// ---- the equations
+
+/* Rows at the linearised state, at its exit line, and the cell of an exit within a node. */
+static bool evaluate(reduced_tangent *self, const reduced_equations *of, bool with_cell) {
+    reduced_state *state = &self->state;
+    const double approach = state->coordinates[self->model->num_unknowns - 1];
+
+    nodes_move_exit(&self->nodes, reduced_state_exits(state));
+    nodes_expand_state(&self->nodes, NULL, state->coordinates);
+    system_evaluate(&self->system, &self->nodes, approach, of->contact, of->squeeze, NULL);
+    const bool has_cell =
+        with_cell && exits_find_cell(&self->exits, &self->nodes, state, of->contact,
+                                     system_flux(&self->system, of->contact, &self->nodes));
+    system_list_active(&self->system, &self->nodes, has_cell ? state->exit - 1 : NO_NODE);
+    return has_cell;
+}
+
+/* The state `distance` along a change, at the nodes; its coordinates into self->coordinates. */
+static void move_along(reduced_tangent *self, const reduced_change *change, double distance) {
+    const size_t n = self->model->num_unknowns;
+
+    memcpy(self->coordinates, self->state.coordinates, n * sizeof *self->coordinates);
+    nodes_add_row(self->coordinates, distance, change->coordinates, n);
+    nodes_expand_state(&self->nodes, NULL, self->coordinates);
+}
+
+/* Right side of the least squares; where the exit lies within a node its place is taken as fixed, and
+ * what it has to move by is eliminated from the right side as it is from the matrix (exit.h). */
+static size_t fill_right(reduced_tangent *self, const reduced_equations *of) {
+    const size_t num_rows =
+        system_fill_right(&self->system, &self->nodes, self->state.coordinates, self->system.active,
+                          self->system.num_active, system_closure_weight(of->squeeze));
+
+    if (!self->with_cell) return num_rows;
+    system_add_cell_right(&self->system, &self->nodes, &self->exits.cell);
+    return num_rows + 1;
+}
+
+ehd_status reduced_tangent_at(reduced_tangent *self, const reduced_state *state,
+                              const reduced_equations *equations, bool exit_at_node,
+                              ehd_error *error) {
+    row_system *system = &self->system;
+    const reduced_model *model = self->model;
+    const bool within = exit_is_within_node(&model->grid) && !isnan(state->exit_offset);
+
+    reduced_state_copy(&self->state, state, model);
+    self->with_cell = evaluate(self, equations, within && !exit_at_node && !equations->squeeze);
+    self->at_place = within && !self->with_cell;
+    system_fill_matrix(system, &self->nodes, system_closure_weight(equations->squeeze));
+    if (self->with_cell) system_add_cell(system, &self->nodes, &self->exits.cell);
+    self->num_rows = fill_right(self, equations);
+    if (least_squares_solve(system->step, system->factors, system->matrix, system->right,
+                            self->num_rows))
+        return singular(error);
+    return EHD_OK;
+}
+
+/* argmin |J z + right| in z [num_unknowns], J of the linearised equations. */
+static ehd_status solve(reduced_change *change, double *z, reduced_tangent *self,
+                        const double *right, ehd_error *error) {
+    row_system *system = &self->system;
+
+    if (least_squares_again(z, system->factors, system->matrix, right, self->num_rows) &&
+        least_squares_solve(z, system->factors, system->matrix, right, self->num_rows))
+        return singular(error);
+    *change = (reduced_change){.coordinates = z};
+    if (self->with_cell)
+        change->exit_offset =
+            cblas_ddot((int)self->model->num_unknowns, self->system.offset, 1, z, 1);
+    return EHD_OK;
+}
+
+ehd_status reduced_tangent_along(reduced_change *change, reduced_tangent *self,
+                                 const reduced_equations beside[2], double distance,
+                                 ehd_error *error) {
+    double *sides[2] = {self->rights, self->rights + system_max_rows(self->model)};
+    double offset[2] = {0, 0};
+
+    for (int i = 0; i < 2; i++) {
+        if (evaluate(self, &beside[i], self->with_cell) != self->with_cell) return singular(error);
+        fill_right(self, &beside[i]);
+        memcpy(sides[i], self->system.right, self->num_rows * sizeof(double));
+        if (self->with_cell) offset[i] = self->exits.cell.offset.residual;
+    }
+    for (size_t i = 0; i < self->num_rows; i++)
+        sides[1][i] = (sides[1][i] - sides[0][i]) / distance;
+    const ehd_status status = solve(change, self->along, self, sides[1], error);
+    if (self->with_cell) change->exit_offset += (offset[1] - offset[0]) / distance;
+    return status;
+}
+
+/* self->system.right += factor * D rho H at the active rows' nodes, `distance` along a change. */
+static void add_mass(reduced_tangent *self, const reduced_change *change, double distance,
+                     const ehd_contact *contact, double factor) {
+    const row_set *set = &self->model->rows;
+    row_system *system = &self->system;
+
+    move_along(self, change, distance);
+    for (size_t i = 0; i < system->num_active; i++) {
+        const size_t r = system->active[i], q = set->stencils[r].node[NODE_HERE];
+        const double pressure = self->nodes.now.pressure[q] * contact->hertz_pressure;
+        system->right[i] += factor * set->weight[r] * self->nodes.now.film[q] *
+                            lubricant_density(&contact->lubricant, pressure);
+    }
+}
+
+/* += factor * D X d(rho H)/dX: what the entrainment takes off the rows. */
+static void add_slope(reduced_tangent *self, const ehd_contact *contact, double factor) {
+    const row_set *set = &self->model->rows;
+    row_system *system = &self->system;
+
+    for (int i = 0; i < 2; i++) {
+        ehd_contact entrained = *contact;
+        entrained.entrainment = i;
+        evaluate(self, &(reduced_equations){&entrained, NULL}, false);
+        system_list_active(system, &self->nodes, self->with_cell ? self->state.exit - 1 : NO_NODE);
+        for (size_t k = 0; k < system->num_active; k++) {
+            const size_t r = system->active[k];
+            system->right[k] += (i ? -factor : factor) * set->weight[r] *
+                                grid_x(&self->model->grid, set->node[r]) * system->rows[r].residual;
+        }
+    }
+}
+
+/* As of reduced_film_error, for the approach of a change that solves self->system.right. */
+static double bound_of_approach(reduced_tangent *self, const reduced_change *change) {
+    row_system *system = &self->system;
+    const int n = (int)self->model->num_unknowns, num_rows = (int)self->num_rows;
+    double *left = self->rights, *moves = self->rights + system_max_rows(self->model), sum = 0;
+
+    memset(system->gradient, 0, self->model->num_unknowns * sizeof(double));
+    system->gradient[n - 1] = 1;
+    least_squares_dual(system->dual, system->factors, system->gradient);
+    memcpy(left, system->right, self->num_rows * sizeof(double));
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, num_rows, n, 1, system->matrix, n, change->coordinates,
+                1, 1, left, 1);
+    cblas_dgemv(CblasRowMajor, CblasNoTrans, num_rows, n, 1, system->matrix, n, system->dual, 1, 0,
+                moves, 1);
+    for (size_t i = 0; i < self->num_rows; i++)
+        sum += pow(left[i] * moves[i], 2);
+    return sqrt(sum);
+}
+
+ehd_status reduced_tangent_slow(reduced_change *slow, double *bound, reduced_tangent *self,
+                                const reduced_change *change, const ehd_contact *contact,
+                                const reduced_motion *motion, ehd_error *error) {
+    memset(self->system.right, 0, self->num_rows * sizeof(double));
+    add_slope(self, contact, (motion->half_width[1] - motion->half_width[0]) / motion->distance);
+    for (int i = 0; i < 2; i++)
+        add_mass(self, change, (i - 0.5) * motion->distance, &motion->contacts[i],
+                 (i ? -1 : 1) * motion->film_scale[i] / motion->distance);
+    const ehd_status status = solve(slow, self->slow, self, self->system.right, error);
+    if (!status) *bound = bound_of_approach(self, slow);
+    return status;
+}
+
+// ---- scalars
+
+static double exit_of(reduced_tangent *self, const reduced_change *change, double distance,
+                      const reduced_equations *beside) {
+    reduced_state moved = self->state;
+
+    if (self->with_cell) {
+        moved.exit_offset += distance * change->exit_offset;
+    } else if (self->at_place) {
+        moved.coordinates = self->coordinates;
+        moved.exit_offset =
+            exits_place(&self->exits, &self->nodes, &moved, beside->contact, beside->squeeze);
+    }
+    return self->with_cell || self->at_place ? reduced_exit_position(&moved, self->model) : NAN;
+}
+
+reduced_quantities reduced_tangent_quantities(reduced_tangent *self, const reduced_change *change,
+                                              double distance, const reduced_equations *beside) {
+    const double *z = self->coordinates;
+    reduced_quantities found;
+
+    move_along(self, change, distance);
+    const double exit = exit_of(self, change, distance, beside);
+    found.scalars = nodes_scalars(&self->nodes, z, exit, beside->contact);
+    found.peak_pressure =
+        fmax(nodes_pressure_range(&self->nodes, z).largest, found.scalars.central_pressure);
+    return found;
+}
