@@ -13,6 +13,10 @@
  *     header INDEX VALUE        8 bytes of the file's header
  *     cut BYTES                 from the file's end
  *
+ * and, not of the file but for what uses it (target.c):
+ *
+ *     state INDEX VALUE         a number of the contact's saved state
+ *
  * BLOCK is its name or its number, modulo as many as there are. The file's length in its header follows, its checksum
  * does not. What makes no sense, and other lines, are passed over. */
 #ifndef FUZZ_FLAT_EDIT_H

@@ -175,6 +175,7 @@ static const char *any_text(void) {
 static int make_flat_line(char *line, size_t room) {
     const char *word = one_of(flat_edit_words);
     const unsigned block = below(64), index = below(2) ? below(200) : 0;
+    if (below(8) == 0) return snprintf(line, room, "state %u %s\n", below(512), any_number());
     switch (below(3) ? *word : 'p') { // p: put, w: whole
     case 'p':
     case 'w':

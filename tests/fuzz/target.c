@@ -137,6 +137,19 @@ static ehdrom_status look_at(ehdrom_status status, const ehdrom_result *result) 
     return status;
 }
 
+static const char *edits; // the text of this run
+
+/* Lines "state INDEX VALUE": numbers of a saved state that are others. */
+static void edit_state(double *state, size_t count) {
+    for (const char *line = edits; line && *line; line = strchr(line, '\n')) {
+        char *value;
+        line += *line == '\n';
+        if (strncmp(line, "state ", 6) != 0) continue;
+        const size_t index = strtoul(line + 6, &value, 10) % count;
+        state[index] = strtod(value, NULL);
+    }
+}
+
 /* Steps, of which one is taken again from a saved state. */
 static ehdrom_status steps(ehdrom_contact *contact) {
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
@@ -154,6 +167,7 @@ static ehdrom_status steps(ehdrom_contact *contact) {
         if (i != 2 || ehdrom_state_size(contact, &count) || count > sizeof state / sizeof *state)
             continue;
         if (ehdrom_state_save(contact, state, count)) abort();
+        edit_state(state, count);
         status = ehdrom_state_restore(contact, state, count);
     }
     return status;
@@ -449,8 +463,11 @@ int fuzz_run(const fuzz_target *target, const uint8_t *bytes, size_t length) {
         code = EHD_INTERNAL;
     else if (target->read)
         code = run_reader(target, (const char *)bytes, length);
-    else if (num_commands > 0)
+    else if (num_commands > 0) {
+        edits = text;
         code = run_command(target->commands[choice(text, "run", num_commands, num_commands > 1)]);
+        edits = NULL;
+    }
     if (target->file) unlink(target->file);
     free(text);
     return code;

@@ -117,14 +117,14 @@ static ehdrom_status tell(const crew *self, ehdrom_status status) {
     return status;
 }
 
-/* A contact under its share of the load; returns at which approach. */
-static ehdrom_status start_contact(crew *self, int k, const char *scene, double factor) {
+/* A contact under its share of the load. */
+static ehdrom_status start_contact(crew *self, int k, const char *scene) {
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
     ehdrom_contact *contact = self->contacts[k];
     ehdrom_status status = ehdrom_contact_read(contact, scene);
 
     conditions.given = EHDROM_LOAD;
-    conditions.load = factor * LOAD / LENGTH;
+    conditions.load = LOAD / LENGTH;
     self->results[k] = (ehdrom_result)EHDROM_RESULT_INIT;
     self->conditions[k] = (ehdrom_conditions)EHDROM_CONDITIONS_INIT;
     self->conditions[k].given = EHDROM_APPROACH;
@@ -143,7 +143,7 @@ static ehdrom_status open_contacts(crew *self, const char *scene, const char *pa
     }
     for (int k = 0; k < NUM_SLICES; k++) {
         status = ehdrom_contact_create(&self->contacts[k], self->model);
-        if (!status) status = start_contact(self, k, scene, 1);
+        if (!status) status = start_contact(self, k, scene);
         if (EHDROM_FAILED(status) || status == EHDROM_NOT_CONVERGED) return tell(self, status);
     }
     return EHDROM_OK;
@@ -313,20 +313,21 @@ static ehdrom_status advance(slide *self, crew *contacts) {
     }
 }
 
-/* At rest; how stiff a contact is, to begin with, from another one under a percent more of the load. */
-static ehdrom_status begin(slide *self, crew *contacts, const char *scene) {
+/* At rest; how stiff a contact is there, to begin with. */
+static ehdrom_status begin(slide *self, crew *contacts) {
+    ehdrom_contact *contact = contacts->contacts[0];
     ehdrom_scales scales = EHDROM_SCALES_INIT;
-    ehdrom_status status = ehdrom_contact_scales(contacts->contacts[0], &scales);
-    const double load = contacts->results[0].load, approach = contacts->results[0].approach;
+    ehdrom_response response = EHDROM_RESPONSE_INIT;
+    ehdrom_status status = ehdrom_contact_scales(contact, &scales);
 
-    *self = (slide){.rest = approach, .step = scales.time / 100, .shortest = scales.time / 100};
-    if (!status) status = start_contact(contacts, 0, scene, 1.01);
-    const double stiffness =
-        (load - contacts->results[0].load) / (contacts->results[0].approach - approach);
+    if (!status) status = ehdrom_respond(contact, &response);
+    if (status) fprintf(stderr, "roller: %s\n", ehdrom_contact_error(contact));
+    *self = (slide){.rest = contacts->results[0].approach,
+                    .step = scales.time / 100,
+                    .shortest = scales.time / 100};
     for (int k = 0; k < NUM_SLICES; k++)
-        self->stiffness[k] = stiffness;
-    if (!EHDROM_FAILED(status)) status = start_contact(contacts, 0, scene, 1);
-    return EHDROM_FAILED(status) ? tell(contacts, status) : EHDROM_OK;
+        self->stiffness[k] = response.stiffness;
+    return status;
 }
 
 // ---- a run
@@ -352,10 +353,10 @@ static double seconds(void) {
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static int roll(crew *contacts, const char *scene, FILE *file) {
+static int roll(crew *contacts, FILE *file) {
     slide body;
     const double started = seconds(), end = (BEFORE + BEHIND) / SPEED;
-    ehdrom_status status = begin(&body, contacts, scene);
+    ehdrom_status status = begin(&body, contacts);
 
     fputs("time,travel,height,tilt,minimum_film_thickness,peak_pressure,step", file);
     for (int k = 0; k < NUM_SLICES; k++)
@@ -390,7 +391,7 @@ int main(int argc, char **argv) {
             status = CANNOT_CREATE;
         } else {
             begin_threads(&contacts, count);
-            status = roll(&contacts, argv[1], file);
+            status = roll(&contacts, file);
             if (fclose(file) && !status) status = IO_FAILED;
         }
     }
