@@ -37,6 +37,24 @@ far_outside() {
     done
 }
 
+@test "tables, images and flat models" {
+    snapgen plan.yml -o s.h5 --quiet
+    podbuild s.h5 -o b.h5
+    snapgen plan.yml --basis b.h5 -o r.h5 --quiet
+    deimselect --no-check r.h5 --basis b.h5 -o m.h5
+    sed 's/^moes: .*/physical: {load: 60e3, radius: 0.0125, speed: 0.8, modulus: 226e9, viscosity: 0.02}/' scene.yml >si.yml
+    printf 'moes.M\n9\n12\n' >cases.csv
+    checked 0 fullrun si.yml -o si.h5
+    checked 0 fullrun --vtk si.h5 -o si.vti
+    checked 0 romrun --export m.h5 -o m.ehdrom
+    checked 0 romrun --check m.ehdrom
+    checked 0 romrun --allow-untrusted scene.yml --model m.ehdrom -o flat.h5 --set output.fields=true
+    checked 0 romrun --allow-untrusted scene.yml --cases cases.csv --model m.ehdrom -o cases.csv.csv
+    checked 0 romrun --allow-untrusted scene.yml --cases cases.csv --model m.h5 -o cases.h5
+    head -c 5000 m.ehdrom >cut.ehdrom
+    checked 65 romrun --check cut.ehdrom
+}
+
 @test "all five programs, deflection coupled" {
     checked 0 fullrun scene.yml -o full.h5
     checked 0 snapgen plan.yml -o s.h5 --jobs 2

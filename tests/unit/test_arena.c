@@ -4,6 +4,7 @@
 #include "tests/unit/check.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void arrays_are_zero_apart_and_aligned(void **state) {
@@ -56,8 +57,22 @@ static void a_failure_is_remembered(void **state) {
     arena_free(&memory);
 }
 
+/* As of axes that a file tells, which would be taken as fewer. */
+static void arrays_that_overflow_are_refused(void **state) {
+    (void)state;
+    const size_t huge = (size_t)1 << 61;
+    assert_null(array_new(huge, 1, 8));
+    assert_null(array_new(huge, 8, 1));
+    assert_null(array_new(1, huge + 1, 8));
+    assert_null(array_new((size_t)1 << 32, (size_t)1 << 32, 1));
+    void *one = array_new(1, 1, 8);
+    assert_non_null(one);
+    free(one);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arrays_that_overflow_are_refused),
         cmocka_unit_test(arrays_are_zero_apart_and_aligned),
         cmocka_unit_test(an_empty_array_is_an_array),
         cmocka_unit_test(sizes_that_overflow_are_refused),
