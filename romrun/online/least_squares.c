@@ -148,7 +148,7 @@ static void solve_qr(double *solution, least_squares *self, const double *matrix
     // row-major J is column-major J^T: the transposed problem of dgels
     for (size_t r = 0; r < num_rows; r++)
         self->right[r] = -right[r];
-    if (kept <= num_rows)
+    if (kept > 0 && kept <= num_rows) // LAPACK says of none so on standard output
         info = LAPACKE_dgels_work(LAPACK_COL_MAJOR, 'T', (int)kept, (int)num_rows, 1, self->scaled,
                                   (int)kept, self->right, (int)self->longest, self->work,
                                   self->num_work);

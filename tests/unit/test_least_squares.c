@@ -6,8 +6,10 @@
 #include <cblas.h>
 #include <lapacke.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { ROWS = 40, COLUMNS = 12 };
 
@@ -256,6 +258,35 @@ static void not_finite_is_said(void **state) {
     least_squares_free(workspace);
 }
 
+/* Of a matrix in which no number is finite LAPACK is not asked: it would say on
+ * standard output, among what a program prints, that there are no columns. */
+static void no_columns_are_left_in_silence(void **state) {
+    (void)state;
+    const double all[] = {NAN, INFINITY};
+    double matrix[ROWS * COLUMNS], right[ROWS], x[COLUMNS];
+    least_squares *workspace = least_squares_create(ROWS, COLUMNS);
+    FILE *said = tmpfile();
+    const int before = dup(STDOUT_FILENO);
+
+    assert_non_null(said);
+    random_vector(right, ROWS);
+    fflush(stdout);
+    assert_true(dup2(fileno(said), STDOUT_FILENO) >= 0);
+    for (size_t i = 0; i < 2; i++) {
+        for (size_t k = 0; k < ROWS * COLUMNS; k++)
+            matrix[k] = all[i];
+        const ehd_status status = least_squares_solve(x, workspace, matrix, right, ROWS);
+        if (status != EHD_NOT_CONVERGED) printf("found status %d\n", (int)status);
+    }
+    fflush(stdout);
+    assert_true(dup2(before, STDOUT_FILENO) >= 0);
+    close(before);
+    assert_int_equal(fseek(said, 0, SEEK_END), 0);
+    assert_int_equal(ftell(said), 0);
+    fclose(said);
+    least_squares_free(workspace);
+}
+
 /* J (J^T J)^-1 c is the shortest x with J^T x = c. */
 static void check_dual(least_squares *workspace, const double *matrix, const double *functional,
                        const double *shown, size_t num_columns) {
@@ -335,6 +366,7 @@ int main(void) {
         cmocka_unit_test(fewer_rows_than_columns_are_refused),
         cmocka_unit_test(dual_is_the_shortest_cause),
         cmocka_unit_test(not_finite_is_said),
+        cmocka_unit_test(no_columns_are_left_in_silence),
         cmocka_unit_test(survives_failing_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
