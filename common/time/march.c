@@ -23,7 +23,7 @@ static const double PASSAGE = 30;
 /* The tolerance is a root mean square over time, and what a film may have taken up in all, at once, is
  * so many of them. Where it is more, since errors travel with a front in place of cancelling along
  * the way, steps are made as much more accurate. Of the eight histories of
- * scenes/studies/time-steps, a load that swings by 40 % is then 2.05 tolerances of 5e-3 off, 6.0
+ * scenes/studies/time-steps, a load that swings by 40 % is then 1.8 tolerances of 5e-3 off, 6.0
  * without (16: 5.7), and steps elsewhere are what they were (4: a fifth more). */
 static const double MOST_TAKEN_UP = 8;
 

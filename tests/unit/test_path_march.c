@@ -225,6 +225,34 @@ static void so_does_a_point(void **state) {
     march_as_the_full_model(&problems[OPEN_POINT], true, 10, 1e-3, 3e-3);
 }
 
+/* Half of a point contact stands for all of it, exits included. */
+static void the_half_marches_as_the_whole(void **state) {
+    (void)state;
+    const problem *half = &problems[OPEN_POINT];
+    problem whole = *half;
+    marching one, all;
+
+    whole.basis = mirrored_basis(&half->basis);
+    marching_init(&one, half, false, true);
+    marching_init(&all, &whole, false, true);
+    for (size_t i = 1; i <= 20; i++) {
+        const contact_frame frame = frame_after(&one, (double)i * STEP, 1);
+        step_on(&one.last, &one.solver, &frame, STEP);
+        step_on(&all.last, &all.solver, &frame, STEP);
+        const contact_scalars *a = &one.last.scalars, *b = &all.last.scalars;
+        check_close(a->central_film_thickness, b->central_film_thickness, 1e-9, 0);
+        check_close(a->minimum_film_thickness, b->minimum_film_thickness, 1e-9, 0);
+        check_close(one.last.effect, all.last.effect, 1e-6, 1e-12);
+        assert_memory_equal(reduced_march_state(one.march, NULL).exits,
+                            reduced_march_state(all.march, NULL).exits +
+                                all.model.band.num_lines / 2,
+                            one.model.band.num_lines * sizeof(size_t));
+    }
+    marching_free(&one);
+    marching_free(&all);
+    reduced_basis_free(&whole.basis);
+}
+
 static bool is_on_the_way(const ehd_grid *grid, size_t row) {
     const size_t k = grid_node_of_row(grid, row);
 
@@ -468,6 +496,7 @@ int main(void) {
         cmocka_unit_test(a_film_far_from_its_prediction_is_not_taken),
         cmocka_unit_test(full_rank_marches_as_the_full_model),
         cmocka_unit_test(so_does_a_point),
+        cmocka_unit_test(the_half_marches_as_the_whole),
         cmocka_unit_test(few_rows_tell_the_error_of_all),
         cmocka_unit_test(what_is_indicated_comes_with_the_fluid),
         cmocka_unit_test(an_exit_may_lie_at_the_end_of_the_grid),
