@@ -114,6 +114,7 @@ static ehdrom_status tell(const crew *self, ehdrom_status status) {
             fprintf(stderr, "roller: slice %d: %s\n", k, ehdrom_contact_error(self->contacts[k]));
             return status;
         }
+    fputs("roller: found no place where the slices carry the slide, expected one\n", stderr);
     return status;
 }
 
@@ -149,7 +150,7 @@ static ehdrom_status open_contacts(crew *self, const char *scene, const char *pa
     return EHDROM_OK;
 }
 
-static int begin_threads(crew *self, int count) {
+static void begin_threads(crew *self, int count) {
     self->num_threads = count;
     pthread_barrier_init(&self->begin, NULL, (unsigned)count);
     pthread_barrier_init(&self->end, NULL, (unsigned)count);
@@ -157,7 +158,6 @@ static int begin_threads(crew *self, int count) {
         self->hands[i] = (hand){.of = self, .number = i};
         if (pthread_create(&self->hands[i].thread, NULL, work, &self->hands[i])) abort();
     }
-    return 0;
 }
 
 static void close_crew(crew *self) {
@@ -181,7 +181,7 @@ typedef struct slide {
     double time, step, shortest; // s; of the next step, and as far as films ask for short ones
     double position[NUM_POSITIONS], velocity[NUM_POSITIONS], acceleration[NUM_POSITIONS];
     double rest;                  // approach of the contacts in the beginning, m
-    double stiffness[NUM_SLICES]; // N/m^2: what a slice gives way by, between the last two trials
+    double stiffness[NUM_SLICES]; // N/m^2, of each slice, between its last two trials
     size_t num_steps, num_trials, num_rejected, num_untrusted;
 } slide;
 
