@@ -212,6 +212,7 @@ ehd_status time_result_checkpoint(artefact *file, const double *restart, size_t 
 static ehd_status check_same_run(artefact *file, const ehd_contact *reference, size_t restart_size,
                                  ehd_error *error) {
     const size_t found = artefact_length(file, "restart_entry");
+    const size_t slots = artefact_length(file, "restart_slot");
     stored_result run = {0};
     ehd_error cause = {""};
     ehd_status status = result_get_contact(&run, file, reference->kind, error);
@@ -220,9 +221,14 @@ static ehd_status check_same_run(artefact *file, const ehd_contact *reference, s
     if (run.num_inner == 0) run.num_inner = grid_whole(&reference->grid).num_inner;
     if (!status) status = result_check_grid(&run, "partial", &reference->grid, &cause);
     if (*cause.text) return ehd_fail(error, status, "%s.%s", artefact_path(file), cause.text);
-    if (status || found == restart_size) return status;
-    return ehd_fail(error, EHD_DATA, "%s.partial: restart_entry: found length %zu, expected %zu",
-                    artefact_path(file), found, restart_size);
+    if (!status && found != restart_size)
+        return ehd_fail(error, EHD_DATA,
+                        "%s.partial: restart_entry: found length %zu, expected %zu",
+                        artefact_path(file), found, restart_size);
+    if (!status && restart_size > 0 && slots != NUM_SLOTS)
+        return ehd_fail(error, EHD_DATA, "%s.partial: restart_slot: found length %zu, expected %d",
+                        artefact_path(file), slots, (int)NUM_SLOTS);
+    return status;
 }
 
 /* Reads the valid slot of the latest time; zeros when there is none. */
