@@ -42,4 +42,5 @@ load sweeps
     for name in fullrun romrun podbuild deimselect residuals snapgen moving flat cases cases-h5 vtk export; do
         sweep $name memory fail -e "${EVERY:-41}"
     done
+    sweep fmu memory fail -e 2999
 }
