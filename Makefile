@@ -168,6 +168,7 @@ demo-point: $(PROGRAMS) ## the same with a stationary point contact
 check: $(PROGRAMS) $(LIBRARY) $(USE_LIBRARY) $(FMU_FILES) $(USE_FMU) $(TESTS) $(FAULT_TOOLS) $(REPLAY) ## unit and pipeline tests; last line: N passed, N failed
 	@$(run_tests) $(TESTS) $(PIPELINES)
 
+check-long: export TIMEOUT ?= 7200
 check-long: $(PROGRAMS) $(LONG_TESTS) $(FAULT_TOOLS) ## the tests that take minutes
 	@$(run_tests) $(LONG_TESTS) $(LONG_PIPELINES)
 
