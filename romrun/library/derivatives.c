@@ -14,16 +14,13 @@ static ehd_contact contact_from_afar(const ehdrom_contact *self) {
     return contact;
 }
 
-/* EHD_INTERNAL: nothing to differentiate. */
-static ehd_status begin(ehdrom_contact *self, const char *what) {
+/* EHD_INTERNAL: nothing to differentiate; `expected`: what has to come before. */
+static ehd_status begin(ehdrom_contact *self, const char *what, const char *expected) {
     const ehd_status status = library_begin(self);
 
     if (status || self->differentiable != OF_NOTHING) return status;
-    return ehd_fail(
-        &self->error, EHD_INTERNAL,
-        "%s: found no solution, expected ehdrom_solve, ehdrom_start or a step that is not "
-        "accepted yet before",
-        what);
+    return ehd_fail(&self->error, EHD_INTERNAL, "%s: found no solution, expected %s before", what,
+                    expected);
 }
 
 static const unit_factors *units_of_last(const ehdrom_contact *self) {
@@ -72,7 +69,8 @@ static ehd_status differentiate(ehdrom_contact *self, const ehdrom_conditions *g
 
 ehdrom_status ehdrom_differentiate(ehdrom_contact *self, const ehdrom_conditions *direction,
                                    ehdrom_derivatives *derivatives) {
-    ehd_status status = begin(self, "derivatives");
+    ehd_status status =
+        begin(self, "derivatives", "ehdrom_solve, ehdrom_start or a step that is not accepted yet");
 
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
@@ -101,7 +99,7 @@ static ehd_status respond(ehdrom_contact *self, ehdrom_response *response) {
 }
 
 ehdrom_status ehdrom_respond(ehdrom_contact *self, ehdrom_response *response) {
-    ehd_status status = begin(self, "stationary response");
+    ehd_status status = begin(self, "stationary response", "ehdrom_solve or ehdrom_start");
 
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();

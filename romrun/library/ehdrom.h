@@ -172,12 +172,14 @@ EHDROM_API ehdrom_status ehdrom_contact_scales(ehdrom_contact *contact, ehdrom_s
 /* ---- solutions */
 
 typedef struct ehdrom_result {
-    size_t size;                   /* sizeof(ehdrom_result) */
-    ehdrom_status status;          /* EHDROM_OK, EHDROM_NOT_CONVERGED, EHDROM_UNTRUSTED */
-    int trusted;                   /* 1 with EHDROM_OK */
-    double time;                   /* s; 0 of a stationary solution */
-    double load;                   /* N/m or N: the force between the bodies */
-    double approach;               /* m, H0 a^2/R: how far they are from touching undeformed */
+    size_t size;          /* sizeof(ehdrom_result) */
+    ehdrom_status status; /* EHDROM_OK, EHDROM_NOT_CONVERGED, EHDROM_UNTRUSTED */
+    int trusted;          /* 1 with EHDROM_OK */
+    double time;          /* s; 0 of a stationary solution */
+    double load;          /* N/m or N: the force between the bodies */
+    /* m, H0 a^2/R: how far they are from touching undeformed; of a line contact as measured from 1 half
+     * width by ehdrom_solve, in time from approach_length half widths */
+    double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
     double central_pressure;       /* Pa */
@@ -214,7 +216,8 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  *
  * A step is BDF2, the first one BDF1. The settings are the reference: what conditions do not give
  * stays as it is set. Where the approach is given, that of a line contact is measured from
- * approach_length half widths, which has to lie outside of the pressurised zone. */
+ * approach_length half widths, at least half the grid's length. Unless set it is 10 with "closure" set
+ * to "approach", else 1, which is too near: ehdrom_contact_set(contact, "approach_length", "10"). */
 
 enum {
     EHDROM_LOAD = 1,

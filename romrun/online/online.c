@@ -230,11 +230,15 @@ online_properties online_describe(const online_model *self) {
 }
 
 const char *online_unchecked(const online_properties *model, bool in_time) {
-#define WHO_CHECKS                                                                                 \
-    " at these sizes, which romrun --calibrate does, and deimselect without --no-check"
-    if (in_time) return model->checked_in_time ? NULL : "a model never checked in time" WHO_CHECKS;
-    return model->checked ? NULL : "a model never checked" WHO_CHECKS;
-#undef WHO_CHECKS
+    if (in_time)
+        return model->checked_in_time
+                   ? NULL
+                   : "a model never checked in time at these sizes, which romrun --calibrate does "
+                     "with a transient plan, and deimselect of a transient training without "
+                     "--no-check";
+    return model->checked ? NULL
+                          : "a model never checked at these sizes, which romrun --calibrate does, "
+                            "and deimselect without --no-check";
 }
 
 const double online_accuracy = 0.01;

@@ -184,7 +184,7 @@ YAML
     deimselect r1.h5 --basis b1.h5 -o y.h5 --no-check
     run --separate-stderr romrun moving.yml --model y.h5 -o two.h5 --quiet
     [ "$status" -eq 4 ]
-    [[ $stderr == "romrun: moving.yml: found a model never checked in time at these sizes, which romrun --calibrate does, and deimselect without --no-check, first at T = 0, expected a result to be trusted"* ]]
+    [[ $stderr == "romrun: moving.yml: found a model never checked in time at these sizes, which romrun --calibrate does with a transient plan, and deimselect of a transient training without --no-check, first at T = 0, expected a result to be trusted"* ]]
     /usr/bin/python3 -c "
 import h5py
 with h5py.File('two.h5') as f: assert (f['status'][...] == 4).all()"

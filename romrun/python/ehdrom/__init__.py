@@ -225,7 +225,8 @@ class Contact:
         return self._result(_lib.ehdrom_start(self._handle, conditions, struct), struct)
 
     def step(self, step, *, load=None, approach=None, speed=None, radius=None, modulus=None):
-        """The state `step` s after the last accepted one, as often as wanted; load in N or N/m, or approach in m."""
+        """The state `step` s after the last accepted one, as often as wanted; load in N or N/m, or approach in m, for
+        which a line contact needs contact["closure"] = "approach", or an approach_length of 10 or so."""
         conditions = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                        "modulus": modulus})
         struct = _begun("ehdrom_result")
