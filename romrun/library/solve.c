@@ -131,28 +131,32 @@ ehd_status library_conditions(online_conditions *own, const ehdrom_conditions *g
     const struct {
         unsigned bit;
         const char *name;
-        double value, unit;
+        const double *value;
+        double unit;
         double *target;
         double above;
     } parts[] = {
-        {EHDROM_LOAD, "load", all.load, units->load, &own->load, 0},
-        {EHDROM_APPROACH, "approach", all.approach, units->film, &own->approach, -INFINITY},
-        {EHDROM_SPEED, "speed", all.speed, units->speed, &own->speed, 0},
-        {EHDROM_RADIUS, "radius", all.radius, units->radius, &own->radius, 0},
-        {EHDROM_MODULUS, "modulus", all.modulus, units->modulus, &own->modulus, 0}};
+        {EHDROM_LOAD, "load", &all.load, units->load, &own->load, 0},
+        {EHDROM_APPROACH, "approach", &all.approach, units->film, &own->approach, -INFINITY},
+        {EHDROM_SPEED, "speed", &all.speed, units->speed, &own->speed, 0},
+        {EHDROM_RADIUS, "radius", &all.radius, units->radius, &own->radius, 0},
+        {EHDROM_MODULUS, "modulus", &all.modulus, units->modulus, &own->modulus, 0}};
     unsigned known = 0;
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
-        const double value = parts[i].value;
+        const double value = *parts[i].value;
         const bool rest = parts[i].bit == EHDROM_SPEED && value == 0;
         known |= parts[i].bit;
         if (!(all.given & parts[i].bit)) continue;
+        if (given->size < (size_t)((const char *)(parts[i].value + 1) - (const char *)&all))
+            return ehd_fail(error, EHD_DATA, "%s: found a struct that ends before it",
+                            parts[i].name);
         // here, where it is in the caller's units
         if (!isfinite(value) || !(value > parts[i].above || rest))
             return ehd_fail(error, EHD_DATA, "%s: found %g, expected a %s", parts[i].name, value,
                             !isfinite(value)               ? "finite number"
                             : parts[i].bit == EHDROM_SPEED ? "number of at least 0"
                                                            : "number above 0");
-        *parts[i].target = parts[i].value / parts[i].unit;
+        *parts[i].target = value / parts[i].unit;
     }
     if (all.given & ~known)
         return ehd_fail(error, EHD_DATA, "conditions: found %#x given, expected EHDROM_LOAD | …",

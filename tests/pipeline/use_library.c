@@ -216,6 +216,13 @@ static void march(char **argv) {
     CHECK(!EHDROM_FAILED(results[1].status) && *ehdrom_contact_error(contact));
     results[1].size = 0;
     CHECK(ehdrom_step_many(both, NULL, step, results, 2) == EHDROM_DATA);
+    // of a caller that knows less: what its struct has not cannot be given
+    ehdrom_conditions shorter = {offsetof(ehdrom_conditions, speed), EHDROM_LOAD, 0, 0, 1, 1, 1};
+    shorter.load = conditions.load;
+    CHECK(!EHDROM_FAILED(ehdrom_step(contact, &shorter, step, &again)));
+    shorter.given |= EHDROM_SPEED;
+    CHECK(ehdrom_step(contact, &shorter, step, &again) == EHDROM_DATA);
+    CHECK(strstr(ehdrom_contact_error(contact), "speed: found a struct that ends before it"));
     CHECK(most == largest(other, model, &first_x));
     show_result(&result);
     show("largest", most);
