@@ -60,11 +60,59 @@ value() {
     [ "$(grep -oE '\behdrom_[a-z_]+\(' "$prefix/include/ehdrom.h" | tr -d '(' | sort -u)" = "$names" ]
     # and all of the header's begin so, also its macros
     [ -z "$(sed -n 's/^ *# *define \([A-Za-z_]*\).*/\1/p' "$prefix/include/ehdrom.h" | grep -v '^EHDROM_')" ]
+    # types, tags and enumerators too, of the header's own lines
+    gcc -E -x c "$prefix/include/ehdrom.h" | awk '/^# / { own = /ehdrom\.h"/; next } own' >own.h
+    /usr/bin/python3 - <<'PYTHON'
+import re
+text = open("own.h").read()
+types = re.findall(r"\b(?:struct|union|enum)\s+(\w+)", text) + re.findall(r"\}\s*(\w+)\s*;", text)
+types += re.findall(r"\btypedef\b[^{;]*?(\w+)\s*;", text)
+constants = [part.split("=")[0].strip() for body in re.findall(r"\benum\b[^{;]*\{([^}]*)\}", text)
+             for part in body.split(",") if part.strip()]
+assert all(name.startswith("ehdrom_") for name in types), types
+assert all(name.startswith("EHDROM_") for name in constants), constants
+assert {"ehdrom_status", "ehdrom_model", "ehdrom_result"} <= set(types), types
+assert {"EHDROM_OK", "EHDROM_DIMENSIONLESS", "EHDROM_MODULUS"} <= set(constants), constants
+PYTHON
+    # each of the version that the script gives it
+    [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
     ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
     # its own code and data, without the OpenBLAS in it
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
+}
+
+@test "the static library goes into a plug-in that dlopen loads" {
+    outside
+    cat >plugin.c <<'C'
+#include <ehdrom.h>
+#include <math.h>
+double central_film(const char *model_path, const char *scene_path) {
+    ehdrom_model *model = NULL;
+    ehdrom_contact *contact = NULL;
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    double film = NAN;
+    if (!ehdrom_model_open(&model, model_path, NULL) && !ehdrom_contact_create(&contact, model) &&
+        !ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS) && !ehdrom_contact_read(contact, scene_path) &&
+        !EHDROM_FAILED(ehdrom_solve(contact, &result)))
+        film = result.central_film_thickness;
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+    return film;
+}
+C
+    export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+    # shellcheck disable=SC2046
+    gcc -shared -fPIC -O1 -pthread -Wl,-z,text,-z,defs plugin.c -o plugin.so $(pkg-config --define-prefix --cflags ehdrom) \
+        -L"$prefix/lib" -l:libehdrom.a -Wl,--as-needed $(pkg-config --define-prefix --static --libs ehdrom)
+    ! ldd plugin.so | grep ehdrom
+    romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
+    run -0 /usr/bin/python3 -c 'import ctypes
+plugin = ctypes.CDLL("./plugin.so")
+plugin.central_film.restype = ctypes.c_double
+print(repr(plugin.central_film(b"m.h5", b"scene.yml")))'
+    [ "$output" = "$(number r.h5 central_film_thickness)" ]
 }
 
 @test "a stationary solution is romrun's, to the last bit" {
