@@ -118,6 +118,24 @@ grid: {x_min: $2, x_max: 1.5, step: 0.125, y_max: 2}
 YAML
 }
 
+# point.yml, a point contact in SI units of about M = 15 and L = 6, and p.h5, a model of nine points about it,
+# in the present folder; takes a second.
+small_point_model() {
+    point_scene 15 -2.5
+    sed -e 's/^moes:.*/physical: {load: 8, radius: 0.01, speed: 1, modulus: 220e9, viscosity: 0.08}/' \
+        -e 's/alpha: .*}/alpha: 1.0e-8}/' scene.yml >point.yml
+    rm scene.yml
+    cat >points.yml <<'YAML'
+groups:
+  - scene: point.yml
+    vary: {physical.load: [6.5, 8, 10], physical.speed: [0.8, 1, 1.25]}
+YAML
+    snapgen points.yml -o sp.h5 --quiet
+    podbuild sp.h5 -o bp.h5
+    snapgen points.yml --basis bp.h5 -o rp.h5 --quiet
+    deimselect --no-check rp.h5 --basis bp.h5 -o p.h5 --rows 60 --method sopt
+}
+
 # refused CODE PATTERN COMMAND...: the exit code, and one line on stderr that matches the pattern and is
 # led by the program's name.
 refused() {

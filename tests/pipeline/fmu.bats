@@ -12,6 +12,9 @@ setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     make -s -C "$root" DEPS=no VARIANT="$VARIANT" build/fmu/use_fmu
     cp "$root/build/fmu/use_fmu" .
+    small_point_model
+    romrun --fmu point.yml --model p.h5 --fmi 3 -o point.fmu --quiet
+    python3 -m zipfile -e point.fmu point
     cat >scene.yml <<'YAML'
 contact: line
 regime: stationary
@@ -64,6 +67,24 @@ object=binaries/x86_64-linux/ehdrom_contact.so
     cmp "$all/approach2" "$all/approach3"
     [ "$(wc -l <"$all/3")" -eq 41 ]
     ! grep nan <(grep -o 'force=[^ ]*' "$all/approach3")
+}
+
+@test "a point contact: the library's force and films, with units of its own" {
+    xmllint --noout --schema "$BATS_TEST_DIRNAME/fmi3.xsd" point/modelDescription.xml
+    grep '<Float64 name="force"' point/modelDescription.xml | grep 'unit="N"'
+    ./use_fmu 3 point run 40 >"$all/point"
+    ./use_fmu library point 40 8 1 0.01 >"$all/library"
+    cmp "$all/library" "$all/point"
+    [ "$(wc -l <"$all/point")" -eq 41 ]
+    # the force follows the load, in N
+    /usr/bin/python3 - "$all/point" <<'PYTHON'
+import math, sys
+for i, line in enumerate(open(sys.argv[1])):
+    force, film = (float.fromhex(dict(word.split("=") for word in line.split()[1:])[name])
+                   for name in ("force", "central_film_thickness"))
+    assert abs(force / (8 * (1 + 0.1 * math.sin(2 * math.pi * i / 40))) - 1) < 1e-2, (i, force)
+    assert 2e-7 < film < 4e-7, (i, film)
+PYTHON
 }
 
 @test "a saved state goes on in another process with the same bits" {

@@ -27,6 +27,7 @@ setup_file() {
     cd "$BATS_FILE_TMPDIR" || return
     ! is_installed || install_all
     cp "$BIN/../unit/use_library" use_inside
+    small_point_model
     common_setup_small
     snapgen plan.yml -o s.h5 --quiet
     podbuild s.h5 -o b.h5 --pressure-modes 9
@@ -37,7 +38,7 @@ setup_file() {
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
     kinds=$(cd "$BATS_FILE_TMPDIR" && ls use_* | sed -n 's/^use_\([a-z]*\)$/\1/p')
-    cp "$BATS_FILE_TMPDIR"/{m.h5,scene.yml,base.yml} .
+    cp "$BATS_FILE_TMPDIR"/{m.h5,scene.yml,base.yml,p.h5,point.yml} .
     prefix=$BATS_FILE_TMPDIR/installed/usr
 }
 
@@ -60,11 +61,59 @@ value() {
     [ "$(grep -oE '\behdrom_[a-z_]+\(' "$prefix/include/ehdrom.h" | tr -d '(' | sort -u)" = "$names" ]
     # and all of the header's begin so, also its macros
     [ -z "$(sed -n 's/^ *# *define \([A-Za-z_]*\).*/\1/p' "$prefix/include/ehdrom.h" | grep -v '^EHDROM_')" ]
+    # types, tags and enumerators too, of the header's own lines
+    gcc -E -x c "$prefix/include/ehdrom.h" | awk '/^# / { own = /ehdrom\.h"/; next } own' >own.h
+    /usr/bin/python3 - <<'PYTHON'
+import re
+text = open("own.h").read()
+types = re.findall(r"\b(?:struct|union|enum)\s+(\w+)", text) + re.findall(r"\}\s*(\w+)\s*;", text)
+types += re.findall(r"\btypedef\b[^{;]*?(\w+)\s*;", text)
+constants = [part.split("=")[0].strip() for body in re.findall(r"\benum\b[^{;]*\{([^}]*)\}", text)
+             for part in body.split(",") if part.strip()]
+assert all(name.startswith("ehdrom_") for name in types), types
+assert all(name.startswith("EHDROM_") for name in constants), constants
+assert {"ehdrom_status", "ehdrom_model", "ehdrom_result"} <= set(types), types
+assert {"EHDROM_OK", "EHDROM_DIMENSIONLESS", "EHDROM_MODULUS"} <= set(constants), constants
+PYTHON
+    # each of the version that the script gives it
+    [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
     ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
     # its own code and data, without the OpenBLAS in it
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
+}
+
+@test "the static library goes into a plug-in that dlopen loads" {
+    outside
+    cat >plugin.c <<'C'
+#include <ehdrom.h>
+#include <math.h>
+double central_film(const char *model_path, const char *scene_path) {
+    ehdrom_model *model = NULL;
+    ehdrom_contact *contact = NULL;
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    double film = NAN;
+    if (!ehdrom_model_open(&model, model_path, NULL) && !ehdrom_contact_create(&contact, model) &&
+        !ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS) && !ehdrom_contact_read(contact, scene_path) &&
+        !EHDROM_FAILED(ehdrom_solve(contact, &result)))
+        film = result.central_film_thickness;
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+    return film;
+}
+C
+    export PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+    # shellcheck disable=SC2046
+    gcc -shared -fPIC -O1 -pthread -Wl,-z,text,-z,defs plugin.c -o plugin.so $(pkg-config --define-prefix --cflags ehdrom) \
+        -L"$prefix/lib" -l:libehdrom.a -Wl,--as-needed $(pkg-config --define-prefix --static --libs ehdrom)
+    ! ldd plugin.so | grep ehdrom
+    romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
+    run -0 /usr/bin/python3 -c 'import ctypes
+plugin = ctypes.CDLL("./plugin.so")
+plugin.central_film.restype = ctypes.c_double
+print(repr(plugin.central_film(b"m.h5", b"scene.yml")))'
+    [ "$output" = "$(number r.h5 central_film_thickness)" ]
 }
 
 @test "a stationary solution is romrun's, to the last bit" {
@@ -183,6 +232,50 @@ def full(load):
 assert abs(stiffness / (400 / (h - other_h)) - 1) < 2e-3, (stiffness, 400 / (h - other_h))
 assert abs(film_by_load * 20e3 - (other_film - film) * 50) < 0.02 * film, (film_by_load, (other_film - film) / 400)
 PYTHON
+}
+
+@test "a point contact in SI is romrun's, to the last bit, and a step the dimensionless one" {
+    romrun point.yml --model p.h5 --allow-untrusted -o r.h5 --quiet
+    for kind in $kinds; do
+        run --separate-stderr use_library $kind units p.h5 point.yml
+        echo "$output$stderr"
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        /usr/bin/python3 - <<PYTHON
+import math, h5py
+found = dict((name, float(value)) for name, value in map(str.split, """$output""".splitlines()))
+with h5py.File("r.h5") as file:
+    for name, scale in (("central_film_thickness", "film"), ("minimum_film_thickness", "film"), ("rigid_approach", "film"),
+                        ("central_pressure", "pressure"), ("load", "load")):
+        assert found[name] == file[name][0] * found[scale + "_scale"], (name, found[name], file[name][0])
+    assert found["newton_iterations"] == file["newton_iterations"][0]
+    lines = file["exit_position"][0]
+    assert found["exit_position"] == lines[len(lines) // 2] * found["length_scale"]
+# Hertz: a = (3 w R/(2 E'))^(1/3), p_H = 3 w/(2 pi a^2)
+a = (3 * 8 * 0.01 / (2 * 220e9)) ** (1 / 3)
+for name, expected in ("length", a), ("film", a * a / 0.01), ("pressure", 3 * 8 / (2 * math.pi * a * a)), ("load", 8):
+    assert abs(found[name + "_scale"] / expected - 1) < 1e-12, (name, found[name + "_scale"], expected)
+assert abs(found["load"] / 8 - 1) < 1e-6 and 0.9 < found["central_pressure"] / found["pressure_scale"] < 1.1
+PYTHON
+    done
+    for load in 7.9 8.1; do
+        fullrun point.yml --grid-of p.h5 --set physical.load=$load --quiet -o full-$load.h5
+    done
+    /usr/bin/python3 - "$(value stiffness)" <<'PYTHON'
+import sys, h5py
+def approach(load):
+    a = (3 * load * 0.01 / (2 * 220e9)) ** (1 / 3)
+    return h5py.File(f"full-{load}.h5")["rigid_approach"][0] * a * a / 0.01
+full = 0.2 / (approach(7.9) - approach(8.1))
+assert abs(float(sys.argv[1]) / full - 1) < 5e-3, (sys.argv[1], full)
+PYTHON
+}
+
+@test "structs of callers that know more than the library, or less" {
+    for kind in $kinds; do
+        run --separate-stderr use_library $kind sizes m.h5 scene.yml
+        echo "$stderr"
+        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    done
 }
 
 @test "what is wrong is said in the handle" {

@@ -7,7 +7,7 @@
  *     use_fmu 2|3 FOLDER calls NAME…            all calls that are offered, in and out of order; the others by name
  *     use_fmu 2|3 FOLDER derivatives            against differences of its own
  *     use_fmu 2|3 FOLDER far                    a step that cannot be done
- *     use_fmu library FOLDER STEPS              run, by ehdrom.h
+ *     use_fmu library FOLDER STEPS [LOAD SPEED RADIUS]  run, by ehdrom.h; these are the scene's
  *
  * FOLDER is an unpacked FMU. What is expected ends in exit code 0. */
 #include "romrun/fmu/fmi2.h"
@@ -541,7 +541,7 @@ static ehdrom_response respond(ehdrom_contact *contact, double force, const ehdr
     return response;
 }
 
-static void by_library(char **argv) {
+static void by_library(int argc, char **argv) {
     const size_t steps = strtoul(argv[3], NULL, 10);
     const double length = duration / (double)steps;
     char path[PATH_MAX + 64];
@@ -556,9 +556,9 @@ static void by_library(char **argv) {
     EXPECT(!ehdrom_contact_create(&stationary, model));
     EXPECT(!ehdrom_contact_read(contact, path) && !ehdrom_contact_read(stationary, path));
     at.given = EHDROM_LOAD | EHDROM_SPEED | EHDROM_RADIUS;
-    at.load = given_start = 300e3;
-    at.speed = speed_start = 0.8;
-    at.radius = 0.0125;
+    at.load = given_start = argc > 4 ? strtod(argv[4], NULL) : 300e3;
+    at.speed = speed_start = argc > 5 ? strtod(argv[5], NULL) : 0.8;
+    at.radius = argc > 6 ? strtod(argv[6], NULL) : 0.0125;
     given_name = "load";
     EXPECT(!EHDROM_FAILED(ehdrom_start(contact, &at, &result)));
     for (size_t i = 0; i <= steps; i++) {
@@ -590,7 +590,7 @@ static void by_library(char **argv) {
 int main(int argc, char **argv) {
     EXPECT(argc > 3 && realpath(argv[2], folder));
     if (strcmp(argv[1], "library") == 0) {
-        by_library(argv);
+        by_library(argc, argv);
         return 0;
     }
     version = atoi(argv[1]);

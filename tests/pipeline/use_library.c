@@ -3,9 +3,12 @@
  *
  *     use_library solve MODEL SCENE [KEY VALUE]...   solution and fields, dimensionless
  *     use_library set MODEL LOCALE                   the same contact by settings, in SI and dimensionless
+ *     use_library units MODEL SCENE                  a solution and a step in SI, the same as dimensionless; scales
  *     use_library march MODEL SCENE STEP NUM         steps under a sine of the load, each tried twice
  *     use_library derivatives MODEL SCENE            against differences; stiffness and damping; of a step
  *     use_library wrong MODEL SCENE                  what is refused, and how it is said
+ *     use_library sizes MODEL SCENE                  structs of a caller that knows more than the library, or less
+ *     use_library memory MODEL SCENE STEP NUM        VmRSS after 1000 steps and after NUM
  *     use_library threads MODEL SCENE                four threads, one contact each */
 #include <ehdrom.h>
 
@@ -120,6 +123,66 @@ static int near(double found, double expected) {
     return fabs(found / expected - 1) < 1e-12;
 }
 
+/* Whether a result in SI is the dimensionless one by the scales, to the last bit. */
+static int same_by(const ehdrom_scales *scales, const ehdrom_result *si,
+                   const ehdrom_result *pure) {
+    return si->central_film_thickness == pure->central_film_thickness * scales->film &&
+           si->minimum_film_thickness == pure->minimum_film_thickness * scales->film &&
+           si->approach == pure->approach * scales->film &&
+           si->central_pressure == pure->central_pressure * scales->hertz_pressure &&
+           si->peak_pressure == pure->peak_pressure * scales->hertz_pressure &&
+           si->exit_position == pure->exit_position * scales->half_width &&
+           si->half_width == pure->half_width * scales->half_width &&
+           si->load == pure->load * scales->load && si->time == pure->time * scales->time;
+}
+
+static void units(char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *si = new_contact(model, argv[3]), *pure = new_contact(model, argv[3]);
+    ehdrom_result found = EHDROM_RESULT_INIT, expected = EHDROM_RESULT_INIT;
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT, relative = EHDROM_CONDITIONS_INIT;
+    ehdrom_scales scales = EHDROM_SCALES_INIT;
+    ehdrom_response response = EHDROM_RESPONSE_INIT;
+
+    CHECK(!ehdrom_contact_set_units(pure, EHDROM_DIMENSIONLESS));
+    CHECK(!ehdrom_contact_scales(si, &scales));
+    CHECK(taken(ehdrom_solve(si, &found), si) == EHDROM_OK);
+    CHECK(taken(ehdrom_solve(pure, &expected), pure) == EHDROM_OK);
+    CHECK(same_by(&scales, &found, &expected));
+    show_result(&found);
+    show("load_scale", scales.load);
+    show("film_scale", scales.film);
+    show("pressure_scale", scales.hertz_pressure);
+    show("length_scale", scales.half_width);
+    CHECK(!ehdrom_respond(si, &response));
+    show("stiffness", response.stiffness);
+    // a step, under a load and at a speed that are given in SI
+    const double step = scales.time / 64;
+    CHECK(taken(ehdrom_start(si, NULL, &found), si) == EHDROM_OK);
+    CHECK(taken(ehdrom_start(pure, NULL, &expected), pure) == EHDROM_OK);
+    conditions.given = relative.given = EHDROM_LOAD | EHDROM_SPEED;
+    conditions.load = 1.03125 * scales.load;
+    conditions.speed = 0.96875 * scales.speed;
+    relative.load = conditions.load / scales.load;
+    relative.speed = conditions.speed / scales.speed;
+    CHECK(taken(ehdrom_step(si, &conditions, step, &found), si) != EHDROM_NOT_CONVERGED);
+    CHECK(taken(ehdrom_step(pure, &relative, step / scales.time, &expected), pure) == found.status);
+    CHECK(same_by(&scales, &found, &expected));
+    // to what the rows of a small model tell
+    CHECK(found.time == step && fabs(found.load / conditions.load - 1) < 1e-3);
+    // and under an approach, in m
+    conditions.given = relative.given = EHDROM_APPROACH;
+    conditions.approach = found.approach;
+    relative.approach = conditions.approach / scales.film;
+    CHECK(taken(ehdrom_step(si, &conditions, step, &found), si) != EHDROM_NOT_CONVERGED);
+    CHECK(taken(ehdrom_step(pure, &relative, step / scales.time, &expected), pure) == found.status);
+    CHECK(same_by(&scales, &found, &expected));
+    CHECK(fabs(found.approach / conditions.approach - 1) < 1e-3);
+    ehdrom_contact_free(si);
+    ehdrom_contact_free(pure);
+    ehdrom_model_close(model);
+}
+
 static void set(char **argv) {
     ehdrom_model *model = open_model(argv[2]);
     ehdrom_contact *contact = new_contact(model, NULL);
@@ -144,11 +207,7 @@ static void set(char **argv) {
     CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
     CHECK(!ehdrom_solve(contact, &pure));
     const double largest_pure = largest(contact, model, &x_pure);
-    CHECK(near(si.central_film_thickness, pure.central_film_thickness * scales.film));
-    CHECK(near(si.approach, pure.approach * scales.film));
-    CHECK(near(si.central_pressure, pure.central_pressure * scales.hertz_pressure));
-    CHECK(near(si.exit_position, pure.exit_position * scales.half_width));
-    CHECK(near(si.load, pure.load * 20e3) && near(scales.load, 20e3));
+    CHECK(same_by(&scales, &si, &pure) && near(scales.load, 20e3));
     CHECK(near(largest_si, largest_pure * scales.hertz_pressure));
     CHECK(near(x_si, x_pure * scales.half_width));
     // Hertz: a = sqrt(8 w R/(pi E')), p_H = 2 w/(pi a)
@@ -385,7 +444,122 @@ static void wrong(char **argv) {
     ehdrom_model_close(NULL);
 }
 
-// ---- threads
+// ---- callers of another version
+
+/* What a later header may have: members at the end. */
+typedef struct newer_result {
+    ehdrom_result known;
+    double beyond[2];
+} newer_result;
+typedef struct newer_conditions {
+    ehdrom_conditions known;
+    double beyond[2];
+} newer_conditions;
+typedef struct newer_scales {
+    ehdrom_scales known;
+    double beyond[2];
+} newer_scales;
+
+/* Whether a longer struct has what a result has, and the members beyond as they were. */
+static int same_as(const newer_result *found, const ehdrom_result *expected) {
+    ehdrom_result known = found->known;
+
+    known.size = expected->size;
+    return memcmp(&known, expected, sizeof known) == 0 && found->known.size == sizeof *found &&
+           found->beyond[0] == 17 && found->beyond[1] == -17;
+}
+
+static void sizes(char **argv) {
+    const newer_result fresh = {EHDROM_RESULT_INIT, {17, -17}};
+    const newer_conditions none = {EHDROM_CONDITIONS_INIT, {NAN, NAN}};
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contacts[2] = {new_contact(model, argv[3]), new_contact(model, argv[3])};
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
+    ehdrom_scales scales = EHDROM_SCALES_INIT;
+    newer_result newer[2] = {fresh, fresh};
+    newer_conditions of_newer[2] = {none, none};
+    newer_scales newer_scale = {EHDROM_SCALES_INIT, {17, -17}};
+
+    newer_scale.known.size = sizeof newer_scale;
+    for (int i = 0; i < 2; i++) {
+        newer[i].known.size = sizeof newer[i];
+        of_newer[i].known.size = sizeof of_newer[i];
+        CHECK(!ehdrom_contact_set_units(contacts[i], EHDROM_DIMENSIONLESS));
+    }
+    CHECK(!ehdrom_solve(contacts[0], &result) && !ehdrom_solve(contacts[1], &newer[0].known));
+    CHECK(same_as(&newer[0], &result));
+    CHECK(!ehdrom_contact_scales(contacts[0], &scales));
+    CHECK(!ehdrom_contact_scales(contacts[1], &newer_scale.known));
+    CHECK(newer_scale.known.moes_M == scales.moes_M && scales.moes_M == 12);
+    CHECK(newer_scale.beyond[0] == 17 && newer_scale.beyond[1] == -17);
+
+    conditions.given = EHDROM_LOAD;
+    conditions.load = 1.01;
+    for (int i = 0; i < 2; i++) {
+        of_newer[i].known.given = EHDROM_LOAD;
+        of_newer[i].known.load = 1.01;
+    }
+    CHECK(!ehdrom_start(contacts[0], &conditions, &result));
+    CHECK(!ehdrom_start(contacts[1], &of_newer[0].known, &newer[0].known));
+    CHECK(same_as(&newer[0], &result));
+    // arrays whose entries are as far apart as the caller's structs are long
+    CHECK(!ehdrom_start(contacts[0], NULL, &result) && !ehdrom_start(contacts[1], NULL, &result));
+    of_newer[1].known.load = conditions.load = 1.02;
+    // their model was trained on stationary states, so that none is trusted
+    CHECK(ehdrom_step_many(contacts, &of_newer[0].known, 0.01, &newer[0].known, 2) ==
+          EHDROM_UNTRUSTED);
+    CHECK(newer[0].known.load < newer[1].known.load && newer[1].known.time == 0.01);
+    CHECK(ehdrom_step(contacts[0], &conditions, 0.01, &result) == EHDROM_UNTRUSTED);
+    CHECK(same_as(&newer[1], &result));
+    // and one that knows no modulus, behind which its own memory ends
+    conditions.size = offsetof(ehdrom_conditions, modulus);
+    conditions.modulus = NAN;
+    CHECK(ehdrom_step(contacts[1], &conditions, 0.01, &newer[0].known) == EHDROM_UNTRUSTED);
+    CHECK(same_as(&newer[0], &result));
+    for (int i = 0; i < 2; i++)
+        ehdrom_contact_free(contacts[i]);
+    ehdrom_model_close(model);
+}
+
+// ---- threads and memory
+
+/* A number of this process that /proc tells, "Threads:". */
+static int own_number(const char *name) {
+    char line[256];
+    int count = 0;
+    FILE *file = fopen("/proc/self/status", "r");
+
+    CHECK(file);
+    while (fgets(line, sizeof line, file))
+        if (strncmp(line, name, strlen(name)) == 0) count = atoi(line + strlen(name));
+    fclose(file);
+    return count;
+}
+
+static void memory(char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contact = new_contact(model, argv[3]);
+    ehdrom_result result = EHDROM_RESULT_INIT;
+    ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
+    const double step = atof(argv[4]);
+    const int num = atoi(argv[5]);
+
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    CHECK(!ehdrom_start(contact, NULL, &result));
+    conditions.given = EHDROM_LOAD;
+    for (int i = 1; i <= num; i++) {
+        conditions.load = 1 + 0.02 * sin(2 * 3.14159265358979323846 * i * step);
+        CHECK(taken(ehdrom_step(contact, &conditions, step, &result), contact) !=
+              EHDROM_NOT_CONVERGED);
+        CHECK(!ehdrom_accept(contact));
+        if (i == 1000) show("first_kB", own_number("VmRSS:"));
+    }
+    show("last_kB", own_number("VmRSS:"));
+    CHECK(fabs(result.time / (step * num) - 1) < 1e-9);
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+}
 
 typedef struct worker {
     const char *path, *scene;
@@ -410,19 +584,6 @@ static void *work(void *argument) {
     return NULL;
 }
 
-/* Threads of this process. */
-static int num_threads(void) {
-    char line[256];
-    int count = 0;
-    FILE *file = fopen("/proc/self/status", "r");
-
-    CHECK(file);
-    while (fgets(line, sizeof line, file))
-        if (strncmp(line, "Threads:", 8) == 0) count = atoi(line + 8);
-    fclose(file);
-    return count;
-}
-
 static void threads(char **argv) {
     static worker workers[5];
     pthread_t ids[5];
@@ -436,7 +597,7 @@ static void threads(char **argv) {
         workers[i].model = model;
     }
     work(&workers[4]);
-    CHECK(num_threads() == 1); // nothing here begins one
+    CHECK(own_number("Threads:") == 1); // nothing here begins one
     for (int i = 0; i < 4; i++)
         CHECK(!pthread_create(&ids[i], NULL, work, &workers[i]));
     for (int i = 0; i < 4; i++)
@@ -455,8 +616,11 @@ int main(int argc, char **argv) {
     if (strcmp(argv[1], "solve") == 0) solve(argc, argv);
     if (strcmp(argv[1], "set") == 0) set(argv);
     if (strcmp(argv[1], "march") == 0 && argc == 6) march(argv);
+    if (strcmp(argv[1], "units") == 0) units(argv);
     if (strcmp(argv[1], "derivatives") == 0) derivatives(argv);
     if (strcmp(argv[1], "wrong") == 0) wrong(argv);
+    if (strcmp(argv[1], "sizes") == 0) sizes(argv);
+    if (strcmp(argv[1], "memory") == 0 && argc == 6) memory(argv);
     if (strcmp(argv[1], "threads") == 0) threads(argv);
     return 0;
 }
