@@ -1,0 +1,15 @@
+#!/usr/bin/env bats
+# SPDX-License-Identifier: GPL-3.0-or-later
+# A million steps through the library take no more memory than a thousand.
+
+load common
+
+@test "a million steps of a contact leave the resident memory as it is" {
+    cd "$BATS_TEST_TMPDIR"
+    small_point_model
+    "$BIN/../unit/use_library" memory p.h5 point.yml 0.05 1000000 >told
+    cat told
+    # some pages; where each step kept the least that malloc gives, these would be 32 MB
+    awk '$1 == "first_kB" { first = $2 } $1 == "last_kB" { last = $2 }
+         END { exit !(first > 5000 && last > 5000 && last - first < 256) }' told
+}
