@@ -145,7 +145,8 @@ static ehd_status make_token(export_job *job, ehd_error *error) {
         size_t count = 0;
         status = path_in(path, files[i] == shared_object ? job->installed : job->folder, files[i],
                          error);
-        FILE *file = status ? NULL : fopen(path, "rbe");
+        if (status) return status;
+        FILE *file = fopen(path, "rbe");
         if (!file)
             return ehd_fail(error, EHD_NOINPUT, "%s: found %s, expected it", path, strerror(errno));
         while ((count = fread(piece, 1, sizeof piece, file)) > 0)

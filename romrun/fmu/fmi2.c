@@ -201,11 +201,7 @@ fmi2Status fmi2SetBoolean(fmi2Component c, const fmi2ValueReference refs[], size
 // ---- states
 
 fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *state) {
-    fmu_state *own = *state;
-    const bool good = fmu_state_get(contact_of(c), &own);
-
-    *state = own;
-    return outcome(good);
+    return outcome(fmu_state_get(contact_of(c), state));
 }
 
 fmi2Status fmi2SetFMUstate(fmi2Component c, fmi2FMUstate state) {
@@ -221,7 +217,7 @@ fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *state) {
 
 fmi2Status fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate state, size_t *size) {
     (void)c;
-    *size = ((const fmu_state *)state)->size;
+    *size = fmu_state_size(state);
     return fmi2OK;
 }
 
@@ -232,11 +228,7 @@ fmi2Status fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate state, fmi2Byte b
 
 fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte bytes[], size_t size,
                                    fmi2FMUstate *state) {
-    fmu_state *own = *state;
-    const bool good = fmu_state_read(contact_of(c), &own, bytes, size);
-
-    *state = own;
-    return outcome(good);
+    return outcome(fmu_state_read(contact_of(c), state, bytes, size));
 }
 
 // ---- steps

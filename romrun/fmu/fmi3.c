@@ -110,77 +110,36 @@ static bool same_length(fmi3Instance instance, size_t num_refs, size_t num_value
     return num_refs == num_values || fmu_refuse(contact_of(instance), "arrays");
 }
 
-fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                          fmi3Float64 values[], size_t num_values) {
-    double value = 0;
-    bool good = same_length(instance, num_refs, num_values);
-
-    for (size_t i = 0; i < num_refs && good; i++) {
-        good = fmu_get(contact_of(instance), refs[i], FMU_REAL, &value);
-        if (good) values[i] = value;
+/* How the values of a type that variables have are told and set; `kind` is what instance.h calls them. */
+#define VARIABLES_OF(type, kind)                                                                   \
+    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
+                             size_t num_refs, fmi3##type values[], size_t num_values) {            \
+        double value = 0;                                                                          \
+        bool good = same_length(instance, num_refs, num_values);                                   \
+                                                                                                   \
+        for (size_t i = 0; i < num_refs && good; i++) {                                            \
+            good = fmu_get(contact_of(instance), refs[i], kind, &value);                           \
+            if (good) values[i] = (fmi3##type)value;                                               \
+        }                                                                                          \
+        return outcome(good);                                                                      \
+    }                                                                                              \
+    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
+                             size_t num_refs, const fmi3##type values[], size_t num_values) {      \
+        bool good = same_length(instance, num_refs, num_values);                                   \
+                                                                                                   \
+        for (size_t i = 0; i < num_refs && good; i++)                                              \
+            good = fmu_set(contact_of(instance), refs[i], kind, values[i]);                        \
+        return outcome(good);                                                                      \
     }
-    return outcome(good);
-}
 
-fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                          const fmi3Float64 values[], size_t num_values) {
-    bool good = same_length(instance, num_refs, num_values);
-
-    for (size_t i = 0; i < num_refs && good; i++)
-        good = fmu_set(contact_of(instance), refs[i], FMU_REAL, values[i]);
-    return outcome(good);
-}
-
-fmi3Status fmi3GetInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        fmi3Int32 values[], size_t num_values) {
-    double value = 0;
-    bool good = same_length(instance, num_refs, num_values);
-
-    for (size_t i = 0; i < num_refs && good; i++) {
-        good = fmu_get(contact_of(instance), refs[i], FMU_INTEGER, &value);
-        if (good) values[i] = (fmi3Int32)value;
-    }
-    return outcome(good);
-}
-
-fmi3Status fmi3SetInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        const fmi3Int32 values[], size_t num_values) {
-    bool good = same_length(instance, num_refs, num_values);
-
-    for (size_t i = 0; i < num_refs && good; i++)
-        good = fmu_set(contact_of(instance), refs[i], FMU_INTEGER, values[i]);
-    return outcome(good);
-}
-
-fmi3Status fmi3GetBoolean(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                          fmi3Boolean values[], size_t num_values) {
-    double value = 0;
-    bool good = same_length(instance, num_refs, num_values);
-
-    for (size_t i = 0; i < num_refs && good; i++) {
-        good = fmu_get(contact_of(instance), refs[i], FMU_BOOLEAN, &value);
-        if (good) values[i] = value != 0;
-    }
-    return outcome(good);
-}
-
-fmi3Status fmi3SetBoolean(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                          const fmi3Boolean values[], size_t num_values) {
-    bool good = same_length(instance, num_refs, num_values);
-
-    for (size_t i = 0; i < num_refs && good; i++)
-        good = fmu_set(contact_of(instance), refs[i], FMU_BOOLEAN, values[i]);
-    return outcome(good);
-}
+VARIABLES_OF(Float64, FMU_REAL)
+VARIABLES_OF(Int32, FMU_INTEGER)
+VARIABLES_OF(Boolean, FMU_BOOLEAN)
 
 // ---- states
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *state) {
-    fmu_state *own = *state;
-    const bool good = fmu_state_get(contact_of(instance), &own);
-
-    *state = own;
-    return outcome(good);
+    return outcome(fmu_state_get(contact_of(instance), state));
 }
 
 fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState state) {
@@ -196,7 +155,7 @@ fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *state) {
 
 fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState state, size_t *size) {
     (void)instance;
-    *size = ((const fmu_state *)state)->size;
+    *size = fmu_state_size(state);
     return fmi3OK;
 }
 
@@ -207,11 +166,7 @@ fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState state, fmi3
 
 fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte bytes[], size_t size,
                                    fmi3FMUState *state) {
-    fmu_state *own = *state;
-    const bool good = fmu_state_read(contact_of(instance), &own, bytes, size);
-
-    *state = own;
-    return outcome(good);
+    return outcome(fmu_state_read(contact_of(instance), state, bytes, size));
 }
 
 // ---- steps
@@ -267,50 +222,26 @@ fmi3Status fmi3EnterEventMode(fmi3Instance instance) {
     return refuse(instance, __func__);
 }
 
-fmi3Status fmi3GetFloat32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                          fmi3Float32 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
+/* Of the types that no variable has. */
+#define NO_VARIABLES_OF(type)                                                                      \
+    fmi3Status fmi3Get##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
+                             size_t num_refs, fmi3##type values[], size_t num_values) {            \
+        return refuse(instance, __func__);                                                         \
+    }                                                                                              \
+    fmi3Status fmi3Set##type(fmi3Instance instance, const fmi3ValueReference refs[],               \
+                             size_t num_refs, const fmi3##type values[], size_t num_values) {      \
+        return refuse(instance, __func__);                                                         \
+    }
 
-fmi3Status fmi3GetInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                       fmi3Int8 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetUInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        fmi3UInt8 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        fmi3Int16 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetUInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         fmi3UInt16 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetUInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         fmi3UInt32 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        fmi3Int64 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetUInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         fmi3UInt64 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3GetString(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         fmi3String values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
+NO_VARIABLES_OF(Float32)
+NO_VARIABLES_OF(Int8)
+NO_VARIABLES_OF(UInt8)
+NO_VARIABLES_OF(Int16)
+NO_VARIABLES_OF(UInt16)
+NO_VARIABLES_OF(UInt32)
+NO_VARIABLES_OF(Int64)
+NO_VARIABLES_OF(UInt64)
+NO_VARIABLES_OF(String)
 
 fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
                          size_t sizes[], fmi3Binary values[], size_t num_values) {
@@ -319,51 +250,6 @@ fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference refs[],
 
 fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
                         fmi3Clock values[]) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetFloat32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                          const fmi3Float32 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                       const fmi3Int8 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetUInt8(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        const fmi3UInt8 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        const fmi3Int16 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetUInt16(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         const fmi3UInt16 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetUInt32(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         const fmi3UInt32 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                        const fmi3Int64 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetUInt64(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         const fmi3UInt64 values[], size_t num_values) {
-    return refuse(instance, __func__);
-}
-
-fmi3Status fmi3SetString(fmi3Instance instance, const fmi3ValueReference refs[], size_t num_refs,
-                         const fmi3String values[], size_t num_values) {
     return refuse(instance, __func__);
 }
 

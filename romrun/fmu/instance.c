@@ -97,17 +97,19 @@ static void set_to_start(fmu_instance *self) {
     memcpy(self->now.values, self->contents.start, sizeof self->now.values);
 }
 
-static FILE *open_resource(char path[PATH_MAX], const char *folder, const char *name) {
-    const size_t length = strlen(folder);
-    const char *slash = length && folder[length - 1] == '/' ? "" : "/";
+static bool find_resource(char path[PATH_MAX], const fmu_instance *self, const char *name) {
+    const size_t length = strlen(self->resources);
+    const char *slash = length && self->resources[length - 1] == '/' ? "" : "/";
 
-    if (snprintf(path, PATH_MAX, "%s%s%s", folder, slash, name) >= PATH_MAX) return NULL;
-    return fopen(path, "re");
+    return snprintf(path, PATH_MAX, "%s%s%s", self->resources, slash, name) < PATH_MAX ||
+           fail(self, "%s: found a path of more than %d bytes", name, PATH_MAX);
 }
 
-static bool read_contents(fmu_instance *self, const char *token, const char *resources) {
+static bool read_contents(fmu_instance *self, const char *token) {
     char path[PATH_MAX];
-    FILE *file = open_resource(path, resources, "contact.txt");
+
+    if (!find_resource(path, self, "contact.txt")) return false;
+    FILE *file = fopen(path, "re");
     const bool read = file && fmu_contents_read(&self->contents, file);
 
     if (file) fclose(file);
@@ -122,9 +124,8 @@ static bool read_contents(fmu_instance *self, const char *token, const char *res
 
 static bool read_contact(const fmu_instance *self, ehdrom_contact **contact) {
     char path[PATH_MAX];
-    FILE *file = open_resource(path, self->resources, "contact.yml");
 
-    if (file) fclose(file);
+    if (!find_resource(path, self, "contact.yml")) return false;
     if (ehdrom_contact_create(contact, self->model) || ehdrom_contact_read(*contact, path))
         return fail(self, "%s", ehdrom_contact_error(*contact));
     return true;
@@ -132,9 +133,8 @@ static bool read_contact(const fmu_instance *self, ehdrom_contact **contact) {
 
 static bool open_contact(fmu_instance *self) {
     char path[PATH_MAX];
-    FILE *file = open_resource(path, self->resources, "model.ehdrom");
 
-    if (file) fclose(file);
+    if (!find_resource(path, self, "model.ehdrom")) return false;
     if (ehdrom_model_open(&self->model, path, NULL))
         return fail(self, "%s", ehdrom_model_error(self->model));
     return read_contact(self, &self->contact);
@@ -147,7 +147,7 @@ fmu_instance *fmu_create(const char *token, const char *resources, fmu_log log, 
     self->log = log;
     self->log_to = log_to;
     self->resources = strdup(resources);
-    if (!self->resources || !read_contents(self, token, resources) || !open_contact(self)) {
+    if (!self->resources || !read_contents(self, token) || !open_contact(self)) {
         fmu_free(self);
         return NULL;
     }
@@ -551,7 +551,7 @@ static bool outputs_at(fmu_instance *self, double outputs[FMU_NUM_VARIABLES],
     return !stationary || respond(self, &at, result.load, outputs);
 }
 
-/* By central differences of the step, or the start, repeated. */
+/* Those of the derivatives that are NaN, by central differences of the step, or the start, repeated. */
 static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                            const unsigned knowns[], size_t num_knowns, const double direction[],
                            double derivative[]) {
@@ -561,18 +561,17 @@ static bool by_differences(fmu_instance *self, const unsigned unknowns[], size_t
     bool stationary = false;
 
     if (length < 0) return false;
-    for (size_t k = 0; k < num_unknowns; k++) {
+    for (size_t k = 0; k < num_unknowns; k++)
         stationary |= unknowns[k] >= FMU_STIFFNESS;
-        derivative[k] = 0;
-    }
-    if (length == 0) return true;
     const bool found =
         outputs_at(self, behind, knowns, num_knowns, direction, length, stationary) &&
         outputs_at(self, before, knowns, num_knowns, direction, -length, stationary);
     // and back, to the same bits
     if (!took(self, repeat(self, &self->now.aimed, &result)) || !found) return false;
     for (size_t k = 0; k < num_unknowns; k++)
-        derivative[k] = (behind[unknowns[k]] - before[unknowns[k]]) / (2 * length);
+        if (isnan(derivative[k]))
+            derivative[k] =
+                length > 0 ? (behind[unknowns[k]] - before[unknowns[k]]) / (2 * length) : 0;
     return true;
 }
 
@@ -624,11 +623,11 @@ bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_un
                     double derivative[]) {
     if (!can_derive(self, unknowns, num_unknowns, knowns, num_knowns, direction)) return false;
     by_tangent(self, unknowns, num_unknowns, knowns, num_knowns, direction, derivative);
+    bool whole = true;
     for (size_t k = 0; k < num_unknowns; k++)
-        if (isnan(derivative[k]) &&
-            !by_differences(self, &unknowns[k], 1, knowns, num_knowns, direction, &derivative[k]))
-            return false;
-    return true;
+        whole = whole && !isnan(derivative[k]);
+    return whole ||
+           by_differences(self, unknowns, num_unknowns, knowns, num_knowns, direction, derivative);
 }
 
 // ---- states
@@ -642,28 +641,42 @@ static bool count_numbers(fmu_instance *self, size_t *count) {
     return took(self, ehdrom_state_size(self->contact, count));
 }
 
-/* Memory for so many bytes. */
-static bool make_state(fmu_instance *self, fmu_state **state, size_t size) {
-    if (*state && (*state)->size == size) return true;
-    fmu_state *made = realloc(*state, sizeof *made + size);
-    if (!made) return fail(self, "state: found no memory for %zu bytes", size);
-    made->size = size;
-    *state = made;
-    return true;
+typedef struct fmu_state {
+    size_t size;
+    unsigned char bytes[];
+} fmu_state;
+
+size_t fmu_state_size(const void *state) {
+    return state ? ((const fmu_state *)state)->size : 0;
 }
 
-bool fmu_state_get(fmu_instance *self, fmu_state **state) {
+/* `*state` with room for so many bytes; NULL: there is no memory for them. */
+static fmu_state *make_state(fmu_instance *self, void **state, size_t size) {
+    if (fmu_state_size(*state) != size || !*state) {
+        fmu_state *made = realloc(*state, sizeof *made + size);
+        if (!made) {
+            say(self, true, "state: found no memory for %zu bytes", size);
+            return NULL;
+        }
+        made->size = size;
+        *state = made;
+    }
+    return *state;
+}
+
+bool fmu_state_get(fmu_instance *self, void **state) {
     const moment *now = &self->now;
     size_t count = 0;
 
     if (has_contact(now) && !count_numbers(self, &count)) return false;
-    if (!make_state(self, state, sizeof *now + count * sizeof(double))) return false;
-    memcpy((*state)->bytes, now, sizeof *now);
+    fmu_state *made = make_state(self, state, sizeof *now + count * sizeof(double));
+    if (!made) return false;
+    memcpy(made->bytes, now, sizeof *now);
     if (count == 0) return true;
     double *numbers = malloc(count * sizeof *numbers);
     if (!numbers) return fail(self, "state: found no memory for %zu numbers", count);
     const bool saved = took(self, ehdrom_state_save(self->contact, numbers, count));
-    if (saved) memcpy((*state)->bytes + sizeof *now, numbers, count * sizeof *numbers);
+    if (saved) memcpy(made->bytes + sizeof *now, numbers, count * sizeof *numbers);
     free(numbers);
     return saved;
 }
@@ -701,25 +714,30 @@ static bool restore(fmu_instance *self, const fmu_state *state) {
            took(self, repeat(self, &self->now.aimed, &result));
 }
 
-bool fmu_state_set(fmu_instance *self, const fmu_state *state) {
-    if (!state || !check_state(self, state->bytes, state->size)) return false;
-    memcpy(&self->now, state->bytes, sizeof self->now);
-    if (has_contact(&self->now)) return restore(self, state);
+bool fmu_state_set(fmu_instance *self, const void *state) {
+    const fmu_state *saved = state;
+
+    if (!saved || !check_state(self, saved->bytes, saved->size)) return false;
+    memcpy(&self->now, saved->bytes, sizeof self->now);
+    if (has_contact(&self->now)) return restore(self, saved);
     self->responded = false;
     self->now.solved = false; // the contact itself may be at another time
     return true;
 }
 
-bool fmu_state_write(fmu_instance *self, const fmu_state *state, void *bytes, size_t size) {
-    if (!state || size < state->size)
+bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size) {
+    const fmu_state *saved = state;
+
+    if (!saved || size < saved->size)
         return fail(self, "state: found room for %zu bytes, expected %zu", size,
-                    state ? state->size : 0);
-    memcpy(bytes, state->bytes, state->size);
+                    fmu_state_size(saved));
+    memcpy(bytes, saved->bytes, saved->size);
     return true;
 }
 
-bool fmu_state_read(fmu_instance *self, fmu_state **state, const void *bytes, size_t size) {
-    if (!check_state(self, bytes, size) || !make_state(self, state, size)) return false;
-    memcpy((*state)->bytes, bytes, size);
-    return true;
+bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size) {
+    fmu_state *made = check_state(self, bytes, size) ? make_state(self, state, size) : NULL;
+
+    if (made) memcpy(made->bytes, bytes, size);
+    return made;
 }

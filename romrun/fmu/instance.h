@@ -43,22 +43,21 @@ bool fmu_step(fmu_instance *self, double time, double step);
 double fmu_time(const fmu_instance *self);
 
 /* derivative[k] = sum over i of direction[i] d unknowns[k] / d knowns[i], of outputs by inputs: of what the last
- * internal step's end would have been, or at the start the stationary contact. By central differences, two more steps. */
+ * internal step's end would have been, or at the start the stationary contact. By the library's tangent; outputs that
+ * this does not have by central differences, for all of them two more steps and one back. */
 bool fmu_derivative(fmu_instance *self, const unsigned unknowns[], size_t num_unknowns,
                     const unsigned knowns[], size_t num_knowns, const double direction[],
                     double derivative[]);
 
-/* A state is a block of bytes, of this FMU's in any process. */
-typedef struct fmu_state {
-    size_t size;
-    unsigned char bytes[];
-} fmu_state;
-/* *state is made anew where it is NULL, and written over else; freed with free. */
-bool fmu_state_get(fmu_instance *self, fmu_state **state);
-bool fmu_state_set(fmu_instance *self, const fmu_state *state);
+/* A state is a block of bytes, of this FMU's in any process: one of malloc, freed with free. *state is made anew where
+ * it is NULL, and written over else. */
+bool fmu_state_get(fmu_instance *self, void **state);
+bool fmu_state_set(fmu_instance *self, const void *state);
+/* Of its bytes; 0: there is none. */
+size_t fmu_state_size(const void *state);
 /* Its bytes: as many. */
-bool fmu_state_write(fmu_instance *self, const fmu_state *state, void *bytes, size_t size);
+bool fmu_state_write(fmu_instance *self, const void *state, void *bytes, size_t size);
 /* A state of those bytes, checked; *state as above. */
-bool fmu_state_read(fmu_instance *self, fmu_state **state, const void *bytes, size_t size);
+bool fmu_state_read(fmu_instance *self, void **state, const void *bytes, size_t size);
 
 #endif
