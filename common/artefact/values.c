@@ -173,7 +173,7 @@ static bool reals_lie_between(const double *found, size_t count, double low, dou
     size_t outside = 0;
 
     for (size_t i = 0; i < count; i++)
-        outside += (found[i] >= low) & (found[i] <= high) ? 0 : 1;
+        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
     return outside == 0;
 }
 
@@ -181,7 +181,7 @@ static bool integers_lie_between(const int64_t *found, size_t count, int64_t low
     size_t outside = 0;
 
     for (size_t i = 0; i < count; i++)
-        outside += (found[i] >= low) & (found[i] <= high) ? 0 : 1;
+        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
     return outside == 0;
 }
 
