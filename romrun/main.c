@@ -189,21 +189,21 @@ static void attempt_free(attempt *self) {
     *self = (attempt){0};
 }
 
-static ehd_status attempt_at(attempt *self, const model_sizes *sizes, const romrun_options *options,
-                             const ehd_contact *contact, ehd_error *error) {
-    ehd_status status = online_open(&self->model, options->model, sizes, error);
+/* With the model that is open. */
+static ehd_status attempt_solve(attempt *self, const romrun_options *options,
+                                const ehd_contact *contact, ehd_error *error) {
+    ehd_status status = online_solver_create(&self->solver, self->model, error);
 
-    if (!status) status = online_solver_create(&self->solver, self->model, error);
     if (!status && options->accuracy > 0)
         online_solver_set_tolerance(self->solver, accuracy_tolerance(options->accuracy));
     return status ? status : online_solve(&self->solution, self->solver, contact, error);
 }
 
-/* Solves with options->sizes and, where the result is not accurate enough, with the fallback sizes,
+/* Solves with the model as it is open, of options->sizes, and, where the result is not accurate enough, with the fallback sizes,
  * to which options->sizes is then set. */
 static ehd_status solve_scene(attempt *self, romrun_options *options, const program *caller,
                               const ehd_contact *contact, ehd_error *error) {
-    ehd_status status = attempt_at(self, &options->sizes, options, contact, error);
+    ehd_status status = attempt_solve(self, options, contact, error);
     if (status || options->fallback.pressure_modes == 0) return status;
     run_result result = reduced_result(&self->solution);
     accuracy_judge(&result, options->accuracy);
@@ -223,7 +223,8 @@ static ehd_status solve_scene(attempt *self, romrun_options *options, const prog
                  name);
     options->sizes = options->fallback;
     attempt_free(self);
-    status = attempt_at(self, &options->sizes, options, contact, error);
+    status = online_open(&self->model, options->model, &options->sizes, error);
+    if (!status) status = attempt_solve(self, options, contact, error);
     self->first_seconds = first;
     return status;
 }
@@ -395,10 +396,12 @@ static ehd_status solve_and_show(stationary_run *self, const char *scene_lines, 
     return status;
 }
 
+/* Takes the model. */
 static ehd_status run_stationary(const program *caller, romrun_options *options,
-                                 const ehd_contact *contact, const scene *given,
-                                 const char *scene_lines, ehd_error *error) {
-    stationary_run self = {.caller = caller, .options = options, .contact = contact};
+                                 online_model *model, const ehd_contact *contact,
+                                 const scene *given, const char *scene_lines, ehd_error *error) {
+    stationary_run self = {
+        .caller = caller, .options = options, .contact = contact, .attempt = {.model = model}};
     ehd_status status = solve_and_show(&self, scene_lines, given, error);
 
     stationary_run_free(&self);
@@ -422,10 +425,10 @@ static ehd_status create_fallback(fallback_march **full, const program *self,
                                           given->transient.start_film, accuracy, distrust, error);
 }
 
+/* Takes the model. */
 static ehd_status run_transient(const program *self, const romrun_options *options,
-                                const ehd_contact *contact, const scene *given,
+                                online_model *model, const ehd_contact *contact, const scene *given,
                                 const char *scene_lines, ehd_error *error) {
-    online_model *model = NULL;
     online_transient *in_time = NULL;
     fallback_march *mixed = NULL;
     time_series full = {0};
@@ -434,7 +437,6 @@ static ehd_status run_transient(const program *self, const romrun_options *optio
     char *text = NULL;
     ehd_status status = text_with_sizes(&text, scene_lines, options, error);
 
-    if (!status) status = online_open(&model, options->model, &options->sizes, error);
     if (!status) status = online_prepare_transient(model, error);
     if (!status) status = online_transient_create(&in_time, model, contact, error);
     if (!status) {
@@ -661,20 +663,6 @@ static int check(program *self) {
     return program_finish(self, status, &error);
 }
 
-/* The grid of a model of either format. */
-static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *error) {
-    const contact_kind *kind;
-    online_model *model = NULL;
-
-    bool is_flat = false;
-    ehd_status status = online_is_flat(&is_flat, path, error);
-    if (!status && !is_flat) return grid_of_file(grid, &kind, path, error);
-    if (!status) status = online_open(&model, path, NULL, error);
-    if (!status) *grid = *online_grid(model);
-    online_close(model);
-    return status;
-}
-
 // ---- many scenes
 
 /* Exit code and message of the worst. */
@@ -755,7 +743,7 @@ static ehd_status run_cases(const program *self, const romrun_options *given_opt
 static ehd_status run_scene(const program *self, const romrun_options *given_options,
                             ehd_error *error) {
     romrun_options options = *given_options;
-    ehd_grid of_model;
+    online_model *model = NULL;
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
@@ -763,12 +751,14 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
-    if (!status) status = grid_of_model(&of_model, options.model, error);
-    if (!status) contact_take_grid(&contact, &of_model);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
-    if (!status)
-        status = transient ? run_transient(self, &options, &contact, &given, scene_lines, error)
-                           : run_stationary(self, &options, &contact, &given, scene_lines, error);
+    if (!status) status = online_open(&model, options.model, &options.sizes, error);
+    if (!status) {
+        contact_take_grid(&contact, online_grid(model));
+        status = transient
+                     ? run_transient(self, &options, model, &contact, &given, scene_lines, error)
+                     : run_stationary(self, &options, model, &contact, &given, scene_lines, error);
+    }
     if (!status || status == EHD_NOT_CONVERGED || status == EHD_UNTRUSTED)
         note_content(self, options.model);
     free(scene_lines);

@@ -12,6 +12,7 @@
 /* A dataset as it was found when a file was opened. */
 typedef struct dataset_shape {
     bool there;
+    haddr_t address; // of its header: what a reference to it holds
     int rank;
     hsize_t dims[ARTEFACT_MAX_RANK]; // as far as they fit
     double chunk;                    // numbers of a chunk
@@ -113,8 +114,9 @@ void hdf5_visit_attributes(hid_t object, void (*visit)(const char *name, void *d
  * else of the dataset. `name` may lead through groups. */
 const char *hdf5_find_foreign(hid_t root, const char *name);
 /* Opens a dataset that has no such; negative, with *found, where it has, or NULL where it is
- * damaged. *chunk: the numbers of a chunk, 1 where it has none. */
-hid_t hdf5_open_own(const char **found, double *chunk, hid_t root, const char *name);
+ * damaged. *chunk: the numbers of a chunk, 1 where it has none; *address: of its header. */
+hid_t hdf5_open_own(const char **found, double *chunk, haddr_t *address, hid_t root,
+                    const char *name);
 ehd_status hdf5_refuse(const char *path, const char *name, const char *found, ehd_error *error);
 /* EHD_DATA where there is such; `path` is that of the file, for the message. */
 ehd_status hdf5_check_own(hid_t root, const char *path, const char *name, ehd_error *error);

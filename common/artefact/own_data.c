@@ -20,12 +20,14 @@ static const char *other_link(H5L_type_t type) {
     }
 }
 
-/* The same of each step of a path, such as "group/dataset", before it is followed. */
-static const char *other_step(hid_t root, const char *path) {
+/* The same of each step of a path, such as "group/dataset", before it is followed. *address: where
+ * the last leads. */
+static const char *other_step(haddr_t *address, hid_t root, const char *path) {
     char step[512];
     const char *found = NULL;
     const size_t length = strlen(path);
 
+    *address = HADDR_UNDEF;
     if (length >= sizeof step) return "a long name";
     for (size_t end = 1; end <= length && !found; end++) {
         H5L_info_t link;
@@ -34,6 +36,7 @@ static const char *other_step(hid_t root, const char *path) {
         step[end] = '\0';
         if (strspn(step, "/.") == end) continue; // the group that it is already in
         found = H5Lget_info(root, step, &link, H5P_DEFAULT) < 0 ? "nothing" : other_link(link.type);
+        if (!found) *address = link.u.address;
     }
     return found;
 }
@@ -77,10 +80,11 @@ static const char *other_layout(double *chunk, hid_t dataset) {
     return found;
 }
 
-hid_t hdf5_open_own(const char **found, double *chunk, hid_t root, const char *name) {
+hid_t hdf5_open_own(const char **found, double *chunk, haddr_t *address, hid_t root,
+                    const char *name) {
     H5O_info_t info;
 
-    *found = other_step(root, name);
+    *found = other_step(address, root, name);
     if (*found) return -1;
     const hid_t dataset = H5Dopen2(root, name, H5P_DEFAULT);
     if (dataset >= 0) {
@@ -97,8 +101,9 @@ hid_t hdf5_open_own(const char **found, double *chunk, hid_t root, const char *n
 const char *hdf5_find_foreign(hid_t root, const char *name) {
     const char *found;
     double chunk;
+    haddr_t address;
 
-    hdf5_release(hdf5_open_own(&found, &chunk, root, name));
+    hdf5_release(hdf5_open_own(&found, &chunk, &address, root, name));
     return found;
 }
 

@@ -195,9 +195,18 @@ static ehd_status check_shape(artefact *file, const dataset_shape *shape, const 
     return status;
 }
 
+/* Behind those of the axes. */
+static const dataset_shape *field_shapes(const artefact *file) {
+    const dataset_shape *shape = file->shapes;
+
+    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++)
+        shape++;
+    return shape;
+}
+
 /* What a scale's REFERENCE_LIST says: along which axis of which dataset it lies. */
 typedef struct scale_use {
-    hobj_ref_t dataset;
+    hobj_ref_t dataset; // the address of its header
     int axis;
 } scale_use;
 
@@ -227,22 +236,20 @@ static scale_use *read_scale_uses(hid_t scale, size_t *num_uses) {
     return uses;
 }
 
-/* Whether a field of the schema has this axis there; true for what the schema does not know. */
-static bool use_fits(const artefact *file, hid_t scale, const scale_use *use, const char *axis,
-                     const artefact_field **field) {
-    char name[128] = "";
-    hid_t dataset = H5Rdereference2(scale, H5P_DEFAULT, H5R_OBJECT, &use->dataset);
-    if (dataset < 0) {
-        hdf5_note_failure();
-        return true;
+/* The first field that lies where the use says, which the schema does not have along this axis there;
+ * NULL: none, as of what the schema does not know. */
+static const artefact_field *find_misfit(const artefact *file, const scale_use *use,
+                                         const char *axis) {
+    const artefact_field *field = file->schema->fields;
+
+    for (const dataset_shape *shape = field_shapes(file); field->name; field++, shape++) {
+        const char *axes[ARTEFACT_MAX_RANK];
+        if (!shape->there || shape->address != use->dataset) continue;
+        const size_t rank = artefact_axes(axes, file, field);
+        if (use->axis < 0 || use->axis >= (int)rank || strcmp(axes[use->axis], axis) != 0)
+            return field;
     }
-    H5Iget_name(dataset, name, sizeof name); // "/pressure"
-    hdf5_release(dataset);
-    *field = find_field(file, name[0] == '/' ? name + 1 : name);
-    if (!*field) return true;
-    const char *axes[ARTEFACT_MAX_RANK];
-    const size_t rank = artefact_axes(axes, file, *field);
-    return use->axis >= 0 && use->axis < (int)rank && strcmp(axes[use->axis], axis) == 0;
+    return NULL;
 }
 
 /* Named axes must be the schema's, so that a transposed square field is noticed. */
@@ -251,13 +258,13 @@ static ehd_status check_scale(const artefact *file, const char *axis, ehd_error 
     size_t num_uses = 0;
     scale_use *uses = read_scale_uses(scale, &num_uses);
     ehd_status status = EHD_OK;
-    const artefact_field *field = NULL;
     if (!uses && num_uses > 0) {
         status = ehd_fail(error, EHD_MEMORY, "%s: %s: found too little memory, expected more",
                           shown_name(file), axis);
     }
     for (size_t i = 0; uses && i < num_uses && status == EHD_OK; i++) {
-        if (use_fits(file, scale, &uses[i], axis, &field)) continue;
+        const artefact_field *field = find_misfit(file, &uses[i], axis);
+        if (!field) continue;
         status =
             ehd_fail(error, EHD_DATA, "%s: %s: found %s as axis %d, expected another order of axes",
                      shown_name(file), field->name, axis, uses[i].axis);
@@ -275,7 +282,7 @@ static ehd_status look_at(dataset_shape *shape, const artefact *file, const char
 
     *shape = (dataset_shape){.there = hdf5_has_dataset(file->id, name)};
     if (!shape->there) return EHD_OK;
-    const hid_t dataset = hdf5_open_own(&found, &shape->chunk, file->id, name);
+    const hid_t dataset = hdf5_open_own(&found, &shape->chunk, &shape->address, file->id, name);
     if (found) return hdf5_refuse(shown_name(file), name, found, error);
     if (dataset < 0) return hdf5_read_failed(file, name, error);
     const hid_t space = H5Dget_space(dataset);
@@ -310,14 +317,12 @@ static size_t length_along(const dataset_shape *shape, size_t rank, size_t axis)
 /* Which optional axes the file has, and their lengths: those with a scale or, because a foreign
  * file need not have scales, with a field that has all of its axes. */
 static void learn_optional_axes(artefact *file) {
-    const dataset_shape *of_axis = file->shapes, *of_fields = file->shapes;
+    const dataset_shape *of_axis = file->shapes;
 
-    for (const artefact_axis *axis = file->schema->axes; axis->name; axis++)
-        of_fields++;
     for (const artefact_axis *axis = file->schema->axes; axis->name; axis++, of_axis++) {
         if (!axis->optional) continue;
         size_t *length = find_length(file, axis->name);
-        const dataset_shape *shape = of_fields;
+        const dataset_shape *shape = field_shapes(file);
         *length = length_along(of_axis, 1, 0);
         for (const artefact_field *field = file->schema->fields; field->name && *length == 0;
              field++, shape++) {

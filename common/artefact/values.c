@@ -163,28 +163,46 @@ static ehd_status check_order(const artefact *file, const char *name, artefact_v
     return status;
 }
 
-/* Whether an entry along the field's first axis is to be looked at. */
-static bool is_solved(const artefact *file, const artefact_field *field, size_t entry) {
-    return !file->outcomes || strcmp(field->axes[0], file->outcome_axis) != 0 ||
-           file->outcomes[entry] == 0;
+/* Whether the entries of a field have a status each. */
+static bool has_outcomes(const artefact *file, const artefact_field *field) {
+    return file->outcomes && strcmp(field->axes[0], file->outcome_axis) == 0;
+}
+
+/* Without a branch, so that several are compared at once: nearly always it is all of them. */
+static bool reals_lie_between(const double *found, size_t count, double low, double high) {
+    size_t outside = 0;
+
+    for (size_t i = 0; i < count; i++)
+        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
+    return outside == 0;
+}
+
+static bool integers_lie_between(const int64_t *found, size_t count, int64_t low, int64_t high) {
+    size_t outside = 0;
+
+    for (size_t i = 0; i < count; i++)
+        outside += ((found[i] >= low) & (found[i] <= high)) ? 0 : 1;
+    return outside == 0;
 }
 
 ehd_status check_numbers(const artefact *file, const artefact_field *field, const void *numbers,
                          size_t count, ehd_error *error) {
     const artefact_values values = field->values;
-    const double low = ranges[values].low, high = ranges[values].high;
+    const int64_t *integers = numbers;
     const double *reals = numbers;
-    const int64_t *integers = numbers, least = ranges[values].least;
-    const int64_t most = largest(file, values);
     ehd_status status = EHD_OK;
 
-    for (size_t i = 0; i < count && !status && values != VALUES_ANY; i++)
-        if (field->type == ARTEFACT_INTEGER) {
-            if (!(integers[i] >= least && integers[i] <= most))
-                status = integer_misfits(file, field->name, integers[i], values, error);
-        } else if (!(reals[i] >= low && reals[i] <= high)) {
-            status = check_real(file, field->name, values, reals[i], error);
-        }
+    if (values == VALUES_ANY) return EHD_OK;
+    if (field->type == ARTEFACT_INTEGER) {
+        if (integers_lie_between(integers, count, ranges[values].least, largest(file, values)))
+            return EHD_OK;
+        for (size_t i = 0; i < count && !status; i++)
+            status = check_integer(file, field->name, values, integers[i], error);
+        return status;
+    }
+    if (reals_lie_between(reals, count, ranges[values].low, ranges[values].high)) return EHD_OK;
+    for (size_t i = 0; i < count && !status; i++) // NaN may do
+        status = check_real(file, field->name, values, reals[i], error);
     return status;
 }
 
@@ -196,9 +214,12 @@ ehd_status check_values(const artefact *file, const artefact_field *field, size_
     // of a file that is being written, entries are there before their numbers
     if (values == VALUES_ANY || file->growing || file->partial) return EHD_OK;
     const size_t each = entry_size(file, field);
-    for (size_t e = 0; e < count && !status; e++)
-        if (is_solved(file, field, first + e)) // reals and integers are of one size
-            status = check_numbers(file, field, (const int64_t *)data + e * each, each, error);
+    if (!has_outcomes(file, field))
+        status = check_numbers(file, field, data, count * each, error);
+    else
+        for (size_t e = 0; e < count && !status; e++)
+            if (file->outcomes[first + e] == 0) // reals and integers are of one size
+                status = check_numbers(file, field, (const int64_t *)data + e * each, each, error);
     if (status || field->type != ARTEFACT_INTEGER) return status;
     return check_order(file, field->name, values, data, count * each, error);
 }

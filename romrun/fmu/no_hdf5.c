@@ -4,9 +4,8 @@
 #include "common/artefact/artefact.h"
 #include "romrun/model/model_file.h"
 
-ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
-                      ehd_error *error) {
-    (void)model, (void)sizes;
+ehd_status model_open(artefact **file, const char *path, ehd_error *error) {
+    *file = NULL;
     return ehd_fail(error, EHD_DATA, "%s: found no flat model, expected one of romrun --export",
                     path);
 }
@@ -15,17 +14,21 @@ static ehd_status refuse(ehd_error *error) {
     return ehd_fail(error, EHD_INTERNAL, "HDF5: found it called for, expected a flat model");
 }
 
-ehd_status model_read_modes(double **pressure_basis, double **deformation_basis, const char *path,
-                            const reduced_model *model, ehd_error *error) {
-    (void)pressure_basis, (void)deformation_basis, (void)path, (void)model;
+ehd_status model_get(reduced_model *model, artefact *file, const model_sizes *sizes,
+                     ehd_error *error) {
+    (void)model, (void)file, (void)sizes;
     return refuse(error);
 }
 
-ehd_status model_has_modes(bool *has, const char *path, const reduced_model *model,
-                           ehd_error *error) {
-    (void)path, (void)model;
-    *has = false;
+ehd_status model_get_modes(double **pressure_basis, double **deformation_basis, artefact *file,
+                           const reduced_model *model, ehd_error *error) {
+    (void)pressure_basis, (void)deformation_basis, (void)file, (void)model;
     return refuse(error);
+}
+
+bool model_has_modes(const artefact *file, const reduced_model *model) {
+    (void)file, (void)model;
+    return false;
 }
 
 const artefact_schema schema_model;

@@ -93,6 +93,7 @@ static ehd_status open_model(ehdrom_model *self, const char *path,
         status = online_prepare_transient(self->online, error);
         self->in_time = !status;
     }
+    if (self->online) online_release_file(self->online);
     if (!flat) library_unlock();
     if (status) self->online = online_close(self->online);
     return status;

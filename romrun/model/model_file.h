@@ -32,27 +32,35 @@ ehd_status model_write(const reduced_model *model, const reduced_basis *basis,
                        const model_origin *origin, const program *caller, const char *settings_text,
                        const char *const *inputs, ehd_error *error);
 
+/* Opens a model for the functions below, for artefact_close. What they read is of one file, whatever
+ * takes its name meanwhile. Errors as artefact_open. */
+ehd_status model_open(artefact **file, const char *path, ehd_error *error);
+
 /* Reads the first modes and rows of a model (sizes NULL: all), without its full bases. The rows of
  * a part are weighted anew where the file holds what that needs, else they keep the weights of the
  * whole. Rows are then in the order of their nodes. EHD_DATA also for sizes larger than what is
  * stored and for fewer rows than modes. */
-ehd_status model_read(
+ehd_status model_get(
     // output:
     reduced_model *model, // free with reduced_model_free
     // input:
-    const char *path, const model_sizes *sizes, ehd_error *error);
+    artefact *file, const model_sizes *sizes, ehd_error *error);
 
-/* Whether the file has what model_read_modes takes for steps in time. */
-ehd_status model_has_modes(bool *has, const char *path, const reduced_model *model,
-                           ehd_error *error);
+/* The same of a file of which nothing else is read. */
+ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
+                      ehd_error *error);
+
+/* Whether the file has what model_get_modes takes for steps in time. */
+bool model_has_modes(const artefact *file, const reduced_model *model);
 
 /* The modes on the whole grid, for full fields and transient scenes: [num_nodes, num_pressure] and,
  * of an independent basis, [num_nodes, num_deformation] (else NULL). */
-ehd_status model_read_modes(
+ehd_status model_get_modes(
     // output:
     double **pressure_basis,    // free with free(); NULL: not wanted
     double **deformation_basis, // the same
     // input:
-    const char *path, const reduced_model *model, ehd_error *error);
+    artefact *file, const reduced_model *model, // of this file
+    ehd_error *error);
 
 #endif

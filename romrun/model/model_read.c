@@ -376,16 +376,19 @@ static ehd_status choose_sizes(reduced_model *model, stored_sizes *stored, artef
                                   "--rows", error);
 }
 
-ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
-                      ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    artefact *file = NULL;
+ehd_status model_open(artefact **file, const char *path, ehd_error *error) {
+    static const artefact_schema *const kinds[] = {&schema_model, NULL};
+
+    return artefact_open(file, path, kinds, error);
+}
+
+ehd_status model_get(reduced_model *model, artefact *file, const model_sizes *sizes,
+                     ehd_error *error) {
     const model_sizes whole = {0};
     stored_sizes stored;
-    ehd_status status = artefact_open(&file, path, kinds, error);
 
     memset(model, 0, sizeof *model);
-    if (!status) status = grid_read(&model->grid, &model->kind, file, error);
+    ehd_status status = grid_read(&model->grid, &model->kind, file, error);
     if (!status) status = carriage_read(&model->carriage, file, error);
     model->band.num_lines = grid_lines(&model->grid);
     if (!status) status = deformation_read(&model->deformation, file, error);
@@ -394,11 +397,23 @@ ehd_status model_read(reduced_model *model, const char *path, const model_sizes 
     if (!status) status = read_tables(model, file, &stored, error);
     if (!status) status = read_control(model, file, &stored, error);
     if (!status) status = read_states(model, file, &stored, error);
-    artefact_close(&file);
     if (!status) status = reduced_model_complete(model, error);
     if (!status && model->control.num_rows > 0)
         status = reduced_model_complete_control(model, error);
     if (status) reduced_model_free(model);
+    return status;
+}
+
+ehd_status model_read(reduced_model *model, const char *path, const model_sizes *sizes,
+                      ehd_error *error) {
+    artefact *file = NULL;
+    ehd_status status = model_open(&file, path, error);
+
+    if (status)
+        memset(model, 0, sizeof *model);
+    else
+        status = model_get(model, file, sizes, error);
+    artefact_close(&file);
     return status;
 }
 
@@ -418,54 +433,27 @@ static ehd_status read_modes(double **modes, artefact *file, const char *field,
     return status;
 }
 
-/* That it has not become a model of another shape since it was read. */
-static ehd_status check_same_model(artefact *file, const reduced_model *model, ehd_error *error) {
-    const contact_kind *kind;
-    ehd_grid grid;
-    ehd_status status = grid_read(&grid, &kind, file, error);
-
-    if (status) return status;
-    if (kind == model->kind && grid_same(&grid, &model->grid) &&
-        artefact_length(file, "pressure_mode") >= model->num_pressure &&
-        (model->num_deformation == 0 ||
-         artefact_length(file, "deformation_mode") >= model->num_deformation))
-        return EHD_OK;
-    return ehd_fail(error, EHD_DATA, "%s: found another model, expected the one that was opened",
-                    artefact_path(file));
+bool model_has_modes(const artefact *file, const reduced_model *model) {
+    return model->num_deformation == 0 || artefact_has(file, "deformation_basis");
 }
 
-ehd_status model_has_modes(bool *has, const char *path, const reduced_model *model,
-                           ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    artefact *file = NULL;
-    const ehd_status status = artefact_open(&file, path, kinds, error);
-
-    *has = !status && (model->num_deformation == 0 || artefact_has(file, "deformation_basis"));
-    artefact_close(&file);
-    return status;
-}
-
-ehd_status model_read_modes(double **pressure_basis, double **deformation_basis, const char *path,
-                            const reduced_model *model, ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    bool wanted = deformation_basis && model->num_deformation > 0;
-    artefact *file = NULL;
-    ehd_status status = artefact_open(&file, path, kinds, error);
+ehd_status model_get_modes(double **pressure_basis, double **deformation_basis, artefact *file,
+                           const reduced_model *model, ehd_error *error) {
+    const bool wanted = deformation_basis && model->num_deformation > 0;
+    ehd_status status = EHD_OK;
 
     if (pressure_basis) *pressure_basis = NULL;
     if (deformation_basis) *deformation_basis = NULL;
-    if (!status) status = check_same_model(file, model, error);
-    if (!status && pressure_basis)
+    if (pressure_basis)
         status = read_modes(pressure_basis, file, "pressure_basis", "pressure_mode",
                             model->num_pressure, &model->grid, true, error);
-    if (!status && wanted && !artefact_has(file, "deformation_basis"))
+    if (!status && wanted && !model_has_modes(file, model))
         status = ehd_fail(error, EHD_DATA,
                           "%s: found no dataset deformation_basis, expected it for a transient "
                           "scene with an independent basis",
-                          path);
+                          artefact_path(file));
     if (!status && wanted)
         status = read_modes(deformation_basis, file, "deformation_basis", "deformation_mode",
                             model->num_deformation, &model->grid, false, error);
-    artefact_close(&file);
     return status;
 }

@@ -17,41 +17,32 @@ ehd_status basis_check(const char *path, ehd_error *error) {
     return status;
 }
 
-/* Whether the file has what only transient scenes need. */
-static ehd_status has_deformation(bool *found, const char *path, ehd_error *error) {
-    const artefact_schema *const kinds[] = {&schema_model, NULL};
-    artefact *file = NULL;
-    const ehd_status status = artefact_open(&file, path, kinds, error);
-
-    *found = !status && artefact_has(file, "deformation_basis");
-    artefact_close(&file);
-    return status;
-}
-
-static ehd_status check_modes(const char *path, const reduced_model *model, ehd_error *error) {
+/* The modes too, those for steps in time where the file has them. */
+static ehd_status check_parts(artefact *file, ehd_error *error) {
+    reduced_model model;
+    trade_table table;
     double *pressure = NULL, *deformation = NULL;
-    bool whole = false;
-    ehd_status status = has_deformation(&whole, path, error);
+    bool calibrated;
+    ehd_status status = model_get(&model, file, NULL, error);
+    if (status) return status;
 
-    if (!status)
-        status = model_read_modes(&pressure, whole ? &deformation : NULL, path, model, error);
+    status = model_get_modes(&pressure, model_has_modes(file, &model) ? &deformation : NULL, file,
+                             &model, error);
     free(pressure);
     free(deformation);
+    reduced_model_free(&model);
+    if (status) return status;
+    status = trade_get(&table, &calibrated, file, error);
+    if (!status) trade_free(&table);
     return status;
 }
 
 ehd_status model_check(const char *path, ehd_error *error) {
-    reduced_model model;
-    trade_table table;
-    bool calibrated;
-    ehd_status status = model_read(&model, path, NULL, error);
+    artefact *file = NULL;
+    ehd_status status = model_open(&file, path, error);
 
-    if (status) return status;
-    status = check_modes(path, &model, error);
-    reduced_model_free(&model);
-    if (status) return status;
-    status = trade_read_optional(&table, &calibrated, path, error);
-    if (!status) trade_free(&table);
+    if (!status) status = check_parts(file, error);
+    artefact_close(&file);
     return status;
 }
 

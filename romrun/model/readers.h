@@ -5,8 +5,8 @@
 
 #include "common/output/check.h"
 
-/* Reads all of the file and frees it again; the errors are those of basis_read, model_read,
- * model_read_modes and trade_read_optional. */
+/* Reads all of the file and frees it again; the errors are those of basis_read, model_open,
+ * model_get, model_get_modes and trade_get. */
 ehd_status basis_check(const char *path, ehd_error *error);
 ehd_status model_check(const char *path, ehd_error *error);
 

@@ -378,24 +378,25 @@ static ehd_status get_table(trade_table *table, artefact *file, ehd_error *error
     return status ? status : get_indicator(table, file, error);
 }
 
-ehd_status trade_read_optional(trade_table *table, bool *calibrated, const char *path,
-                               ehd_error *error) {
-    static const artefact_schema *const kinds[] = {&schema_model, NULL};
-    artefact *file = NULL;
-    ehd_status status = artefact_open(&file, path, kinds, error);
+ehd_status trade_get(trade_table *table, bool *calibrated, artefact *file, ehd_error *error) {
+    ehd_status status = EHD_OK;
 
     *table = (trade_table){0};
-    *calibrated = !status && artefact_length(file, "position") > 0;
+    *calibrated = artefact_length(file, "position") > 0;
     if (*calibrated) status = get_table(table, file, error);
-    artefact_close(&file);
     if (status) trade_free(table);
     return status;
 }
 
 ehd_status trade_read(trade_table *table, const char *path, ehd_error *error) {
-    bool calibrated;
-    ehd_status status = trade_read_optional(table, &calibrated, path, error);
+    static const artefact_schema *const kinds[] = {&schema_model, NULL};
+    artefact *file = NULL;
+    bool calibrated = false;
+    ehd_status status = artefact_open(&file, path, kinds, error);
 
+    *table = (trade_table){0};
+    if (!status) status = trade_get(table, &calibrated, file, error);
+    artefact_close(&file);
     if (!status && !calibrated)
         status = ehd_fail(error, EHD_DATA,
                           "%s: found a model that is not calibrated, expected one of romrun "

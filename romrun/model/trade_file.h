@@ -88,8 +88,7 @@ ehd_status trade_read(
     // input:
     const char *path, ehd_error *error);
 
-/* The same for any model; *calibrated false: it is not, and there is no table. */
-ehd_status trade_read_optional(trade_table *table, bool *calibrated, const char *path,
-                               ehd_error *error);
+/* The same of a model that is open, calibrated or not; *calibrated false: there is no table. */
+ehd_status trade_get(trade_table *table, bool *calibrated, artefact *file, ehd_error *error);
 
 #endif

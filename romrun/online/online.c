@@ -17,6 +17,7 @@
 struct online_model {
     reduced_model reduced;
     char *path;
+    artefact *source; // what else may be read of the model; NULL: flat, or released
     trained_range *range;
     double indicator_factor; // 0: not calibrated at these sizes
     double indicator_factor_minimum;
@@ -48,12 +49,12 @@ struct online_solver {
 };
 
 /* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
-static ehd_status read_factors(online_model *self, const char *path, ehd_error *error) {
+static ehd_status read_factors(online_model *self, ehd_error *error) {
     const reduced_model *model = &self->reduced;
     const model_sizes own = {model->num_pressure, model->num_deformation, model->rows.num_rows};
     trade_table table;
     bool calibrated;
-    ehd_status status = trade_read_optional(&table, &calibrated, path, error);
+    ehd_status status = trade_get(&table, &calibrated, self->source, error);
 
     self->largest_residual = self->most_iterations = INFINITY;
     self->in_time = (film_factors){NAN, NAN, NAN};
@@ -137,13 +138,10 @@ static ehd_status open_flat(online_model *self, const model_sizes *sizes, ehd_er
 
 ehd_status online_export(online_model *self, const char *path, bool force, ehd_error *error) {
     flat file;
-    bool in_time = self->transient;
-    ehd_status status = EHD_OK;
-
-    if (!self->file.reading) status = model_has_modes(&in_time, self->path, &self->reduced, error);
-    if (!status)
-        status =
-            in_time ? online_prepare_transient(self, error) : online_prepare_fields(self, error);
+    const bool in_time =
+        self->transient || (self->source && model_has_modes(self->source, &self->reduced));
+    ehd_status status =
+        in_time ? online_prepare_transient(self, error) : online_prepare_fields(self, error);
     if (status) return status;
     flat_begin(&file, path, error);
     walk(&file, self);
@@ -173,8 +171,9 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
     if (!status && is_flat) {
         status = open_flat(self, sizes, error);
     } else if (!status) {
-        status = model_read(&self->reduced, path, sizes, error);
-        if (!status) status = read_factors(self, path, error);
+        status = model_open(&self->source, path, error);
+        if (!status) status = model_get(&self->reduced, self->source, sizes, error);
+        if (!status) status = read_factors(self, error);
     }
     if (!status) {
         self->range = trained_range_create(&self->reduced);
@@ -187,8 +186,13 @@ ehd_status online_open(online_model **model, const char *path, const model_sizes
     return status;
 }
 
+void online_release_file(online_model *self) {
+    artefact_close(&self->source);
+}
+
 online_model *online_close(online_model *self) {
     if (!self) return NULL;
+    online_release_file(self);
     if (self->file.reading) {
         flat_model_free(&self->reduced);
         film_splines_flat_free(&self->splines);
@@ -452,7 +456,10 @@ static ehd_status read_bases(online_model *self, bool deformation, ehd_error *er
         deformation && !self->deformation_basis ? &self->deformation_basis : NULL;
 
     if (!pressure_basis && !deformation_basis) return EHD_OK;
-    return model_read_modes(pressure_basis, deformation_basis, self->path, &self->reduced, error);
+    if (!self->source)
+        return ehd_fail(error, EHD_INTERNAL,
+                        "%s: found a model whose file was released, expected it open", self->path);
+    return model_get_modes(pressure_basis, deformation_basis, self->source, &self->reduced, error);
 }
 
 ehd_status online_prepare_fields(online_model *self, ehd_error *error) {

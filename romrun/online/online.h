@@ -84,6 +84,11 @@ typedef struct online_result {
 ehd_status online_open(online_model **model, const char *path, const model_sizes *sizes,
                        ehd_error *error);
 online_model *online_close(online_model *model); // accepts and returns NULL
+
+/* Closes the file of a model, which stays open for online_prepare_fields, online_prepare_transient and
+ * online_export: of these only what was prepared before works any more, others are EHD_INTERNAL, and
+ * HDF5 is not called again, not by online_close either. */
+void online_release_file(online_model *model);
 online_properties online_describe(const online_model *model);
 
 /* Why no result of a model is to be trusted that was not checked at these sizes, stationary or in time;

@@ -408,6 +408,7 @@ static void previous_init(previous_mass *self, double rate, const problem *stati
     const reduced_model *model = stationary->model;
     const ehd_contact *contact = stationary->contact;
     size_t num_nodes = model->grid.num_nodes;
+    artefact *file;
     double *modes, *pressure = must_allocate(num_nodes * sizeof(double));
     reduced_state state = {.coordinates = must_allocate(model->num_unknowns * sizeof(double))};
     measurement result;
@@ -417,7 +418,9 @@ static void previous_init(previous_mass *self, double rate, const problem *stati
     self->at_rows = must_allocate(model->rows.num_rows * sizeof(double));
     self->at_nodes = must_allocate(num_nodes * sizeof(double));
     solve_scene(&result, &state, stationary, NULL, NULL);
-    must(model_read_modes(&modes, NULL, path, model, &error), &error);
+    must(model_open(&file, path, &error), &error);
+    must(model_get_modes(&modes, NULL, file, model, &error), &error);
+    artefact_close(&file);
     must(field_modes_init(&fields, model, modes, &error), &error);
     must(field_modes_deflect(&fields, model, &error), &error);
     reduced_fields(pressure, self->at_nodes, &state, model, &fields);

@@ -79,6 +79,7 @@ static ehd_status store(void *sink, const march_step *step, size_t index, ehd_er
 static void solve_in_time(outcome *result, const reduced_model *model, bool rounded,
                           const char *path, const ehd_contact *reference, const scene *given) {
     const reduced_settings settings = reduced_default_settings();
+    artefact *file;
     double *modes;
     film_splines splines = {0};
     reduced_march *in_time;
@@ -87,7 +88,9 @@ static void solve_in_time(outcome *result, const reduced_model *model, bool roun
     ehd_status end = EHD_OK;
     ehd_error error;
 
-    must(model_read_modes(&modes, NULL, path, model, &error), &error);
+    must(model_open(&file, path, &error), &error);
+    must(model_get_modes(&modes, NULL, file, model, &error), &error);
+    artefact_close(&file);
     for (size_t i = 0; i < model->grid.num_nodes * model->num_pressure && rounded; i++)
         modes[i] = (double)(float)modes[i];
     must(film_splines_build(&splines, model, modes, NULL, &error), &error);

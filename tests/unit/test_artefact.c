@@ -1368,6 +1368,10 @@ static void transposed_square_field(void **state) {
                "    f['pressure'].dims[0].attach_scale(f['x'])\n"
                "    f['pressure'].dims[1].attach_scale(f['state'])\n");
     check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
+    // whatever else it is called
+    run_python("import h5py, sys\n"
+               "with h5py.File(sys.argv[1], 'r+') as f: f['a'] = f['pressure']\n");
+    check_refused(try_open(), EHD_DATA, "pressure: found state as axis 1");
 }
 
 static void check_opens_elsewhere(void) {

@@ -264,6 +264,7 @@ static void a_loaded_model_calls_no_library_that_may_end_the_process(void **stat
         rows_model_write(&bases[kind], rows, NUM_ROWS, path);
         check_ok(online_open(&model, path, NULL, &error));
         check_ok(online_prepare_fields(model, &error));
+        online_release_file(model);
         for (int i = 0; i < 3; i++)
             fields_run_init(&runs[i], model);
         foreign_forbid();
@@ -312,23 +313,42 @@ static void refused_memory_is_said(void **state) {
     online_close(model);
 }
 
-static void fields_are_not_those_of_another_model(void **state) {
-    const ehd_grid *grid = &training.set.grid;
+static void fields_are_those_of_the_file_that_was_opened(void **state) {
+    const size_t bytes = NUM_CONTACTS * training.set.grid.num_nodes * sizeof(double);
+    fields_run runs[2];
+    online_model *model;
+    (void)state;
+
+    rows_model_write(&bases[1], rows, NUM_ROWS, path);
+    for (int other = 0; other < 2; other++) {
+        check_ok(online_open(&model, path, NULL, &error));
+        // another model under the same name, with the same rows of fewer modes
+        reduced_basis fewer = bases[1];
+        fewer.num_pressure--;
+        if (other) rows_model_write(&fewer, rows, NUM_ROWS, path);
+        check_ok(online_prepare_fields(model, &error));
+        online_release_file(model);
+        fields_run_init(&runs[other], model);
+        use_all(&runs[other]);
+        assert_int_equal(runs[other].status, EHD_OK);
+        online_close(model);
+    }
+    assert_memory_equal(runs[0].pressure, runs[1].pressure, bytes);
+    assert_memory_equal(runs[0].film, runs[1].film, bytes);
+    for (int other = 0; other < 2; other++)
+        fields_run_free(&runs[other]);
+}
+
+static void a_released_file_is_not_read(void **state) {
     online_model *model;
     (void)state;
 
     rows_model_write(&bases[1], rows, NUM_ROWS, path);
     check_ok(online_open(&model, path, NULL, &error));
-    reduced_basis fewer = bases[1], longer = bases[1];
-    fewer.num_pressure--;
-    rows_model_write(&fewer, rows, NUM_ROWS, path);
-    assert_int_equal(online_prepare_fields(model, &error), EHD_DATA);
-    assert_non_null(strstr(error.text, "found another model"));
-    longer.grid = grid_like(grid, grid->x_min, grid->step * 1.01, grid->inner_x, 1);
-    rows_model_write(&longer, rows, NUM_ROWS, path);
-    assert_int_equal(online_prepare_fields(model, &error), EHD_DATA);
-    rows_model_write(&bases[1], rows, NUM_ROWS, path);
-    check_ok(online_prepare_fields(model, &error));
+    online_release_file(model);
+    assert_int_equal(online_prepare_fields(model, &error), EHD_INTERNAL);
+    assert_non_null(strstr(error.text, "found a model whose file was released"));
+    assert_int_equal(online_prepare_transient(model, &error), EHD_INTERNAL);
     online_close(model);
 }
 
@@ -339,7 +359,8 @@ int main(void) {
         cmocka_unit_test(a_loaded_model_calls_no_library_that_may_end_the_process),
         cmocka_unit_test(refused_memory_is_said),
         cmocka_unit_test(the_process_keeps_what_it_has_set),
-        cmocka_unit_test(fields_are_not_those_of_another_model),
+        cmocka_unit_test(fields_are_those_of_the_file_that_was_opened),
+        cmocka_unit_test(a_released_file_is_not_read),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
