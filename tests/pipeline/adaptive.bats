@@ -325,7 +325,8 @@ YAML
     [[ $output == *"as many modes as states; each state is told by the others to "* ]]
     [[ $stderr == "podbuild: thin.h5: found a training too thin: half of its pressures are further than 0."* ]]
     run --separate-stderr podbuild s.h5 -o b.h5 --energy 1e-18
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
 }
 
 @test "what does not go together is refused" {

@@ -25,7 +25,8 @@ PYTHON
 
 @test "the table says what romrun finds" {
     run --separate-stderr romrun --calibrate check.yml --model m.h5 -o x.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == "4 scenes, 0 trajectories, "*" sizes, "* ]]
     romrun --check x.h5
     [ ! -e x.h5.partial ]
@@ -76,7 +77,8 @@ PYTHON
 
 @test "--trade prints a line a size" {
     run --separate-stderr romrun --trade --model c.h5
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ ${lines[1]} == "4 scenes: "* ]]
     sizes=$(h5dump -d position_rows c.h5 | sed -n "s/.*SIMPLE { ( \([0-9]*\) ) \/.*/\1/p" | head -n 1)
     [ "${#lines[@]}" -eq $((2 * sizes + 6)) ]
@@ -405,7 +407,8 @@ PYTHON
     time_plan wide 0.75 0.4
     model_in_time 14
     run --separate-stderr romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == "0 scenes, 1 trajectories, "* ]]
     romrun --check tc.h5
     # what --against finds for the whole model, which takes the same steps, as they are fixed
@@ -431,7 +434,8 @@ PYTHON
     run --separate-stderr romrun --calibrate wide-time.yml --model tm.h5 -o x.h5
     [ "$status" -eq 65 ]
     [[ $stderr == *"wide-time.yml: 1 of 1 trajectories leave the trained range"*"found nothing inside"* ]]
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }
 
 @test "in time what is indicated decides the exit code, step by step" {
@@ -447,7 +451,8 @@ PYTHON
     [[ $stderr == *"a model never checked in time at these sizes"* ]]
     fullrun moving.yml $fast -o full.h5 --quiet
     run --separate-stderr romrun moving.yml --model tc.h5 $fast -o good.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == *"indicated deviation     central film "*" %, minimum film "*" % at most"* ]]
     # too few modes: 3 % of the minimum film, and the central one later, when its film is there
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --pressure-modes 10 --rows 20 \
@@ -489,7 +494,8 @@ YAML
     cat log
     [ "$code" -eq 130 ]
     grep -q "x.h5: interrupted .*nothing written" log
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }
 
 @test "misuse is one line and exit 64" {

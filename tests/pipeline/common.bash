@@ -153,7 +153,8 @@ refused() {
 # refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
 refuse() {
     refused "$@"
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }
 
 # same_data A B: all datasets equal to the last bit, but what a resumed run starts from, which is written

@@ -121,7 +121,8 @@ YAML
 
 @test "a note of the minimum film, where the central one gives none" {
     run --separate-stderr fullrun scene.yml --set discretization=accurate --set moes.M=100 --set moes.L=2 -o x.h5
-    [ "$status" -eq 0 ] && [ "${#stderr_lines[@]}" -eq 1 ]
+    [ "$status" -eq 0 ]
+    [ "${#stderr_lines[@]}" -eq 1 ]
     [[ $stderr =~ ^"fullrun: scene.yml: grid.step: found 0.02, expected a finer one".*"the minimum film by about "[0-9.]+" %"$ ]]
     awk -v e="$(value x.h5 step_effect)" 'BEGIN { exit !(e < 0.01 && e > -0.01) }'
 }

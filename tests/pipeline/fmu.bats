@@ -175,7 +175,8 @@ PYTHON
         --set physical.speed= --set physical.modulus= --set physical.viscosity= --set moes.M=10 --set moes.L=4
     run -66 romrun --fmu scene.yml --model none.h5 -o "$all/x.fmu"
     SOURCE_DATE_EPOCH=now run -64 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu"
-    [ ! -e "$all/x.fmu" ] && [ ! -e "$all/x.fmu.partial" ]
+    [ ! -e "$all/x.fmu" ]
+    [ ! -e "$all/x.fmu.partial" ]
     [ -z "$(find /tmp -maxdepth 1 -name 'ehdrom-fmu-*' -newer "$all")" ]
     # of another FMU, and of a model that is not flat
     cp -r 3 "$all/mixed" && cp approach3/modelDescription.xml "$all/mixed"

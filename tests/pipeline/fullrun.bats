@@ -266,13 +266,15 @@ PYTHON
 bad_scene() {
     cat >bad.yml
     refused 65 "$1" fullrun bad.yml -o result.h5
-    [ ! -e result.h5 ] && [ ! -e result.h5.partial ]
+    [ ! -e result.h5 ]
+    [ ! -e result.h5.partial ]
 }
 
 # bad_value KEY TEXT PATTERN
 bad_value() {
     refused 65 "$3" fullrun scene.yml -o result.h5 --set "$1=$2"
-    [ ! -e result.h5 ] && [ ! -e result.h5.partial ]
+    [ ! -e result.h5 ]
+    [ ! -e result.h5.partial ]
 }
 
 @test "malformed, empty and misplaced YAML is refused" {
@@ -486,7 +488,8 @@ PYTHON
     refused 65 "cut.h5" fullrun scene.yml -o r.h5 --start cut.h5
     refused 65 "other.h5: x: found 241 nodes.*expected 301" fullrun scene.yml -o r.h5 --start other.h5
     refused 65 "bare.h5: found no dataset pressure, .*output.fields" fullrun scene.yml -o r.h5 --start bare.h5
-    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+    [ ! -e r.h5 ]
+    [ ! -e r.h5.partial ]
 }
 
 @test "--start refuses a file of a newer schema and an unfinished one" {

@@ -121,7 +121,8 @@ print(repr(plugin.central_film(b"m.h5", b"scene.yml")))'
     for kind in $kinds; do
         run --separate-stderr use_library $kind solve m.h5 scene.yml
         echo "$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
         for name in central_film_thickness minimum_film_thickness central_pressure rigid_approach \
             exit_position load newton_iterations; do
             [ "$(value $name)" = "$(printf '%.17g' "$(number r.h5 $name)")" ] ||
@@ -202,7 +203,8 @@ YAML
     for kind in $kinds; do
         run --separate-stderr use_library $kind derivatives m.h5 si.yml
         echo "$output$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
     done
     # of films that are carried along their paths
     { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
@@ -239,7 +241,8 @@ PYTHON
     for kind in $kinds; do
         run --separate-stderr use_library $kind units p.h5 point.yml
         echo "$output$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
         /usr/bin/python3 - <<PYTHON
 import math, h5py
 found = dict((name, float(value)) for name, value in map(str.split, """$output""".splitlines()))
@@ -274,14 +277,16 @@ PYTHON
     for kind in $kinds; do
         run --separate-stderr use_library $kind sizes m.h5 scene.yml
         echo "$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
     done
 }
 
 @test "what is wrong is said in the handle" {
     run --separate-stderr use_library "${kinds##*$'\n'}" wrong m.h5 scene.yml
     echo "$output$stderr"
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ ${lines[0]} == "missing.h5: "* ]]
     [[ ${lines[1]} == "scene.yml: found "* ]]
     [[ ${lines[2]} == "physical.lod: found"*"physical.load"* ]]

@@ -24,17 +24,21 @@ setup() {
 
 @test "from training to answer" {
     run --separate-stderr podbuild s.h5 -o x.h5
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == "9 states on 121 nodes"* ]]
     run --separate-stderr snapgen plan.yml --basis b.h5 -o y.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == "9 points with the projected system, 9 converged"* ]]
     run --separate-stderr deimselect --no-check r.h5 --basis b.h5 -o z.h5
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output =~ "rows of 121 by method joint, 10 unknowns" ]]
     [[ $output =~ "1/sigma_min: residuals "[0-9] ]]
     run --separate-stderr romrun --allow-untrusted --quiet scene.yml --model m.h5 -o red.h5
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == *"central film thickness"* ]]
     close_to "$(number red.h5 central_film_thickness)" \
         "$(number full.h5 central_film_thickness)" 0.002
@@ -517,7 +521,8 @@ YAML
 @test "--help and --version" {
     for name in podbuild deimselect romrun; do
         run --separate-stderr $name --help
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
         [[ $output == *"--output"* ]]
         run --separate-stderr $name --version
         [ "$status" -eq 0 ]

@@ -341,7 +341,8 @@ at least one" ]
 bad_plan() {
     cat >bad.yml
     refused "${2:-65}" "$1" snapgen bad.yml -o s.h5
-    [ ! -e s.h5 ] && [ ! -e s.h5.partial ]
+    [ ! -e s.h5 ]
+    [ ! -e s.h5.partial ]
 }
 
 @test "malformed plans are refused" {
