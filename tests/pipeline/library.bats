@@ -19,7 +19,8 @@ install_all() {
     # shellcheck disable=SC2046
     g++ -std=c++17 $strict -x c++ use_library.c -x none -o use_static -Linstalled/usr/lib -l:libehdrom.a \
         -Wl,--as-needed $(pkg-config --define-prefix --static --cflags --libs ehdrom)
-    ! ldd use_static | grep ehdrom
+    ldd use_static >needed
+    if grep ehdrom needed; then return 1; fi
 }
 
 # Models of 121 nodes, and the programs; use_inside is on the objects of this variant.
@@ -38,6 +39,7 @@ setup_file() {
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
     kinds=$(cd "$BATS_FILE_TMPDIR" && ls use_* | sed -n 's/^use_\([a-z]*\)$/\1/p')
+    [ -n "$kinds" ]
     cp "$BATS_FILE_TMPDIR"/{m.h5,scene.yml,base.yml,p.h5,point.yml} .
     prefix=$BATS_FILE_TMPDIR/installed/usr
 }
@@ -79,7 +81,7 @@ PYTHON
     [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
-    ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
+    run -1 grep -E 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
     # its own code and data, without the OpenBLAS in it
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
 }
@@ -107,7 +109,7 @@ C
     # shellcheck disable=SC2046
     gcc -shared -fPIC -O1 -pthread -Wl,-z,text,-z,defs plugin.c -o plugin.so $(pkg-config --define-prefix --cflags ehdrom) \
         -L"$prefix/lib" -l:libehdrom.a -Wl,--as-needed $(pkg-config --define-prefix --static --libs ehdrom)
-    ! ldd plugin.so | grep ehdrom
+    shows_no ehdrom ldd plugin.so
     romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     run -0 /usr/bin/python3 -c 'import ctypes
 plugin = ctypes.CDLL("./plugin.so")

@@ -48,7 +48,9 @@ setup() {
         [ ! -e $file.h5.partial ]
     done
     # every stage can say whether a file is whole
-    podbuild --check b.h5 && deimselect --check m.h5 && romrun --check red.h5
+    podbuild --check b.h5
+    deimselect --check m.h5
+    romrun --check red.h5
 }
 
 @test "with a basis of its own for the deflection, and rows by any method" {
@@ -193,7 +195,7 @@ PYTHON
     # other than with the weights of all, which is what a file has that does not say how it was weighed
     patch m.h5 "del f['row_jacobian_modes']"
     romrun --allow-untrusted scene.yml --model bad.h5 --rows 14 -o old-red.h5
-    ! close_to "$(number old-red.h5 central_film_thickness)" \
+    far_from "$(number old-red.h5 central_film_thickness)" \
         "$(number red.h5 central_film_thickness)" 1e-9
 }
 
