@@ -422,8 +422,9 @@ PYTHON
     [ "$(entry tc.h5 position_lost_trajectories -1)" = 0.0 ]
     run --separate-stderr romrun --trade --model tc.h5
     [[ ${lines[1]} == "1 trajectories: worst deviation"* ]]
-    # chosen by what was measured in time, and only for that
-    run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5
+    # chosen by what was measured in time, and only for that; which size is the fastest, and with it what is indicated of
+    # this history, depends on the machine
+    run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5 --allow-untrusted
     [ "$status" -eq 0 ]
     [[ $stderr == *"romrun: --accuracy 0.5: "*" on 100 % of 1 trajectories, in "*" ms a step"* ]]
     [[ $(h5dump -a settings tx.h5) == *"rows (0: all), accuracy 0.5"* ]]
