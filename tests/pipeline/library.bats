@@ -145,6 +145,18 @@ PYTHON
     close_to "$(value central_film_thickness)" "$(number other.h5 central_film_thickness)" 1e-15
 }
 
+# si.yml: the scene of the model in SI units.
+si_scene() {
+    cat >si.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
+}
+
 @test "SI and dimensionless, whatever the locale" {
     local name=C
     # with LOCPATH glibc leaks, which sanitizers tell
@@ -157,14 +169,7 @@ PYTHON
     echo "$stderr"
     [ "$status" -eq 0 ]
     output=${output//,/.}
-    cat >si.yml <<'YAML'
-contact: line
-regime: stationary
-physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
+    si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     close_to "$(value central_film_thickness)" "$(number r.h5 central_film_thickness)" 1e-15
 }
@@ -187,18 +192,6 @@ YAML
     romrun moving.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     close_to "$(value central_film_thickness)" \
         "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
-}
-
-# si.yml: the scene of the model in SI units.
-si_scene() {
-    cat >si.yml <<'YAML'
-contact: line
-regime: stationary
-physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
 }
 
 @test "derivatives of solutions and steps; the stiffness is the full model's" {
