@@ -214,13 +214,15 @@ shows_no() {
 }
 
 # stop_when SIGNAL CONDITION OUTPUT COMMAND...: stops a program while it writes (stop_when.py); its exit
-# code is left in `code`, and of a program that was only halted (STOP) the process id in `pid`.
+# code is left in `code`, which after KILL has to be that of a kill, and of a program that was only halted (STOP) the
+# process id in `pid`.
 stop_when() {
     code=0
     if [ "$1" = STOP ]; then
         pid=$("$BATS_TEST_DIRNAME/stop_when.py" "$@")
     else
         "$BATS_TEST_DIRNAME/stop_when.py" "$@" || code=$?
+        [ "$1" != KILL ] || [ "$code" -eq 137 ]
     fi
 }
 
