@@ -421,24 +421,29 @@ void nodes_add_row(double *target, double factor, const double *source, size_t c
         target[j] += factor * source[j];
 }
 
-void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed) {
+void nodes_add_cut_row(double *target, double factor, const node_state *self, size_t row) {
     const reduced_model *model = self->model;
-    size_t num_pressure = model->num_pressure, num_deformation = model->num_deformation;
+    const size_t num_pressure = model->num_pressure;
 
-    if (model->deformation == DEFORMATION_INDEPENDENT) {
-        nodes_add_row(target + num_pressure, factor, model->rows.film + needed * num_deformation,
-                      num_deformation);
-        return;
-    }
-    nodes_add_row(target, factor, nodes_checkpoint_table(self) + needed * num_pressure,
-                  num_pressure);
+    nodes_add_row(target, factor, nodes_checkpoint_table(self) + row * num_pressure, num_pressure);
     for (size_t r = 0; r < self->num_runs; r++) {
         const cut_run *run = &self->runs[r];
         for (size_t k = run->first; k < run->first + run->count; k++)
             nodes_add_row(target,
-                          factor * run->sign * model->cut.left[k * model->cut.num_rows + needed],
+                          factor * run->sign * model->cut.left[k * model->cut.num_rows + row],
                           model->band.pressure + k * num_pressure, num_pressure);
     }
+}
+
+void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed) {
+    const reduced_model *model = self->model;
+    const size_t num_deformation = model->num_deformation;
+
+    if (model->deformation == DEFORMATION_INDEPENDENT)
+        nodes_add_row(target + model->num_pressure, factor,
+                      model->rows.film + needed * num_deformation, num_deformation);
+    else
+        nodes_add_cut_row(target, factor, self, needed);
 }
 
 double nodes_central_change(node_state *self, const double *step) {

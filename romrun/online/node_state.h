@@ -91,6 +91,9 @@ contact_scalars nodes_scalars(node_state *self, const double *z, double exit_pos
 /* Least and largest P of the present state before its exit, at the needed nodes and in the band. */
 reduced_pressures nodes_pressure_range(node_state *self, const double *z);
 
+/* Adds a row of the cut table of the present exit, times a factor, to [num_pressure]. */
+void nodes_add_cut_row(double *target, double factor, const node_state *self, size_t row);
+
 /* Adds dH/dz at a needed node, times a factor, to [num_unknowns], without the rigid approach. */
 void nodes_add_film_row(double *target, double factor, const node_state *self, size_t needed);
 

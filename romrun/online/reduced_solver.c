@@ -709,20 +709,10 @@ static void fill_central_pressure(double *gradient, const reduced_solver *self) 
 static void fill_load(double *gradient, const reduced_solver *self, const reduced_state *state,
                       const ehd_contact *contact) {
     const reduced_model *model = self->model;
-    const node_state *nodes = &self->nodes;
-    const size_t last = model->cut.num_rows - 1, num_pressure = model->num_pressure;
     const double unit = 1 / model->kind->load;
     const double approach = state->coordinates[model->num_unknowns - 1];
 
-    nodes_add_row(gradient, unit, nodes_checkpoint_table(nodes) + last * num_pressure,
-                  num_pressure);
-    for (size_t r = 0; r < nodes->num_runs; r++) {
-        const cut_run *run = &nodes->runs[r];
-        for (size_t k = run->first; k < run->first + run->count; k++)
-            nodes_add_row(gradient,
-                          unit * run->sign * model->cut.left[k * model->cut.num_rows + last],
-                          model->band.pressure + k * num_pressure, num_pressure);
-    }
+    nodes_add_cut_row(gradient, unit, &self->nodes, model->cut.num_rows - 1); // the load's
     gradient[model->num_unknowns - 1] = unit * far_field_load(contact, approach).by_approach;
 }
 

@@ -25,7 +25,8 @@ PYTHON
 
 @test "the table says what romrun finds" {
     run --separate-stderr romrun --calibrate check.yml --model m.h5 -o x.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == "4 scenes, 0 trajectories, "*" sizes, "* ]]
     romrun --check x.h5
     [ ! -e x.h5.partial ]
@@ -76,7 +77,8 @@ PYTHON
 
 @test "--trade prints a line a size" {
     run --separate-stderr romrun --trade --model c.h5
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ ${lines[1]} == "4 scenes: "* ]]
     sizes=$(h5dump -d position_rows c.h5 | sed -n "s/.*SIMPLE { ( \([0-9]*\) ) \/.*/\1/p" | head -n 1)
     [ "${#lines[@]}" -eq $((2 * sizes + 6)) ]
@@ -129,8 +131,7 @@ with h5py.File("x.h5", "r+") as f:
 PYTHON
         refused 65 "found no size of x.h5 that solved enough of the 4 scenes" \
             romrun scene.yml --model x.h5 --accuracy 1
-        run romrun --trade --model x.h5
-        [ "$(grep -c '^\*  ' <<<"$output")" -eq 0 ]
+        shows_no '^\*  ' romrun --trade --model x.h5
     done
 }
 
@@ -155,8 +156,8 @@ PYTHON
     # a size that was not measured, and a model that is not calibrated, indicate nothing
     romrun scene.yml --model c.h5 --rows 23 -o other.h5 --allow-untrusted
     romrun scene.yml --model m.h5 -o plain.h5 --allow-untrusted
-    ! h5dump -H other.h5 | grep -q indicated
-    ! h5dump -H plain.h5 | grep -q indicated
+    shows_no indicated h5dump -H other.h5
+    shows_no indicated h5dump -H plain.h5
     # all scenes but this one were good
     cp c.h5 x.h5
     /usr/bin/python3 -c "
@@ -273,7 +274,10 @@ PYTHON
     romrun scene.yml --model c.h5 --quiet --accuracy-of pressure=0.9 --accuracy-of load=0.9
     for name in central_pressure exit_position load pressure film_thickness; do
         run --separate-stderr romrun scene.yml --model c.h5 --quiet --accuracy-of $name=1e-15 --accuracy-of pressure=0.9 -o low.h5 --force
-        [ "$name" = pressure ] && continue # the last one holds
+        if [ "$name" = pressure ]; then # the last one holds
+            [ "$status" -eq 0 ]
+            continue
+        fi
         [ "$status" -eq 4 ]
         [[ $stderr == "romrun: scene.yml: found an indicated deviation of "*", more than the --accuracy-of $name=1e-15, expected a result to be trusted"* ]]
         [ "$(number low.h5 status)" = 4.0 ]
@@ -308,7 +312,7 @@ with h5py.File('x.h5', 'r+') as f:
     romrun scene.yml --model x.h5 -o old.h5 --quiet
     [ "$(number new.h5 indicated_deviation)" = "$(number old.h5 indicated_deviation)" ]
     h5dump -H new.h5 | grep -q indicated_deviation_pressure
-    ! h5dump -H old.h5 | grep -q indicated_deviation_pressure
+    shows_no indicated_deviation_pressure h5dump -H old.h5
     [ "$(number new.h5 indicated_deviation_minimum)" != "$(number old.h5 indicated_deviation_minimum)" ]
 }
 
@@ -405,7 +409,8 @@ PYTHON
     time_plan wide 0.75 0.4
     model_in_time 14
     run --separate-stderr romrun --calibrate check-time.yml --model tm.h5 -o tc.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == "0 scenes, 1 trajectories, "* ]]
     romrun --check tc.h5
     # what --against finds for the whole model, which takes the same steps, as they are fixed
@@ -417,8 +422,9 @@ PYTHON
     [ "$(entry tc.h5 position_lost_trajectories -1)" = 0.0 ]
     run --separate-stderr romrun --trade --model tc.h5
     [[ ${lines[1]} == "1 trajectories: worst deviation"* ]]
-    # chosen by what was measured in time, and only for that
-    run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5
+    # chosen by what was measured in time, and only for that; which size is the fastest, and with it what is indicated of
+    # this history, depends on the machine
+    run --separate-stderr romrun moving.yml --model tc.h5 --accuracy 0.5 -o tx.h5 --allow-untrusted
     [ "$status" -eq 0 ]
     [[ $stderr == *"romrun: --accuracy 0.5: "*" on 100 % of 1 trajectories, in "*" ms a step"* ]]
     [[ $(h5dump -a settings tx.h5) == *"rows (0: all), accuracy 0.5"* ]]
@@ -431,7 +437,8 @@ PYTHON
     run --separate-stderr romrun --calibrate wide-time.yml --model tm.h5 -o x.h5
     [ "$status" -eq 65 ]
     [[ $stderr == *"wide-time.yml: 1 of 1 trajectories leave the trained range"*"found nothing inside"* ]]
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }
 
 @test "in time what is indicated decides the exit code, step by step" {
@@ -447,7 +454,8 @@ PYTHON
     [[ $stderr == *"a model never checked in time at these sizes"* ]]
     fullrun moving.yml $fast -o full.h5 --quiet
     run --separate-stderr romrun moving.yml --model tc.h5 $fast -o good.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ $output == *"indicated deviation     central film "*" %, minimum film "*" % at most"* ]]
     # too few modes: 3 % of the minimum film, and the central one later, when its film is there
     run --separate-stderr romrun moving.yml --model tc.h5 $fast --pressure-modes 10 --rows 20 \
@@ -489,7 +497,8 @@ YAML
     cat log
     [ "$code" -eq 130 ]
     grep -q "x.h5: interrupted .*nothing written" log
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }
 
 @test "misuse is one line and exit 64" {

@@ -53,7 +53,7 @@ with h5py.File("a.h5") as one:
     assert float(list(csv.DictReader(open("a.csv")))[1]["central_film_thickness"]) == one["central_film_thickness"][0]
 rows = list(csv.DictReader(open("t.csv")))
 assert [(row["moes.M"], row["moes.L"]) for row in rows] == [("10", "3"), ("12", "5"), ("12", "5"), ("14.5", "5.5")]
-assert rows == rows and not any("[m]" in name for name in rows[0])
+assert not any("[m]" in name for name in rows[0])
 other = list(csv.DictReader(open("stdout.csv")))
 for row in rows + other: del row["solve_seconds [s]"]
 assert rows == other and rows[1] == rows[2]

@@ -26,7 +26,8 @@ unchecked="a model never checked at these sizes, which romrun --calibrate does, 
 @test "a model is checked on scenes between its training's, as romrun --calibrate does" {
     [[ $(tail -n 1 log) == "checked on 10 scenes between the training points: central film at most "*" % off, minimum film "*" %" ]]
     [ "$(head -n 3 log)" = "$(cat no-check.log)" ]
-    [ ! -e m.h5.partial ] && [ ! -e m.h5.unchecked ]
+    [ ! -e m.h5.partial ]
+    [ ! -e m.h5.unchecked ]
     deimselect --check m.h5
     # its settings name the scenes; a calibration on these gives the same table
     /usr/bin/python3 - <<'PYTHON'
@@ -159,7 +160,9 @@ YAML
         [ "$code" -ne 130 ] || break
     done
     [ "$code" -eq 130 ]
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ] && [ ! -e x.h5.unchecked ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
+    [ ! -e x.h5.unchecked ]
     grep "^deimselect: x.h5.*interrupted" log
 }
 
@@ -172,7 +175,8 @@ YAML
     podbuild s1.h5 -o b1.h5
     snapgen moving.yml --basis b1.h5 -o r1.h5 --quiet
     run --separate-stderr deimselect r1.h5 --basis b1.h5 -o x.h5 --quiet
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ ${lines[-1]} == "checked on 1 trajectories between those of the training: central film at most "*" % off, minimum film "*" %" ]]
     [[ $(h5dump -a settings x.h5) == *"transient.load.amplitude: 0.05"* ]]
     # its minimum film is indicated to be 13 % off, not never checked

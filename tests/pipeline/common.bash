@@ -153,7 +153,8 @@ refused() {
 # refuse CODE PATTERN COMMAND... -o x.h5: refused, and leaves no file
 refuse() {
     refused "$@"
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }
 
 # same_data A B: all datasets equal to the last bit, but what a resumed run starts from, which is written
@@ -169,9 +170,10 @@ with h5py.File(sys.argv[1]) as left, h5py.File(sys.argv[2]) as right:
 PYTHON
 }
 
-# number FILE NAME: the first entry of a dataset, or an attribute of the root.
+# number FILE NAME: the first entry of a dataset, or an attribute of the root; where it is not, a text that is equal to
+# that of no other file.
 number() {
-    /usr/bin/python3 - "$1" "$2" <<'PYTHON'
+    /usr/bin/python3 - "$1" "$2" <<'PYTHON' || echo "no $2 in $1"
 import sys, h5py
 with h5py.File(sys.argv[1]) as file:
     name = sys.argv[2]
@@ -179,21 +181,48 @@ with h5py.File(sys.argv[1]) as file:
 PYTHON
 }
 
-# close_to A B RELATIVE
+# are_numbers TEXT...: finite ones; awk takes anything else for 0, and for NaN that <= holds.
+are_numbers() {
+    local text
+    for text; do
+        [[ $text =~ ^[-+]?[0-9.]+(e[-+]?[0-9]+)?$ ]] || { echo "found '$text', expected a number"; return 1; }
+    done
+}
+
+# is_within A B RELATIVE: |A - B| <= RELATIVE |B|
+is_within() {
+    awk -v a="$1" -v b="$2" -v r="$3" 'BEGIN { d = a - b; if (d < 0) d = -d; s = b < 0 ? -b : b; exit !(d <= r * s) }'
+}
+
+# close_to A B RELATIVE, and its opposite: two numbers.
 close_to() {
-    awk -v a="$1" -v b="$2" -v r="$3" \
-        'BEGIN { d = a - b; if (d < 0) d = -d; s = b < 0 ? -b : b; exit !(d <= r * s) }' ||
-        { echo "found $1, expected $2 within $3"; return 1; }
+    are_numbers "$1" "$2" || return
+    is_within "$@" || { echo "found $1, expected $2 within $3"; return 1; }
+}
+far_from() {
+    are_numbers "$1" "$2" || return
+    ! is_within "$@" || { echo "found $1, expected more than $3 beside $2"; return 1; }
+}
+
+# shows_no PATTERN COMMAND...: the command succeeds and prints something, and no line with the pattern.
+shows_no() {
+    local pattern=$1
+    shift
+    run -0 "$@"
+    [ -n "$output" ]
+    run -1 grep -e "$pattern" <<<"$output"
 }
 
 # stop_when SIGNAL CONDITION OUTPUT COMMAND...: stops a program while it writes (stop_when.py); its exit
-# code is left in `code`, and of a program that was only halted (STOP) the process id in `pid`.
+# code is left in `code`, which after KILL has to be that of a kill, and of a program that was only halted (STOP) the
+# process id in `pid`.
 stop_when() {
     code=0
     if [ "$1" = STOP ]; then
         pid=$("$BATS_TEST_DIRNAME/stop_when.py" "$@")
     else
         "$BATS_TEST_DIRNAME/stop_when.py" "$@" || code=$?
+        [ "$1" != KILL ] || [ "$code" -eq 137 ]
     fi
 }
 

@@ -84,7 +84,8 @@ PYTHON
     refused 64 "expected alone" romrun --export c.h5 --model c.h5 -o x.ehdrom
     refused 66 "none.h5" romrun --export none.h5 -o x.ehdrom
     refused 73 "no/x.ehdrom.partial" romrun --export c.h5 -o no/x.ehdrom
-    [ ! -e x.ehdrom ] && [ ! -e x.ehdrom.partial ]
+    [ ! -e x.ehdrom ]
+    [ ! -e x.ehdrom.partial ]
 }
 
 @test "what is made beside HDF5 files goes to regular files of its own" {

@@ -66,7 +66,7 @@ object=binaries/x86_64-linux/ehdrom_contact.so
     cmp "$all/library" "$all/3"
     cmp "$all/approach2" "$all/approach3"
     [ "$(wc -l <"$all/3")" -eq 41 ]
-    ! grep nan <(grep -o 'force=[^ ]*' "$all/approach3")
+    [ "$(grep -c 'force=[-0-9]' "$all/approach3")" -eq 41 ]
 }
 
 @test "a point contact: the library's force and films, with units of its own" {
@@ -128,7 +128,7 @@ PYTHON
 @test "needs libc and libm alone, of glibc 2.35, and runs on a Core 2" {
     readelf -d 3/$object >"$all/dynamic"
     [ "$(grep -o 'NEEDED.*' "$all/dynamic" | grep -vcE '\[lib[cm]\.so\.6\]|\[ld-linux-x86-64\.so\.2\]')" -eq 0 ]
-    ! grep -E 'RPATH|RUNPATH' "$all/dynamic"
+    run -1 grep -E 'RPATH|RUNPATH' "$all/dynamic"
     [ "$(objdump -T 3/$object | grep -oE 'GLIBC_2\.[0-9]+' | sort -Vu | tail -1)" = GLIBC_2.35 ]
     # OpenBLAS's kernels for the processor found, which the environment may override
     for processor in core2duo Nehalem SandyBridge; do
@@ -149,7 +149,7 @@ PYTHON
     SOURCE_DATE_EPOCH=1700000000 romrun --fmu scene.yml --model m.h5 -o "$all/b.fmu" --quiet
     python3 -m zipfile -l "$all/b.fmu" | grep -c '2023-11-14 22:13:20'
     cmp <(python3 -m zipfile -l "$all/a.fmu") <(python3 -m zipfile -l "$all/b.fmu")
-    ! grep -rlaE "$PWD|$root|/home/|/root/|podbuild s.h5" 3
+    run -1 grep -rlaE "$PWD|$root|/home/|/root/|podbuild s.h5" 3
     for licence in ehdrom libopenblas0-pthread libgsl27 libyaml-0-2 GPL-3; do
         [ -s "3/documentation/licenses/$licence.txt" ]
     done
@@ -175,7 +175,8 @@ PYTHON
         --set physical.speed= --set physical.modulus= --set physical.viscosity= --set moes.M=10 --set moes.L=4
     run -66 romrun --fmu scene.yml --model none.h5 -o "$all/x.fmu"
     SOURCE_DATE_EPOCH=now run -64 romrun --fmu scene.yml --model m.h5 -o "$all/x.fmu"
-    [ ! -e "$all/x.fmu" ] && [ ! -e "$all/x.fmu.partial" ]
+    [ ! -e "$all/x.fmu" ]
+    [ ! -e "$all/x.fmu.partial" ]
     [ -z "$(find /tmp -maxdepth 1 -name 'ehdrom-fmu-*' -newer "$all")" ]
     # of another FMU, and of a model that is not flat
     cp -r 3 "$all/mixed" && cp approach3/modelDescription.xml "$all/mixed"

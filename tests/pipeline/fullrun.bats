@@ -84,8 +84,7 @@ YAML
     [[ $status == 0 && $stderr == *grid.step:* ]]
     run --separate-stderr fullrun scene.yml -o without.h5 --set grid.step=0.05 --set moes.M=100 --set output.resolution=false
     [[ $status == 0 && $stderr != *grid.step:* ]]
-    [ "$(h5dump -A 0 -y -d /central_film_thickness -m %.17g with.h5 | tail -n +2)" = \
-        "$(h5dump -A 0 -y -d /central_film_thickness -m %.17g without.h5 | tail -n +2)" ]
+    [ "$(number with.h5 central_film_thickness)" = "$(number without.h5 central_film_thickness)" ]
     h5dump -a /step_effect with.h5
     run h5dump -a /step_effect without.h5
     [ "$status" -ne 0 ]
@@ -171,7 +170,7 @@ PYTHON
         run --separate-stderr $name --help
         [ "$(grep -c 'Settings of a scene' <<<"$output")" -eq 1 ]
         [ "$(grep -c 'transient.<load|speed|radius|modulus|approach>.amplitude:' <<<"$output")" -eq 1 ]
-        ! grep -q 'transient.speed.' <<<"$output"
+        run -1 grep 'transient.speed.' <<<"$output"
     done
 }
 
@@ -182,7 +181,7 @@ PYTHON
     fullrun scene.yml --set lubricant.viscosity.law=wlf --set lubricant.viscosity.preset=no1 \
         --set lubricant.viscosity.alpha= -o a.h5
     h5dump -a settings a.h5 | grep -q 'lubricant.viscosity.preset: no1'
-    ! h5dump -a settings a.h5 | grep -q 'lubricant.viscosity.alpha'
+    shows_no lubricant.viscosity.alpha h5dump -a settings a.h5
 }
 
 # ---- resolution
@@ -266,13 +265,15 @@ PYTHON
 bad_scene() {
     cat >bad.yml
     refused 65 "$1" fullrun bad.yml -o result.h5
-    [ ! -e result.h5 ] && [ ! -e result.h5.partial ]
+    [ ! -e result.h5 ]
+    [ ! -e result.h5.partial ]
 }
 
 # bad_value KEY TEXT PATTERN
 bad_value() {
     refused 65 "$3" fullrun scene.yml -o result.h5 --set "$1=$2"
-    [ ! -e result.h5 ] && [ ! -e result.h5.partial ]
+    [ ! -e result.h5 ]
+    [ ! -e result.h5.partial ]
 }
 
 @test "malformed, empty and misplaced YAML is refused" {
@@ -486,7 +487,8 @@ PYTHON
     refused 65 "cut.h5" fullrun scene.yml -o r.h5 --start cut.h5
     refused 65 "other.h5: x: found 241 nodes.*expected 301" fullrun scene.yml -o r.h5 --start other.h5
     refused 65 "bare.h5: found no dataset pressure, .*output.fields" fullrun scene.yml -o r.h5 --start bare.h5
-    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+    [ ! -e r.h5 ]
+    [ ! -e r.h5.partial ]
 }
 
 @test "--start refuses a file of a newer schema and an unfinished one" {

@@ -48,8 +48,9 @@ said() {
     sed -nE 's/^grid +([0-9]+).* nodes from ([^ ]+) to [^ ]+ by ([^ ,]+)(, as wide and fine as needed by )?(.*)$/\1 \2 \3 \5/p' "$1"
 }
 
-# larger A B: A > B
+# larger A B: A > B, two numbers
 larger() {
+    are_numbers "$1" "$2" || return
     awk -v a="$1" -v b="$2" 'BEGIN { exit !(a > b) }' || { echo "found $1, expected more than $2"; return 1; }
 }
 
@@ -68,7 +69,7 @@ deviation() {
         step=$(fullrun --print "$M.h5" step_effect | tail -n 1)
         larger 1e-3 "${step#-}"
         # the settings leave it to the contact
-        run ! grep -q '^grid' <(fullrun --print "$M.h5" settings)
+        shows_no '^grid' fullrun --print "$M.h5" settings
     done
     read -r _ thick _ <<<"$(grid_of 2.h5)"
     read -r _ middle coarse <<<"$(grid_of 18.h5)"
@@ -261,7 +262,8 @@ groups:
   - scene: base.yml
     vary: {moes.M: [17, 19], moes.L: [3.5, 4.5]}
 YAML
-    [ "$(snapgen check.yml -q -o c.h5 >out.txt && grid_of c.h5)" != "$(grid_of m.h5)" ]
+    snapgen check.yml -q -o c.h5
+    [ "$(grid_of c.h5)" != "$(grid_of m.h5)" ]
     romrun --calibrate check.yml --model m.h5 -o calibrated.h5 -q
     [ "$(grid_of calibrated.h5)" = "$(grid_of m.h5)" ]
     cat >part.yml <<'YAML'

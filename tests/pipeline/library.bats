@@ -19,7 +19,8 @@ install_all() {
     # shellcheck disable=SC2046
     g++ -std=c++17 $strict -x c++ use_library.c -x none -o use_static -Linstalled/usr/lib -l:libehdrom.a \
         -Wl,--as-needed $(pkg-config --define-prefix --static --cflags --libs ehdrom)
-    ! ldd use_static | grep ehdrom
+    ldd use_static >needed
+    if grep ehdrom needed; then return 1; fi
 }
 
 # Models of 121 nodes, and the programs; use_inside is on the objects of this variant.
@@ -38,6 +39,7 @@ setup_file() {
 setup() {
     cd "$BATS_TEST_TMPDIR" || return
     kinds=$(cd "$BATS_FILE_TMPDIR" && ls use_* | sed -n 's/^use_\([a-z]*\)$/\1/p')
+    [ -n "$kinds" ]
     cp "$BATS_FILE_TMPDIR"/{m.h5,scene.yml,base.yml,p.h5,point.yml} .
     prefix=$BATS_FILE_TMPDIR/installed/usr
 }
@@ -79,7 +81,7 @@ PYTHON
     [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
-    ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
+    run -1 grep -E 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
     # its own code and data, without the OpenBLAS in it
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
 }
@@ -107,7 +109,7 @@ C
     # shellcheck disable=SC2046
     gcc -shared -fPIC -O1 -pthread -Wl,-z,text,-z,defs plugin.c -o plugin.so $(pkg-config --define-prefix --cflags ehdrom) \
         -L"$prefix/lib" -l:libehdrom.a -Wl,--as-needed $(pkg-config --define-prefix --static --libs ehdrom)
-    ! ldd plugin.so | grep ehdrom
+    shows_no ehdrom ldd plugin.so
     romrun scene.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     run -0 /usr/bin/python3 -c 'import ctypes
 plugin = ctypes.CDLL("./plugin.so")
@@ -121,7 +123,8 @@ print(repr(plugin.central_film(b"m.h5", b"scene.yml")))'
     for kind in $kinds; do
         run --separate-stderr use_library $kind solve m.h5 scene.yml
         echo "$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
         for name in central_film_thickness minimum_film_thickness central_pressure rigid_approach \
             exit_position load newton_iterations; do
             [ "$(value $name)" = "$(printf '%.17g' "$(number r.h5 $name)")" ] ||
@@ -133,12 +136,25 @@ import sys, h5py
 largest, peak = map(float, sys.argv[1:])
 with h5py.File("r.h5") as file:
     assert largest == file["pressure"][...].max(), largest
-assert 0.99 * largest < peak <= largest, (peak, largest)
+# each is a sum over the modes, in an order of its own
+assert 0.99 * largest < peak <= largest * (1 + 1e-15), (peak, largest)
 PYTHON
     done
     romrun scene.yml --model m.h5 --allow-untrusted -o other.h5 --quiet --set moes.M=13.5
     run use_library "${kinds##*$'\n'}" solve m.h5 scene.yml moes.M 13.5
     close_to "$(value central_film_thickness)" "$(number other.h5 central_film_thickness)" 1e-15
+}
+
+# si.yml: the scene of the model in SI units.
+si_scene() {
+    cat >si.yml <<'YAML'
+contact: line
+regime: stationary
+physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
+lubricant:
+  viscosity: {law: barus, alpha: 2.0e-8}
+  density: {law: dowson-higginson}
+YAML
 }
 
 @test "SI and dimensionless, whatever the locale" {
@@ -153,14 +169,7 @@ PYTHON
     echo "$stderr"
     [ "$status" -eq 0 ]
     output=${output//,/.}
-    cat >si.yml <<'YAML'
-contact: line
-regime: stationary
-physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
+    si_scene
     romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
     close_to "$(value central_film_thickness)" "$(number r.h5 central_film_thickness)" 1e-15
 }
@@ -185,24 +194,13 @@ YAML
         "$(romrun --print r.h5 central_film_thickness | tail -n 1 | sed 's/.*,//')" 1e-3
 }
 
-# si.yml: the scene of the model in SI units.
-si_scene() {
-    cat >si.yml <<'YAML'
-contact: line
-regime: stationary
-physical: {load: 20e3, radius: 0.01, speed: 0.0376, modulus: 220e9, viscosity: 0.02}
-lubricant:
-  viscosity: {law: barus, alpha: 2.0e-8}
-  density: {law: dowson-higginson}
-YAML
-}
-
 @test "derivatives of solutions and steps; the stiffness is the full model's" {
     si_scene
     for kind in $kinds; do
         run --separate-stderr use_library $kind derivatives m.h5 si.yml
         echo "$output$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
     done
     # of films that are carried along their paths
     { sed 's/stationary/transient/' si.yml && cat <<'YAML'; } >moving.yml
@@ -239,7 +237,8 @@ PYTHON
     for kind in $kinds; do
         run --separate-stderr use_library $kind units p.h5 point.yml
         echo "$output$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
         /usr/bin/python3 - <<PYTHON
 import math, h5py
 found = dict((name, float(value)) for name, value in map(str.split, """$output""".splitlines()))
@@ -274,14 +273,16 @@ PYTHON
     for kind in $kinds; do
         run --separate-stderr use_library $kind sizes m.h5 scene.yml
         echo "$stderr"
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
     done
 }
 
 @test "what is wrong is said in the handle" {
     run --separate-stderr use_library "${kinds##*$'\n'}" wrong m.h5 scene.yml
     echo "$output$stderr"
-    [ "$status" -eq 0 ] && [ -z "$stderr" ]
+    [ "$status" -eq 0 ]
+    [ -z "$stderr" ]
     [[ ${lines[0]} == "missing.h5: "* ]]
     [[ ${lines[1]} == "scene.yml: found "* ]]
     [[ ${lines[2]} == "physical.lod: found"*"physical.load"* ]]

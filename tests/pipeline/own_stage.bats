@@ -34,7 +34,8 @@ $1"
         deimselect --no-check r.h5 --basis b.h5 --method qr --rows $rows -o m.h5 --force
         python "open('rows.csv', 'w').write('row\n' + ''.join(f'{row}\n' for row in m['selected_row']))"
         run --separate-stderr deimselect --no-check r.h5 --basis b.h5 --rows-from rows.csv -o g.h5 --force
-        [ "$status" -eq 0 ] && [ -z "$stderr" ]
+        [ "$status" -eq 0 ]
+        [ -z "$stderr" ]
         [[ $output == "$rows rows of 121 from rows.csv, 10 unknowns"* ]]
         same_data m.h5 g.h5
         h5dump -a method g.h5 | grep '"given"'

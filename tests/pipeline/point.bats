@@ -221,5 +221,6 @@ YAML
     times >times.txt # of this shell, and of its children that ended
     awk -F '[ms ]+' -v used="$used" 'NR == 2 { exit !($1 * 60 + $2 + $3 * 60 + $4 - used < 10) }' times.txt
     grep -q "/1000 [0-9]* by [0-9]* nodes, iteration [0-9]*, residual" log
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
 }

@@ -263,7 +263,8 @@ bad_history() {
         arguments+=(--set "$setting")
     done
     refused 65 "$pattern" fullrun scene.yml -o r.h5 "${arguments[@]}"
-    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+    [ ! -e r.h5 ]
+    [ ! -e r.h5.partial ]
 }
 
 @test "values that no contact can follow are refused before any work" {
@@ -298,7 +299,8 @@ bad_table() {
     cat >table.csv
     sed 's/load:.*/load: {law: table, file: table.csv, column: load}/' scene.yml >bad.yml
     refused 65 "$1" fullrun bad.yml -o r.h5
-    [ ! -e r.h5 ] && [ ! -e r.h5.partial ]
+    [ ! -e r.h5 ]
+    [ ! -e r.h5.partial ]
 }
 
 @test "bad tables are refused with file and row" {
@@ -437,7 +439,6 @@ long_scene() {
     long_scene
     fullrun long.yml -o whole.h5 --quiet >log
     stop_when KILL "checkpoint > 0 and len(time) > checkpoint" r.h5 fullrun long.yml -o r.h5 --quiet
-    [ "$code" -eq 137 ]
     [ ! -e r.h5 ]
     # what is finished is not thrown away unasked
     cp r.h5.partial before
@@ -669,7 +670,7 @@ transient:
 YAML
     fullrun fro.yml -o whole.h5 --quiet --formulas >log
     grep -q "201 nodes from -2.5 to 2.5" log # flooded on either side
-    ! grep -q "nan\|inf" log
+    run -1 grep "nan\|inf" log
     fullrun --check whole.h5
     /usr/bin/python3 - <<'PYTHON'
 import h5py, numpy
@@ -701,7 +702,8 @@ PYTHON
     printf 'groups: [{scene: base.yml, vary: {moes.M: [11, 14], moes.L: [4]}}, {scene: fro.yml}]\n' >fro-plan.yml
     sed -i 's/^grid.*/grid: {x_min: -2.5, x_max: 2.5, step: 0.025}/' base.yml fro.yml
     refused 65 "fro-plan.yml: transient.speed: found -1 at T = 2" snapgen fro-plan.yml -o x.h5
-    [ ! -e x.h5 ] && [ ! -e x.h5.partial ]
+    [ ! -e x.h5 ]
+    [ ! -e x.h5.partial ]
     # from rest
     rest="--set transient.speed.phase=0 --set transient.speed.mean=0"
     refused 65 "found 0 at the start, expected another one, or transient.start_speed, where the approach is given" \

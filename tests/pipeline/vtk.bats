@@ -84,7 +84,8 @@ PYTHON
     # what is in the way is found before the collection is there
     rm 'a&b/t&.pvd'
     refused 73 "t&_0000.vti: found an existing file" romrun --quiet --vtk t.h5 -o 'a&b/t&.pvd'
-    [ ! -e 'a&b/t&.pvd' ] && [ ! -e 'a&b/t&.pvd.partial' ]
+    [ ! -e 'a&b/t&.pvd' ]
+    [ ! -e 'a&b/t&.pvd.partial' ]
     romrun --quiet --vtk t.h5 -o 'a&b/t&.pvd' --force
 }
 
@@ -107,7 +108,8 @@ PYTHON
     refused 73 "folder.vti: found a folder" romrun --vtk r.h5 -o folder.vti --force
     run bash -c 'ulimit -f 4; romrun --vtk r.h5 -o x.vti'
     [[ $status == 74 && $output == "romrun: x.vti: found a failed write, expected the whole file" ]]
-    [ ! -e x.vti ] && [ ! -e x.vti.partial ]
+    [ ! -e x.vti ]
+    [ ! -e x.vti.partial ]
     romrun --vtk r.h5 -o x.vti
     [ -s x.vti ]
     cp x.vti kept.vti

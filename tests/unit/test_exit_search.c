@@ -55,6 +55,50 @@ static reduced_squeeze no_squeeze(const reduced_model *model) {
     return (reduced_squeeze){.rate = 0, .previous = previous, .previous_at = nothing_previous};
 }
 
+/* A model of the line's whole basis, that solves in time with a linear solver of the test's own. */
+typedef struct own_steps {
+    reduced_problem reduced;
+    reduced_squeeze squeeze;
+    least_squares *usual; // for the steps that the own one leaves to it
+} own_steps;
+
+static void own_steps_init(own_steps *self, reduced_linear_solver *solve, void *context) {
+    reduced_settings settings = reduced_default_settings();
+
+    settings.solve_linear = solve;
+    settings.linear_context = context;
+    reduced_problem_init(&self->reduced, &line_basis, NULL, 0, &settings);
+    self->squeeze = no_squeeze(&self->reduced.model);
+    self->usual = least_squares_create(self->reduced.model.rows.num_rows + 1,
+                                       self->reduced.model.num_unknowns);
+    assert_non_null(self->usual);
+}
+
+static void own_steps_free(own_steps *self) {
+    free((void *)self->squeeze.previous);
+    least_squares_free(self->usual);
+    reduced_problem_free(&self->reduced);
+}
+
+/* Starts from the solution of a training point, [num_unknowns], which it returns, with an exit. */
+static const double *start_at(own_steps *self, size_t s, size_t exit) {
+    const size_t n = self->reduced.model.num_unknowns;
+    const double *solution = line_basis.states.coordinates + s * n;
+
+    memcpy(self->reduced.state.coordinates, solution, n * sizeof(double));
+    self->reduced.state.exit = exit;
+    return solution;
+}
+
+/* From the state that it has. */
+static void solve_on(own_steps *self, size_t s) {
+    reduced_problem *reduced = &self->reduced;
+
+    assert_int_equal(reduced_solve(&reduced->info, &reduced->state, reduced->solver,
+                                   &line.contacts[s], &self->squeeze, NULL),
+                     EHD_OK);
+}
+
 // ---- an exit that is held
 
 /* A linear solver by which the last pressure before the exit is negative and positive in turn, so
@@ -67,7 +111,7 @@ enum { NUM_SWINGS = sizeof SWINGS / sizeof *SWINGS };
 typedef struct to_and_fro {
     size_t mode; // of that pressure
     size_t calls;
-    least_squares *own;
+    least_squares *usual;
 } to_and_fro;
 
 static ehd_status go_to_and_fro(double *step, void *context, const double *matrix,
@@ -75,7 +119,7 @@ static ehd_status go_to_and_fro(double *step, void *context, const double *matri
     to_and_fro *self = context;
     const size_t call = ++self->calls;
 
-    if (call >= NUM_SWINGS) return least_squares_solve(step, self->own, matrix, right, num_rows);
+    if (call >= NUM_SWINGS) return least_squares_solve(step, self->usual, matrix, right, num_rows);
     memset(step, 0, num_unknowns * sizeof *step);
     step[self->mode] = SWINGS[call] - SWINGS[call - 1];
     step[self->mode / 2] = step[self->mode]; // which the exit never cuts
@@ -84,34 +128,21 @@ static ehd_status go_to_and_fro(double *step, void *context, const double *matri
 
 /* Solves a trained contact with its exit held so many nodes behind its place. */
 static reduced_info solve_held(size_t s, size_t behind) {
-    to_and_fro other = {0};
-    reduced_settings settings = reduced_default_settings();
-    reduced_problem reduced;
-
-    settings.solve_linear = go_to_and_fro;
-    settings.linear_context = &other;
-    reduced_problem_init(&reduced, &line_basis, NULL, 0, &settings);
-    const size_t n = reduced.model.num_unknowns;
     const size_t exit = line.set.exit[s] + behind;
-    const reduced_squeeze squeeze = no_squeeze(&reduced.model);
+    to_and_fro other;
+    own_steps own;
 
-    other.own = least_squares_create(reduced.model.rows.num_rows + 1, n);
-    assert_non_null(other.own);
-    memcpy(reduced.state.coordinates, line_basis.states.coordinates + s * n, n * sizeof(double));
+    own_steps_init(&own, go_to_and_fro, &other);
     // a mode is an inner node, from 1 on; another pressure before asks for more of it
-    other.mode = exit - 2;
-    reduced.state.coordinates[exit - 2] = SWINGS[0];
-    reduced.state.coordinates[exit - 3] = 0.01;
-    reduced.state.exit = exit;
-    assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver, &line.contacts[s],
-                                   &squeeze, NULL),
-                     EHD_OK);
-    assert_int_equal(reduced.state.exit, exit);
+    other = (to_and_fro){.mode = exit - 2, .usual = own.usual};
+    start_at(&own, s, exit);
+    own.reduced.state.coordinates[exit - 2] = SWINGS[0];
+    own.reduced.state.coordinates[exit - 3] = 0.01;
+    solve_on(&own, s);
+    assert_int_equal(own.reduced.state.exit, exit);
     assert_true(other.calls >= NUM_SWINGS);
-    free((void *)squeeze.previous);
-    least_squares_free(other.own);
-    reduced_info info = reduced.info;
-    reduced_problem_free(&reduced);
+    const reduced_info info = own.reduced.info;
+    own_steps_free(&own);
     return info;
 }
 
@@ -137,7 +168,7 @@ typedef struct back_and_on {
     size_t last, emptied; // modes
     double suction;
     size_t calls;
-    least_squares *own;
+    least_squares *usual;
 } back_and_on;
 
 static ehd_status go_back_and_on(double *step, void *context, const double *matrix,
@@ -145,7 +176,7 @@ static ehd_status go_back_and_on(double *step, void *context, const double *matr
     back_and_on *self = context;
     const size_t call = self->calls++;
 
-    if (call >= 2) return least_squares_solve(step, self->own, matrix, right, num_rows);
+    if (call >= 2) return least_squares_solve(step, self->usual, matrix, right, num_rows);
     memset(step, 0, num_unknowns * sizeof *step);
     if (call == 0)
         step[self->last] = 3e-3;
@@ -159,36 +190,22 @@ static ehd_status go_back_and_on(double *step, void *context, const double *matr
 static void an_exit_that_turns_by_more_goes_on(void **state) {
     (void)state;
     back_and_on other;
-    reduced_settings settings = reduced_default_settings();
-    reduced_problem reduced;
+    own_steps own;
 
-    settings.solve_linear = go_back_and_on;
-    settings.linear_context = &other;
-    reduced_problem_init(&reduced, &line_basis, NULL, 0, &settings);
-    const size_t n = reduced.model.num_unknowns;
-    const reduced_squeeze squeeze = no_squeeze(&reduced.model);
-    least_squares *own = least_squares_create(reduced.model.rows.num_rows + 1, n);
-
-    assert_non_null(own);
+    own_steps_init(&own, go_back_and_on, &other);
     for (size_t s = 0; s < TRAINED_STATES; s += 5) {
         const size_t place = line.set.exit[s], exit = place + 1;
-        const double *solution = line_basis.states.coordinates + s * n;
+        const double *solution = start_at(&own, s, exit);
 
         // a mode is an inner node, from 1 on
-        other = (back_and_on){.last = exit - 2, .emptied = exit - 4, .own = own};
+        other = (back_and_on){.last = exit - 2, .emptied = exit - 4, .usual = own.usual};
         other.suction = solution[other.emptied] + 1e-4;
-        memcpy(reduced.state.coordinates, solution, n * sizeof(double));
-        reduced.state.exit = exit;
-        assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
-                                       &line.contacts[s], &squeeze, NULL),
-                         EHD_OK);
+        solve_on(&own, s);
         assert_true(other.calls > 2);
-        assert_int_equal(reduced.info.status, EHD_OK);
-        assert_int_equal(reduced.state.exit, place);
+        assert_int_equal(own.reduced.info.status, EHD_OK);
+        assert_int_equal(own.reduced.state.exit, place);
     }
-    free((void *)squeeze.previous);
-    least_squares_free(own);
-    reduced_problem_free(&reduced);
+    own_steps_free(&own);
 }
 
 // ---- pressures far from the solution
@@ -200,7 +217,7 @@ typedef struct far_away {
     size_t mode;
     double suction;     // by which the pressure there changes
     size_t calls, exit; // of the second call
-    least_squares *own;
+    least_squares *usual;
 } far_away;
 
 static ehd_status go_far_away(double *step, void *context, const double *matrix,
@@ -209,7 +226,7 @@ static ehd_status go_far_away(double *step, void *context, const double *matrix,
     const size_t call = self->calls++;
 
     if (call == 1) self->exit = self->state->exit;
-    if (call >= 2) return least_squares_solve(step, self->own, matrix, right, num_rows);
+    if (call >= 2) return least_squares_solve(step, self->usual, matrix, right, num_rows);
     memset(step, 0, num_unknowns * sizeof *step);
     step[self->mode] = call == 0 ? -self->suction : self->suction;
     return EHD_OK;
@@ -219,36 +236,24 @@ static ehd_status go_far_away(double *step, void *context, const double *matrix,
 static void the_exit_stays_far_from_the_solution(void **state) {
     (void)state;
     far_away other;
-    reduced_settings settings = reduced_default_settings();
-    reduced_problem reduced;
+    own_steps own;
 
-    settings.solve_linear = go_far_away;
-    settings.linear_context = &other;
-    reduced_problem_init(&reduced, &line_basis, NULL, 0, &settings);
-    const size_t n = reduced.model.num_unknowns;
-    const reduced_squeeze squeeze = no_squeeze(&reduced.model);
-    least_squares *own = least_squares_create(reduced.model.rows.num_rows + 1, n);
-
-    assert_non_null(own);
+    own_steps_init(&own, go_far_away, &other);
     for (size_t s = 0; s < TRAINED_STATES; s += 5) {
         const size_t exit = line.set.exit[s], mode = exit - 4; // an inner node, from 1 on
-        const double *solution = line_basis.states.coordinates + s * n;
+        const double *solution = start_at(&own, s, exit);
 
-        other = (far_away){
-            .state = &reduced.state, .mode = mode, .suction = solution[mode] + 0.1, .own = own};
-        memcpy(reduced.state.coordinates, solution, n * sizeof(double));
-        reduced.state.exit = exit;
-        assert_int_equal(reduced_solve(&reduced.info, &reduced.state, reduced.solver,
-                                       &line.contacts[s], &squeeze, NULL),
-                         EHD_OK);
+        other = (far_away){.state = &own.reduced.state,
+                           .mode = mode,
+                           .suction = solution[mode] + 0.1,
+                           .usual = own.usual};
+        solve_on(&own, s);
         assert_true(other.calls > 2);
         assert_int_equal(other.exit, exit);
-        assert_int_equal(reduced.state.exit, exit);
-        assert_int_equal(reduced.info.status, EHD_OK);
+        assert_int_equal(own.reduced.state.exit, exit);
+        assert_int_equal(own.reduced.info.status, EHD_OK);
     }
-    free((void *)squeeze.previous);
-    least_squares_free(own);
-    reduced_problem_free(&reduced);
+    own_steps_free(&own);
 }
 
 // ---- exits at the ends of the band
