@@ -22,7 +22,8 @@
  *
  * A model does not change once it is open; any number of contacts in any number of threads may use
  * it. A contact is used by one thread at a time. Models may be opened in several threads too, of HDF5 files
- * not while the program itself is in HDF5 or in FFTW's planner. Nothing here prints, ends
+ * not while the program itself is in HDF5 or in FFTW's planner. HDF5 is loaded with the first of these, of which
+ * libehdrom.so.0 needs libehdrom-hdf5.so.0 beside it, and of flat models nothing. Nothing here prints, ends
  * the process, or changes its locale, its signals or its threads.
  *
  * Functions return EHDROM_OK, or an outcome, or an error; ehdrom_model_error and
@@ -85,8 +86,9 @@ typedef struct ehdrom_model_options {
     { sizeof(ehdrom_model_options), 0, 0, 0, 0 }
 
 /* Opens a model of HDF5, or a flat one (romrun --export), which is there in milliseconds, has the sizes
- * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be closed in any case, and tells the
- * error; it is NULL where there was no memory even for that. */
+ * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be
+ * closed in any case, and tells the error; it is NULL where there was no memory even for that. EHDROM_DATA: no model, or
+ * one of HDF5 where libehdrom-hdf5.so.0 or HDF5 is missing. */
 EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                            const ehdrom_model_options *options);
 /* Accepts NULL. Contacts of the model have to be freed before. */

@@ -79,9 +79,52 @@ PYTHON
     [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
-    ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
+    ! grep -qE 'NEEDED.*(umfpack|lapacke|cholmod|hdf5)' dynamic
     # its own code and data, without the OpenBLAS in it
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
+}
+
+# A model.h5 by the library in without/ is one line.
+refused() {
+    run -65 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.h5 scene.yml
+    echo "$stderr"
+    [ -z "$output" ] && [ "$(wc -l <<<"$stderr")" -eq 1 ]
+}
+
+@test "HDF5 is loaded for a model.h5 alone, by a plug-in beside the library" {
+    outside
+    ! readelf -d "$BATS_FILE_TMPDIR/use_shared" | grep -i 'NEEDED.*hdf5'
+    readelf -d "$prefix/lib/libehdrom-hdf5.so.0" | grep 'NEEDED.*hdf5'
+    [ "$(nm -D --defined-only "$prefix/lib/libehdrom-hdf5.so.0" | awk '{ print $3 }')" = ehdrom_hdf5 ]
+    romrun --export m.h5 -o m.ehdrom
+    run -0 --separate-stderr use_library shared loaded m.h5 scene.yml
+    [ "$(value hdf5)" -gt 0 ]
+    local found
+    found=$(grep -v hdf5 <<<"$output")
+    run -0 --separate-stderr use_library shared loaded m.ehdrom scene.yml
+    [ "$(value hdf5)" -eq 0 ]
+    [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
+
+    # where there is none, flat models do as well
+    mkdir without && cp "$prefix/lib/libehdrom.so.0" without
+    run -0 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.ehdrom scene.yml
+    [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
+    refused
+    [[ $stderr == "m.h5: found no flat model and no libehdrom-hdf5.so.0 ("*"No such file"*"), expected "*"romrun --export"* ]]
+    # nor HDF5
+    echo 'int nothing;' | gcc -shared -fPIC -x c - -Wl,-soname,libhdf5_gone.so -o libhdf5_gone.so
+    gcc -shared -Wl,--no-as-needed libhdf5_gone.so -o without/libehdrom-hdf5.so.0
+    refused
+    [[ $stderr == "m.h5: "*"(libhdf5_gone.so: cannot open"*"), expected "* ]]
+    # one of another version
+    echo 'const struct { unsigned long size; const char *version; } ehdrom_hdf5 = {112, "0.2.7"};' |
+        gcc -shared -fPIC -x c - -o without/libehdrom-hdf5.so.0
+    refused
+    [[ $stderr == "m.h5: found "*"libehdrom-hdf5.so.0 of version 0.2.7, expected that of the library, "* ]]
+    # something else
+    gcc -shared -fPIC -x c /dev/null -o without/libehdrom-hdf5.so.0
+    refused
+    [[ $stderr == "m.h5: "*"undefined symbol: ehdrom_hdf5), expected "* ]]
 }
 
 @test "the static library goes into a plug-in that dlopen loads" {
