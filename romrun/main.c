@@ -628,14 +628,35 @@ static void note_content(const program *self, const char *model) {
                  model, content_without_digest);
 }
 
+/* Grid and kind of a model of either format. */
+static ehd_status grid_of_model(ehd_grid *grid, const contact_kind **kind, const char *path,
+                                ehd_error *error) {
+    online_model *model = NULL;
+
+    bool is_flat = false;
+    ehd_status status = online_is_flat(&is_flat, path, error);
+    if (!status && !is_flat) return grid_of_file(grid, kind, path, error);
+    if (!status) status = online_open(&model, path, NULL, error);
+    if (!status) {
+        *grid = *online_grid(model);
+        *kind = online_kind(model);
+    }
+    online_close(model);
+    return status;
+}
+
 /* An FMU of one scene. */
 static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
+    ehd_grid of_model;
+    const contact_kind *kind = NULL;
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
     const char *const inputs[] = {self->arguments[0], options->model, NULL};
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
-    if (!status) status = contact_load(&contact, &given, &scene_lines, self, error);
+    if (!status) status = grid_of_model(&of_model, &kind, options->model, error);
+    if (!status)
+        status = contact_load(&contact, &given, &scene_lines, self, kind, options->model, error);
     const fmu_request request = {.model = options->model,
                                  .sizes = &options->sizes,
                                  .given = &given,
@@ -659,20 +680,6 @@ static int check(program *self) {
     if (!status) status = online_open(&model, self->check, NULL, &error);
     online_close(model);
     return program_finish(self, status, &error);
-}
-
-/* The grid of a model of either format. */
-static ehd_status grid_of_model(ehd_grid *grid, const char *path, ehd_error *error) {
-    const contact_kind *kind;
-    online_model *model = NULL;
-
-    bool is_flat = false;
-    ehd_status status = online_is_flat(&is_flat, path, error);
-    if (!status && !is_flat) return grid_of_file(grid, &kind, path, error);
-    if (!status) status = online_open(&model, path, NULL, error);
-    if (!status) *grid = *online_grid(model);
-    online_close(model);
-    return status;
 }
 
 // ---- many scenes
@@ -759,11 +766,13 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
-    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
+    const contact_kind *kind = NULL;
+    ehd_status status = grid_of_model(&of_model, &kind, options.model, error);
+    if (!status)
+        status = contact_load(&contact, &given, &scene_lines, self, kind, options.model, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
-    if (!status) status = grid_of_model(&of_model, options.model, error);
     if (!status) contact_take_grid(&contact, &of_model);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
     if (!status)

@@ -268,14 +268,15 @@ void grid_print(const ehd_contact *contact, const char *needed_by) {
 }
 
 ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const program *caller,
-                        ehd_error *error) {
-    const char *path = caller->arguments[0];
+                        const contact_kind *kind, const char *path, ehd_error *error) {
+    const char *from = caller->arguments[0];
     ehd_error cause = {""};
-    ehd_status status = scene_read(given, path, caller->overrides, caller->num_overrides, error);
+    ehd_status status = scene_read(given, from, caller->overrides, caller->num_overrides, error);
     if (status) return status;
 
-    status = scene_contact(contact, given, &cause);
-    if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
+    if (kind) status = scene_check_kind(given, kind, path, &cause);
+    if (!status) status = scene_contact(contact, given, &cause);
+    if (status) return ehd_fail(error, status, "%s: %s", from, cause.text);
     *text = scene_text(given);
-    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+    return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", from);
 }

@@ -81,13 +81,13 @@ void grid_print_equations(const ehd_contact *contact);
 /* Prints a contact's grid, and what it was chosen for where the scene does not give it. */
 void grid_print(const ehd_contact *contact, const char *needed_by);
 
-/* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the
- * scene. */
+/* The scene of caller->arguments[0] with its overrides, and as a contact, of the kind of a model (NULL: any), which is in
+ * `path`. `text` identifies the scene. */
 ehd_status contact_load(
     // output:
     ehd_contact *contact, scene *given,
     char **text, // free with free()
     // input:
-    const program *caller, ehd_error *error);
+    const program *caller, const contact_kind *kind, const char *path, ehd_error *error);
 
 #endif

@@ -230,6 +230,9 @@ ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_con
         status = ehd_fail(error, EHD_DATA,
                           "units: found moes.M and moes.L, expected physical.load and the others, "
                           "or EHDROM_DIMENSIONLESS");
+    if (!status)
+        status = scene_check_kind(of, online_kind(self->model->online),
+                                  online_path(self->model->online), error);
     if (!status) status = scene_contact(contact, of, error);
     if (!status) *units = units_of(contact, of, self->dimensionless);
     return status;

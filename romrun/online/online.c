@@ -247,6 +247,10 @@ const contact_kind *online_kind(const online_model *model) {
     return model->reduced.kind;
 }
 
+const char *online_path(const online_model *model) {
+    return model->path;
+}
+
 const ehd_grid *online_grid(const online_model *model) {
     return &model->reduced.grid;
 }

@@ -103,6 +103,8 @@ extern const double online_accuracy;
 /* Kind of contact and grid of the model. */
 const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
+/* The file that it was opened from. */
+const char *online_path(const online_model *model);
 
 /* Memory of one solver; the model must outlive it. */
 ehd_status online_solver_create(online_solver **solver, const online_model *model,

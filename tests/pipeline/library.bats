@@ -331,6 +331,7 @@ PYTHON
     [[ ${lines[3]} == "physical.load: found nan, expected a number from "* ]]
     [[ ${lines[4]} == "units: found moes.M and moes.L"* ]]
     [[ ${lines[5]} == "result: found a model never checked"* ]]
+    [[ ${lines[6]} == "contact: found point, expected line as in m.h5" ]]
 }
 
 @test "threads share a model; none is begun, no signal is caught" {

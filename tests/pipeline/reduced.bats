@@ -314,6 +314,9 @@ YAML
     # as many nodes elsewhere
     refuse 65 "found a line contact with 121 nodes from -3.95 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.x_min=-3.95 --set grid.x_max=2.05
+    # of another kind, before the millions of nodes that it would have
+    refuse 65 "scene.yml: contact: found point, expected line as in m.h5" \
+        romrun scene.yml --model m.h5 -o x.h5 --set contact=point --set grid.step=0.001
 }
 
 @test "residuals of another basis, and a model of another contact" {

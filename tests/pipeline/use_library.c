@@ -439,6 +439,11 @@ static void wrong(char **argv) {
     CHECK(!ehdrom_contact_set_accuracy(contact, 0.01));
     CHECK(ehdrom_solve(contact, &result) == EHDROM_UNTRUSTED && !result.trusted);
     printf("%s\n", ehdrom_contact_error(contact));
+    // another kind is told before what it leads to: millions of nodes
+    CHECK(!ehdrom_contact_set(contact, "contact", "point"));
+    CHECK(!ehdrom_contact_set(contact, "grid.step", "0.001"));
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
+    printf("%s\n", ehdrom_contact_error(contact));
     ehdrom_contact_free(contact);
     ehdrom_contact_free(NULL);
     ehdrom_model_close(model);
