@@ -64,7 +64,7 @@ typedef struct online_result {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED, also where the pressure cannot be one;
                              // EHD_UNTRUSTED: solved, but outside of the trained range, or a false
                              // solution by its residual or iterations
-    const char *reason;      // why it is not EHD_OK, or ""
+    const char *reason;      // why it is not EHD_OK, or "", until the solver's next one
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     double peak_pressure;    // the largest at the nodes that the solution looks at
     size_t iterations;
