@@ -196,6 +196,8 @@ static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
     scene_set(of, "regime", in_time ? "transient" : "stationary", NULL, NULL);
     if (in_time) {
         scene_set(of, "transient.end_time", "1", NULL, NULL); // which a scene needs
+        // any step may be given the approach, whatever the scene's own closure
+        if (isnan(of->approach_length)) of->approach_length = far_approach_length;
         if (!*of->transport) scene_set(of, "transport", properties.transport, NULL, NULL);
     } else {
         scene_set(of, "closure", "load", NULL, NULL);

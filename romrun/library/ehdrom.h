@@ -180,7 +180,7 @@ typedef struct ehdrom_result {
     double time;          /* s; 0 of a stationary solution */
     double load;          /* N/m or N: the force between the bodies */
     /* m, H0 a^2/R: how far they are from touching undeformed; of a line contact as measured from 1 half
-     * width by ehdrom_solve, in time from approach_length half widths */
+     * width by ehdrom_solve, in time from approach_length half widths (10 unless set) */
     double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
@@ -217,9 +217,8 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  *     }
  *
  * A step is BDF2, the first one BDF1. The settings are the reference: what conditions do not give
- * stays as it is set. Where the approach is given, that of a line contact is measured from
- * approach_length half widths, at least half the grid's length. Unless set it is 10 with "closure" set
- * to "approach", else 1, which is too near: ehdrom_contact_set(contact, "approach_length", "10"). */
+ * stays as it is set. The approach of a line contact is measured from approach_length half widths, 10
+ * unless set; where it is given they have to be at least half the grid's length. */
 
 enum {
     EHDROM_LOAD = 1,

@@ -405,6 +405,19 @@ for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, s
         assert text in str(error), error
     else:
         raise AssertionError(wrong)
+# the approach that the load leads to, given, whatever the closure of the scene
+held = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+now = held.start()
+assert abs(held.step(0.01 * time, approach=now.approach).load / 20e3 - 1) < 1e-3
+held["approach_length"] = 10
+assert held.start().approach == now.approach
+held["approach_length"] = 1
+try:
+    held.start(approach=now.approach)
+except ehdrom.Error as error:
+    assert "approach_length: found 1, expected at least 3" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
