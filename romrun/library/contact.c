@@ -129,6 +129,31 @@ ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, d
     return (ehdrom_status)status;
 }
 
+static ehd_status get(const ehdrom_contact *self, const char *key, char *text, size_t size,
+                      ehd_error *error) {
+    const setting *row = setting_find(key);
+
+    if (!row) return setting_unknown(error, (place){0}, key);
+    if (size == 0) return ehd_fail(error, EHD_DATA, "%s: found no room, expected some", key);
+    *text = '\0';
+    if (!setting_is_given(row, &self->settings)) return EHD_OK;
+    const size_t length = setting_show(text, size, row, &self->settings);
+    return length < size
+               ? EHD_OK
+               : ehd_fail(error, EHD_DATA, "%s: found room for %zu characters, expected %zu", key,
+                          size, length + 1);
+}
+
+ehdrom_status ehdrom_contact_get(ehdrom_contact *self, const char *key, char *text, size_t size) {
+    ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = get(self, key, text, size, &self->error);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
 ehdrom_status ehdrom_contact_set_units(ehdrom_contact *self, int units) {
     const ehd_status status = library_begin(self);
 

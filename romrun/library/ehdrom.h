@@ -88,7 +88,8 @@ typedef struct ehdrom_model_options {
 /* Opens a model of HDF5, or a flat one (romrun --export), which is there in milliseconds, has the sizes
  * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be
  * closed in any case, and tells the error; it is NULL where there was no memory even for that. EHDROM_DATA: no model, or
- * one of HDF5 where libehdrom-hdf5.so.0 or HDF5 is missing. */
+ * one of HDF5 where libehdrom-hdf5.so.0 or HDF5 is missing. Checksums are looked at,
+ * which is half of what opening a flat model takes, unless the environment has EHDROM_DIGEST=no. */
 EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                            const ehdrom_model_options *options);
 /* Accepts NULL. Contacts of the model have to be freed before. */
@@ -136,6 +137,10 @@ EHDROM_API ehdrom_status ehdrom_contact_set(ehdrom_contact *contact, const char 
                                             const char *value);
 EHDROM_API ehdrom_status ehdrom_contact_set_number(ehdrom_contact *contact, const char *key,
                                                    double value);
+/* The text that one is set to, numbers with all digits, "" where it is not; defaults that depend on others are not
+ * filled in. EHDROM_DATA: no such key, or no room for it in `size` characters. */
+EHDROM_API ehdrom_status ehdrom_contact_get(ehdrom_contact *contact, const char *key, char *text,
+                                            size_t size);
 
 enum {
     EHDROM_SI = 0,
@@ -145,7 +150,10 @@ enum {
 };
 EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int units);
 
-/* A result that is indicated to be further off is EHDROM_UNTRUSTED; 0.01 unless set. */
+/* A result that is indicated to be further off is EHDROM_UNTRUSTED; 0.01 unless set. INFINITY: whatever is
+ * indicated, and also by a model that was never checked. What lies outside of the training is untrusted all the
+ * same, and so are steps of a contact that changes faster than any in training, by a model without a check in
+ * time, which could not tell what that does. */
 EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
 
 /* ehdrom_solve iterates until another iteration is expected to change the central film by a smaller

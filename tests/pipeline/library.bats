@@ -364,6 +364,7 @@ with h5py.File("r.h5") as file:
     assert numpy.allclose(x, file["x"][...], rtol=0, atol=1e-12) and y.shape == (1,)
 untrusted = ehdrom.Contact(model, "si.yml").solve()
 assert not untrusted.trusted and f"load={untrusted.load:.6g}, " in repr(untrusted) and "never checked" in repr(untrusted)
+assert repr(model) == "Model('m.h5': 121 by 1 nodes, 9 pressure modes, 18 rows)", repr(model)
 try:
     ehdrom.Contact("m.h5")
 except TypeError as error:
@@ -377,6 +378,18 @@ for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("phys
         assert "expected" in str(error) or "none.h5" in str(error), error
     else:
         raise AssertionError("nothing raised")
+
+# settings read back: the bits of numbers, choices, flags, what is not set
+contact["physical.load"], contact["output.fields"], contact["grid.step"] = 0.1 + 20e3, False, None
+assert contact["physical.load"] == 0.1 + 20e3 and contact["lubricant.viscosity.law"] == "barus"
+assert contact["output.fields"] is False and contact["grid.step"] is None and contact["contact"] == "line"
+contact["output.fields"] = None
+try:
+    contact["physical.lod"]
+except ehdrom.Error as error:
+    assert "physical.load" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 
 # a number replaced after a solution counts as one set before the first
 contact["physical.load"] = 20.5e3
@@ -427,6 +440,7 @@ solved = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 solved.solve()
 by_load, by_approach = solved.differentiate(load=1), solved.differentiate(approach=1)
 assert abs(by_approach.load * by_load.approach / by_load.load - 1) < 1e-9 and by_approach.load < 0
+assert repr(by_load).startswith(f"Derivatives(load={by_load.load:.6g}, approach={by_load.approach:.6g}, "), repr(by_load)
 faster = solved.differentiate(speed=1, approach=0)
 assert faster.load > 0 and abs(faster.approach) < 1e-9 * abs(by_load.approach * faster.load)
 response = solved.respond()
@@ -473,6 +487,10 @@ assert len(set(found)) == 1 and found[0] > 0
 PYTHON
     /usr/bin/python3 -B "$root/romrun/python/examples/sweep.py" m.h5 si.yml 0.03 0.045 sweep.png
     [ "$(head -c 4 sweep.png | tail -c 3)" = PNG ]
+    for example in sweep mass; do
+        run -64 --separate-stderr /usr/bin/python3 -B "$root/romrun/python/examples/$example.py"
+        [[ $stderr == "usage: $example.py MODEL SCENE.yml "* && $(wc -l <<<"$stderr") -eq 1 ]]
+    done
     # a mass swings about where the load is 2 % higher
     /usr/bin/python3 -B "$root/romrun/python/examples/mass.py" m.h5 si.yml 2400 0.005 >mass.csv
     awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv

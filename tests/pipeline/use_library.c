@@ -409,6 +409,11 @@ static void wrong(char **argv) {
     ehdrom_model_close(none);
 
     contact = new_contact(model, argv[3]);
+    char text[8] = "before";
+    CHECK(!ehdrom_contact_get(contact, "contact", text, sizeof text) && strcmp(text, "line") == 0);
+    CHECK(!ehdrom_contact_get(contact, "physical.load", text, sizeof text) && !*text);
+    CHECK(ehdrom_contact_get(contact, "lubricant.density.law", text, sizeof text) == EHDROM_DATA);
+    CHECK(strstr(ehdrom_contact_error(contact), "found room for 8 characters, expected 17"));
     CHECK(ehdrom_contact_set(contact, "physical.lod", "1") == EHDROM_DATA);
     printf("%s\n", ehdrom_contact_error(contact));
     CHECK(ehdrom_contact_set_number(contact, "physical.load", NAN) == EHDROM_DATA);
