@@ -49,34 +49,40 @@ MAKEFLAGS += --no-builtin-rules --no-print-directory
 PROGRAM_FOLDERS := fullrun snapgen podbuild deimselect romrun
 MAINS           := $(wildcard $(PROGRAM_FOLDERS:%=%/main.c))
 FMU_ONLY        := romrun/fmu/processor.c romrun/fmu/no_hdf5.c
-LIB_SOURCES     := $(sort $(filter-out $(MAINS) $(FMU_ONLY),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
+HDF5_APART      := romrun/library/hdf5_calls.c romrun/library/hdf5_load.c romrun/library/hdf5_plugin.c
+LIB_SOURCES     := $(sort $(filter-out $(MAINS) $(FMU_ONLY) $(HDF5_APART),$(wildcard common/*/*.c $(PROGRAM_FOLDERS:%=%/*.c) $(PROGRAM_FOLDERS:%=%/*/*.c))))
 UNIT_SOURCES    := $(sort $(wildcard tests/unit/*.c))
 BENCH_SOURCES   := $(sort $(wildcard tests/bench/*.c))
 FUZZ_SOURCES    := $(sort $(wildcard tests/fuzz/*.c))
 HEADERS         := $(sort $(wildcard */*.h */*/*.h))
 FAULT_SOURCES   := $(sort $(wildcard tests/fault/*.c))
-SOURCES         := $(MAINS) $(LIB_SOURCES) $(FMU_ONLY) $(UNIT_SOURCES) $(BENCH_SOURCES) $(FUZZ_SOURCES)
+SOURCES         := $(MAINS) $(LIB_SOURCES) $(FMU_ONLY) $(HDF5_APART) $(UNIT_SOURCES) $(BENCH_SOURCES) $(FUZZ_SOURCES)
 
 LIB_OBJECTS := $(LIB_SOURCES:%.c=$(BUILD)/%.o)
 
 # What is installed for other programs: objects of the rooms that it may use, position independent.
 LIBRARY_SOURCES := $(filter common/% romrun/model/% romrun/online/% romrun/library/%,$(LIB_SOURCES))
 LIBRARY_OBJECTS := $(LIBRARY_SOURCES:%.c=$(BUILD)/pic/%.o)
+# The shared one is without HDF5, which is in a second one that it loads for a model.h5 (romrun/library/hdf5_calls.h).
+WITHOUT_HDF5    := $(filter-out common/artefact/%,$(LIBRARY_SOURCES)) common/artefact/schemas.c romrun/library/hdf5_calls.c
+SHARED_OBJECTS  := $(patsubst %.c,$(BUILD)/pic/%.o,$(WITHOUT_HDF5) romrun/library/hdf5_load.c)
+PLUGIN_OBJECTS  := $(patsubst %.c,$(BUILD)/pic/%.o,$(filter common/program/% common/artefact/%,$(LIBRARY_SOURCES)) \
+                   romrun/library/hdf5_plugin.c)
 LIBRARY_EXPORTS := romrun/library/ehdrom.map
 SONAME          := libehdrom.so.0
 SHARED_LIBRARY  := $(BUILD)/lib/libehdrom.so.$(VERSION)
+PLUGIN          := $(BUILD)/lib/libehdrom-hdf5.so.0
 STATIC_LIBRARY  := $(BUILD)/lib/libehdrom.a
 HEADER          := $(BUILD)/include/ehdrom.h
 PC_FILE         := $(BUILD)/lib/pkgconfig/ehdrom.pc
 LIBRARY_LINKS   := $(BUILD)/lib/$(SONAME) $(BUILD)/lib/libehdrom.so
 # where they will be installed below PREFIX, so that scenes find them in either place
-LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(STATIC_LIBRARY) $(PC_FILE)
+LIBRARY         := $(HEADER) $(SHARED_LIBRARY) $(LIBRARY_LINKS) $(PLUGIN) $(STATIC_LIBRARY) $(PC_FILE)
 # What romrun puts into FMUs, of the same flags in all variants, where the standard's names for x86-64 apply.
 FMU         := build/fmu
 FMU_SOURCES := romrun/fmu/processor.c romrun/fmu/fmi2.c romrun/fmu/fmi3.c romrun/fmu/instance.c romrun/fmu/variables.c
 # without HDF5, since the model in an FMU is a flat file
-FMU_LIBRARY := $(filter-out common/artefact/% common/output/% common/training/% romrun/model/model_read.c,$(LIBRARY_SOURCES)) \
-               common/output/grid_file.c romrun/fmu/no_hdf5.c
+FMU_LIBRARY := $(WITHOUT_HDF5) romrun/fmu/no_hdf5.c
 FMU_CORES   := $(FMU)/any.o $(FMU)/v3.o
 USE_FMU     := $(if $(filter x86_64,$(shell uname -m)),$(FMU)/use_fmu)
 FMU_FILES   := $(if $(filter x86_64,$(shell uname -m)),$(BUILD)/lib/ehdrom/fmu.so $(BUILD)/lib/ehdrom/licenses)
@@ -132,6 +138,7 @@ LIBRARY_BLAS     = $(eval LIBRARY_BLAS := -l:liblapacke.a $$(shell pkg-config --
                    -l:libopenblas.a -l:libgfortran.a -l:libquadmath.a)$(LIBRARY_BLAS)
 LIBRARY_LIBS     = $(eval LIBRARY_LIBS := $$(filter-out -lgslcblas,$$(shell pkg-config --libs $(LIBRARY_MODULES))) \
                    -lhdf5_serial_hl -lm)$(LIBRARY_LIBS)
+PLUGIN_LIBS      = $(eval PLUGIN_LIBS := $$(shell pkg-config --libs hdf5-serial nettle) -lhdf5_serial_hl -lm)$(PLUGIN_LIBS)
 
 WARNINGS     := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 ALL_CPPFLAGS  = -I. -D_GNU_SOURCE $(CPPFLAGS) $(PKG_CFLAGS) -isystem /usr/include/suitesparse
@@ -231,7 +238,7 @@ $(MAN_PAGES): $(BUILD)/man/%.1: $(BIN)/%
 
 PYTHON_PACKAGE := $(BUILD)/python/ehdrom
 python: $(LIBRARY) ## the Python package, with its library: PYTHONPATH=build/release/python
-	@mkdir -p $(PYTHON_PACKAGE) && cp -L romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PYTHON_PACKAGE)
+	@mkdir -p $(PYTHON_PACKAGE) && cp -L romrun/python/ehdrom/__init__.py romrun/python/ehdrom/ehdrom.h $(SHARED_LIBRARY) $(PLUGIN) $(PYTHON_PACKAGE)
 	@ln -sf $(notdir $(SHARED_LIBRARY)) $(PYTHON_PACKAGE)/$(SONAME)
 	@echo 'PYTHONPATH=$(abspath $(BUILD)/python)'
 
@@ -371,10 +378,14 @@ $(filter $(BUILD)/pic/common/program/%,$(LIBRARY_OBJECTS)): $(BUILD)/revision
 
 exported = $(shell sed -n 's/^ *\(ehdrom_[a-z_]*\);/\1/p' $(LIBRARY_EXPORTS))
 
-$(SHARED_LIBRARY): $(LIBRARY_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
-	$(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -shared $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(LIBRARY_OBJECTS) \
-	    -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) -Wl,--gc-sections -Wl,-z,defs,-z,relro \
-	    $(LIBRARY_BLAS) $(LIBRARY_LIBS)
+link_shared = $(call quiet,LINK,$@)mkdir -p $(@D) && $(CC) -shared $(ALL_CFLAGS) $(ALL_LDFLAGS) -o $@ $(filter %.o,$^) \
+              -Wl,--gc-sections -Wl,-z,defs,-z,relro
+
+$(SHARED_LIBRARY): $(SHARED_OBJECTS) $(LIBRARY_EXPORTS) $(BUILD)/objects
+	$(link_shared) -Wl,-soname,$(SONAME) -Wl,--version-script=$(LIBRARY_EXPORTS) $(LIBRARY_BLAS) $(LIBRARY_LIBS)
+
+$(PLUGIN): $(PLUGIN_OBJECTS) $(BUILD)/objects
+	$(link_shared) -Wl,-soname,$(@F) $(PLUGIN_LIBS)
 
 $(HEADER): romrun/library/ehdrom.h
 	@mkdir -p $(@D) && cp $< $@
@@ -473,7 +484,7 @@ $(FUZZER): LDFLAGS += -fsanitize=fuzzer -Wl,--wrap=strcmp
 $(REPLAY) $(FUZZER): $(BUILD)/fuzz/%: $(BUILD)/tests/fuzz/%.o $(FUZZ_SHARED) $(LIB)
 	$(call quiet,LINK,$@)$(link) $(ALL_LIBS)
 
--include $(LIBRARY_OBJECTS:%.o=%.d)
+-include $(patsubst %.o,%.d,$(sort $(LIBRARY_OBJECTS) $(SHARED_OBJECTS) $(PLUGIN_OBJECTS)))
 -include $(patsubst %.c,$(FMU)/any/%.d,$(FMU_LIBRARY) $(FMU_SOURCES)) $(FMU_LIBRARY:%.c=$(FMU)/v3/%.d)
 -include $(FUZZ_SHARED:%.o=%.d)
 -include $(patsubst %.c,$(BUILD)/%.d,$(SOURCES))

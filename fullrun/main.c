@@ -486,7 +486,8 @@ static ehd_status run(const program *self, const fullrun_options *options, ehd_e
     ehd_contact contact;
     scene given;
     char *text = NULL;
-    ehd_status status = contact_load(&contact, &given, &text, self, error);
+    ehd_status status = scene_load(&given, &text, self, error);
+    if (!status) status = contact_load(&contact, &given, self, NULL, NULL, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (transient) status = widen_for_reversal(&contact, &given, error);

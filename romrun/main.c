@@ -632,12 +632,17 @@ static void note_content(const program *self, const char *model) {
 
 /* An FMU of one scene. */
 static ehd_status export_fmu(const program *self, const romrun_options *options, ehd_error *error) {
+    online_model *model = NULL;
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
     const char *const inputs[] = {self->arguments[0], options->model, NULL};
     ehd_status status = output_file_check_inputs(self->output, inputs, error);
-    if (!status) status = contact_load(&contact, &given, &scene_lines, self, error);
+    if (!status) status = scene_load(&given, &scene_lines, self, error);
+    if (!status) status = online_open(&model, options->model, &options->sizes, error);
+    if (!status)
+        status = contact_load(&contact, &given, self, online_kind(model), options->model, error);
+    online_close(model);
     const fmu_request request = {.model = options->model,
                                  .sizes = &options->sizes,
                                  .given = &given,
@@ -747,13 +752,17 @@ static ehd_status run_scene(const program *self, const romrun_options *given_opt
     ehd_contact contact;
     scene given;
     char *scene_lines = NULL;
-    ehd_status status = contact_load(&contact, &given, &scene_lines, self, error);
+    ehd_status status = scene_load(&given, &scene_lines, self, error);
     bool transient = !status && strcmp(given.regime, "transient") == 0;
 
     if (!status) status = check_regime(&options, transient, error);
     if (!status && options.accuracy > 0) status = choose_sizes(&options, self, transient, error);
     if (!status) status = online_open(&model, options.model, &options.sizes, error);
-    if (!status) {
+    if (!status)
+        status = contact_load(&contact, &given, self, online_kind(model), options.model, error);
+    if (status) {
+        online_close(model);
+    } else {
         contact_take_grid(&contact, online_grid(model));
         status = transient
                      ? run_transient(self, &options, model, &contact, &given, scene_lines, error)

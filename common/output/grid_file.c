@@ -267,15 +267,20 @@ void grid_print(const ehd_contact *contact, const char *needed_by) {
     printf("%s%s\n", chosen ? ", as wide and fine as needed by " : "", chosen ? needed_by : "");
 }
 
-ehd_status contact_load(ehd_contact *contact, scene *given, char **text, const program *caller,
-                        ehd_error *error) {
+ehd_status scene_load(scene *given, char **text, const program *caller, ehd_error *error) {
     const char *path = caller->arguments[0];
-    ehd_error cause = {""};
     ehd_status status = scene_read(given, path, caller->overrides, caller->num_overrides, error);
     if (status) return status;
 
-    status = scene_contact(contact, given, &cause);
-    if (status) return ehd_fail(error, status, "%s: %s", path, cause.text);
     *text = scene_text(given);
     return *text ? EHD_OK : ehd_fail(error, EHD_MEMORY, "%s: found no memory", path);
+}
+
+ehd_status contact_load(ehd_contact *contact, const scene *given, const program *caller,
+                        const contact_kind *kind, const char *model, ehd_error *error) {
+    ehd_error cause = {""};
+    ehd_status status = kind ? scene_check_kind(given, kind, model, &cause) : EHD_OK;
+
+    if (!status) status = scene_contact(contact, given, &cause);
+    return status ? ehd_fail(error, status, "%s: %s", caller->arguments[0], cause.text) : EHD_OK;
 }

@@ -81,13 +81,11 @@ void grid_print_equations(const ehd_contact *contact);
 /* Prints a contact's grid, and what it was chosen for where the scene does not give it. */
 void grid_print(const ehd_contact *contact, const char *needed_by);
 
-/* The scene of caller->arguments[0] with its overrides, and as a contact. `text` identifies the
- * scene. */
-ehd_status contact_load(
-    // output:
-    ehd_contact *contact, scene *given,
-    char **text, // free with free()
-    // input:
-    const program *caller, ehd_error *error);
+/* The scene of caller->arguments[0] with its overrides. `text` identifies it; free with free(). */
+ehd_status scene_load(scene *given, char **text, const program *caller, ehd_error *error);
+
+/* The loaded scene as a contact, of the kind that the file `model` has (NULL: any). */
+ehd_status contact_load(ehd_contact *contact, const scene *given, const program *caller,
+                        const contact_kind *kind, const char *model, ehd_error *error);
 
 #endif

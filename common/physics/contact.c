@@ -402,8 +402,10 @@ static ehd_status contact_from_physical(ehd_contact *contact, const contact_sett
     return EHD_OK;
 }
 
+const double far_approach_length = 10;
+
 ehd_status contact_init(ehd_contact *contact, const contact_settings *given, ehd_error *error) {
-    const double default_length = given->approach_given ? 10 : 1;
+    const double default_length = given->approach_given ? far_approach_length : 1;
 
     *contact = (ehd_contact){
         .kind = given->kind,

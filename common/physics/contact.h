@@ -217,16 +217,20 @@ typedef struct contact_scalars {
 typedef struct contact_settings {
     const contact_kind *kind;
     lubricant_settings lubricant;
-    double moes_M, moes_L;  // 1; NaN: by the next five, which are otherwise not used
-    double load;            // N/m of a line contact, N of a point contact
-    double radius;          // m
-    double speed;           // m/s, mean of the two surfaces
-    double modulus;         // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
-    double viscosity;       // Pa s at zero pressure
-    double hertz_pressure;  // Pa; NaN: the one that M, L and the lubricant imply
-    bool approach_given;    // instead of the load
-    double approach_length; // reference half widths; NaN: 10 where the approach is given, else 1
+    double moes_M, moes_L; // 1; NaN: by the next five, which are otherwise not used
+    double load;           // N/m of a line contact, N of a point contact
+    double radius;         // m
+    double speed;          // m/s, mean of the two surfaces
+    double modulus;        // Pa, E' = 2/[(1-nu1^2)/E1 + (1-nu2^2)/E2]
+    double viscosity;      // Pa s at zero pressure
+    double hertz_pressure; // Pa; NaN: the one that M, L and the lubricant imply
+    bool approach_given;   // instead of the load
+    double
+        approach_length; // reference half widths; NaN: far_approach_length where the approach is given, else 1
 } contact_settings;
+
+/* 10 half widths: where the approach of a line contact is given, farther off than half of most grids. */
+extern const double far_approach_length;
 
 /* A contact without grid. Returns EHD_OK, or EHD_DATA: lubricant constants, Hertz pressure beyond
  * the viscosity law's limit, viscosity that contradicts the law. */

@@ -15,6 +15,19 @@ ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_e
         contact->moes_L, MAX_NODES);
 }
 
+static const contact_kind *kind_of(const scene *given) {
+    return *given->contact ? contact_kind_find(given->contact) : &contact_line;
+}
+
+ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const char *path,
+                            ehd_error *error) {
+    const contact_kind *found = kind_of(given);
+
+    return found == kind ? EHD_OK
+                         : ehd_fail(error, EHD_DATA, "contact: found %s, expected %s as in %s",
+                                    found->name, kind->name, path);
+}
+
 ehd_status scene_check_approach(const scene *given, const ehd_contact *contact, ehd_error *error) {
     return strcmp(given->closure, "approach") == 0 ? contact_check_approach(contact, error)
                                                    : EHD_OK;
@@ -38,7 +51,7 @@ ehd_status scene_contact(ehd_contact *contact, const scene *given, ehd_error *er
                         "scene finds the load of an approach");
 
     const contact_settings settings = {
-        .kind = *given->contact ? contact_kind_find(given->contact) : &contact_line,
+        .kind = kind_of(given),
         .lubricant = given->lubricant,
         .moes_M = given->moes.M,
         .moes_L = given->moes.L,

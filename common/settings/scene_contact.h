@@ -16,6 +16,11 @@ ehd_status scene_contact(
     // input:
     const scene *given, ehd_error *error);
 
+/* Before it, where the contact has to be of the kind of the model in `path`: EHD_DATA. Else what follows from
+ * another kind, such as a grid of too many nodes, would be told first. */
+ehd_status scene_check_kind(const scene *given, const contact_kind *kind, const char *path,
+                            ehd_error *error);
+
 /* Puts another grid in place of the one of scene_contact: `needed` where the scene does not say.
  * EHD_DATA: too many nodes. */
 ehd_status scene_set_grid(ehd_contact *contact, const grid_extent *needed, ehd_error *error);

@@ -487,21 +487,36 @@ static void print_text(FILE *stream, const char *text) {
     if (quoted) fputc('\'', stream);
 }
 
-void setting_print(FILE *stream, const setting *row, const scene *of) {
+size_t setting_show(char *text, size_t size, const setting *row, const scene *of) {
     char number[NUMBER_TEXT];
-    fprintf(stream, "%s: ", row->key);
+    const char *shown = number;
+
     switch (row->type) {
     case SETTING_REAL:
         number_show(number, real_at(row, of));
-        fputs(number, stream);
         break;
     case SETTING_WHOLE:
-        fprintf(stream, "%d", whole_at(row, of));
+        snprintf(number, sizeof number, "%d", whole_at(row, of));
         break;
     case SETTING_FLAG:
-        fputs(whole_at(row, of) ? "true" : "false", stream);
+        shown = whole_at(row, of) ? "true" : "false";
         break;
     default:
+        shown = const_text_at(row, of);
+    }
+    return (size_t)snprintf(text, size, "%s", shown);
+}
+
+void setting_print(FILE *stream, const setting *row, const scene *of) {
+    char value[NUMBER_TEXT];
+    const bool number =
+        row->type == SETTING_REAL || row->type == SETTING_WHOLE || row->type == SETTING_FLAG;
+
+    fprintf(stream, "%s: ", row->key);
+    if (number) {
+        setting_show(value, sizeof value, row, of);
+        fputs(value, stream);
+    } else {
         print_text(stream, const_text_at(row, of));
     }
     fputc('\n', stream);

@@ -49,6 +49,9 @@ void setting_clear(const setting *row, scene *of);
 /* Negative, 0 or positive, as strcmp; a value that is not given is less than any other. */
 int setting_compare(const setting *row, const scene *left, const scene *right);
 
+/* The value as setting_assign takes it; it must be given. Returns how long it is, as snprintf. */
+size_t setting_show(char *text, size_t size, const setting *row, const scene *of);
+
 /* Prints "key: value"; the value must be given. */
 void setting_print(FILE *stream, const setting *row, const scene *of);
 

@@ -129,6 +129,31 @@ ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, d
     return (ehdrom_status)status;
 }
 
+static ehd_status get(const ehdrom_contact *self, const char *key, char *text, size_t size,
+                      ehd_error *error) {
+    const setting *row = setting_find(key);
+
+    if (!row) return setting_unknown(error, (place){0}, key);
+    if (size == 0) return ehd_fail(error, EHD_DATA, "%s: found no room, expected some", key);
+    *text = '\0';
+    if (!setting_is_given(row, &self->settings)) return EHD_OK;
+    const size_t length = setting_show(text, size, row, &self->settings);
+    return length < size
+               ? EHD_OK
+               : ehd_fail(error, EHD_DATA, "%s: found room for %zu characters, expected %zu", key,
+                          size, length + 1);
+}
+
+ehdrom_status ehdrom_contact_get(ehdrom_contact *self, const char *key, char *text, size_t size) {
+    ehd_status status = library_begin(self);
+
+    if (status) return (ehdrom_status)status;
+    const locale_t before = library_enter();
+    status = get(self, key, text, size, &self->error);
+    library_leave(before);
+    return (ehdrom_status)status;
+}
+
 ehdrom_status ehdrom_contact_set_units(ehdrom_contact *self, int units) {
     const ehd_status status = library_begin(self);
 
@@ -196,6 +221,8 @@ static void take_regime(scene *of, const ehdrom_contact *self, bool in_time) {
     scene_set(of, "regime", in_time ? "transient" : "stationary", NULL, NULL);
     if (in_time) {
         scene_set(of, "transient.end_time", "1", NULL, NULL); // which a scene needs
+        // any step may be given the approach, whatever the scene's own closure
+        if (isnan(of->approach_length)) of->approach_length = far_approach_length;
         if (!*of->transport) scene_set(of, "transport", properties.transport, NULL, NULL);
     } else {
         scene_set(of, "closure", "load", NULL, NULL);
@@ -230,6 +257,9 @@ ehd_status library_contact(ehd_contact *contact, unit_factors *units, ehdrom_con
         status = ehd_fail(error, EHD_DATA,
                           "units: found moes.M and moes.L, expected physical.load and the others, "
                           "or EHDROM_DIMENSIONLESS");
+    if (!status)
+        status = scene_check_kind(of, online_kind(self->model->online),
+                                  online_path(self->model->online), error);
     if (!status) status = scene_contact(contact, of, error);
     if (!status) *units = units_of(contact, of, self->dimensionless);
     return status;

@@ -7,10 +7,10 @@
 /* The contact of the last ehdrom_solve, with its approach as measured from where that of a line contact means
  * something: the distance that is set, or that of scenes with a given approach. */
 static ehd_contact contact_from_afar(const ehdrom_contact *self) {
-    const double usual = 10, length = self->settings.approach_length;
+    const double length = self->settings.approach_length;
     ehd_contact contact = self->solved;
 
-    contact.approach_length = isnan(length) ? usual : length;
+    contact.approach_length = isnan(length) ? far_approach_length : length;
     return contact;
 }
 

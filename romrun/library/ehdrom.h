@@ -22,7 +22,8 @@
  *
  * A model does not change once it is open; any number of contacts in any number of threads may use
  * it. A contact is used by one thread at a time. Models may be opened in several threads too, of HDF5 files
- * not while the program itself is in HDF5 or in FFTW's planner. Nothing here prints, ends
+ * not while the program itself is in HDF5 or in FFTW's planner. HDF5 is loaded with the first of these, of which
+ * libehdrom.so.0 needs libehdrom-hdf5.so.0 beside it, and of flat models nothing. Nothing here prints, ends
  * the process, or changes its locale, its signals or its threads.
  *
  * Functions return EHDROM_OK, or an outcome, or an error; ehdrom_model_error and
@@ -85,8 +86,10 @@ typedef struct ehdrom_model_options {
     { sizeof(ehdrom_model_options), 0, 0, 0, 0 }
 
 /* Opens a model of HDF5, or a flat one (romrun --export), which is there in milliseconds, has the sizes
- * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be closed in any case, and tells the
- * error; it is NULL where there was no memory even for that. */
+ * that it was exported with, and must not be written into while it is open; `options` NULL: all of it. *model is to be
+ * closed in any case, and tells the error; it is NULL where there was no memory even for that. EHDROM_DATA: no model, or
+ * one of HDF5 where libehdrom-hdf5.so.0 or HDF5 is missing. Checksums are looked at,
+ * which is half of what opening a flat model takes, unless the environment has EHDROM_DIGEST=no. */
 EHDROM_API ehdrom_status ehdrom_model_open(ehdrom_model **model, const char *path,
                                            const ehdrom_model_options *options);
 /* Accepts NULL. Contacts of the model have to be freed before. */
@@ -134,6 +137,10 @@ EHDROM_API ehdrom_status ehdrom_contact_set(ehdrom_contact *contact, const char 
                                             const char *value);
 EHDROM_API ehdrom_status ehdrom_contact_set_number(ehdrom_contact *contact, const char *key,
                                                    double value);
+/* The text that one is set to, numbers with all digits, "" where it is not; defaults that depend on others are not
+ * filled in. EHDROM_DATA: no such key, or no room for it in `size` characters. */
+EHDROM_API ehdrom_status ehdrom_contact_get(ehdrom_contact *contact, const char *key, char *text,
+                                            size_t size);
 
 enum {
     EHDROM_SI = 0,
@@ -143,7 +150,10 @@ enum {
 };
 EHDROM_API ehdrom_status ehdrom_contact_set_units(ehdrom_contact *contact, int units);
 
-/* A result that is indicated to be further off is EHDROM_UNTRUSTED; 0.01 unless set. */
+/* A result that is indicated to be further off is EHDROM_UNTRUSTED; 0.01 unless set. INFINITY: whatever is
+ * indicated, and also by a model that was never checked. What lies outside of the training is untrusted all the
+ * same, and so are steps of a contact that changes faster than any in training, by a model without a check in
+ * time, which could not tell what that does. */
 EHDROM_API ehdrom_status ehdrom_contact_set_accuracy(ehdrom_contact *contact, double accuracy);
 
 /* ehdrom_solve iterates until another iteration is expected to change the central film by a smaller
@@ -178,7 +188,7 @@ typedef struct ehdrom_result {
     double time;          /* s; 0 of a stationary solution */
     double load;          /* N/m or N: the force between the bodies */
     /* m, H0 a^2/R: how far they are from touching undeformed; of a line contact as measured from 1 half
-     * width by ehdrom_solve, in time from approach_length half widths */
+     * width by ehdrom_solve, in time from approach_length half widths (10 unless set) */
     double approach;
     double central_film_thickness; /* m */
     double minimum_film_thickness; /* m */
@@ -215,9 +225,8 @@ EHDROM_API ehdrom_status ehdrom_solve(ehdrom_contact *contact, ehdrom_result *re
  *     }
  *
  * A step is BDF2, the first one BDF1. The settings are the reference: what conditions do not give
- * stays as it is set. Where the approach is given, that of a line contact is measured from
- * approach_length half widths, at least half the grid's length. Unless set it is 10 with "closure" set
- * to "approach", else 1, which is too near: ehdrom_contact_set(contact, "approach_length", "10"). */
+ * stays as it is set. The approach of a line contact is measured from approach_length half widths, 10
+ * unless set; where it is given they have to be at least half the grid's length. */
 
 enum {
     EHDROM_LOAD = 1,

@@ -11,6 +11,7 @@
 #include "romrun/online/trained_range.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,6 +47,7 @@ struct online_solver {
     contact_scalars scalars;  // of it
     reduced_tangent *tangent; // NULL: not needed yet
     bool linearised;          // at the last solution
+    char reason[192];         // of the last result, where it is put together
 };
 
 /* Indicator factors of the model's sizes from its calibration, 0 where there is none. */
@@ -251,6 +253,10 @@ const contact_kind *online_kind(const online_model *model) {
     return model->reduced.kind;
 }
 
+const char *online_path(const online_model *model) {
+    return model->path;
+}
+
 const ehd_grid *online_grid(const online_model *model) {
     return &model->reduced.grid;
 }
@@ -377,10 +383,17 @@ void online_judge_pressure(online_result *result, const ehd_contact *contact,
 }
 
 /* Marks a converged result outside of the trained range, or far from solving its rows, as
- * untrusted. */
-static void judge(online_result *result, const online_model *model, const ehd_contact *contact) {
-    if (result->status) return;
+ * untrusted; of one that has not converged there the range is told first. */
+static void judge(online_result *result, online_solver *solver, const ehd_contact *contact) {
+    const online_model *model = solver->model;
     const char *reason = trained_range_check(model->range, contact->moes_M, contact->alpha_p_H, 0);
+
+    if (result->status && reason) {
+        snprintf(solver->reason, sizeof solver->reason, "%s%s%s", reason,
+                 *result->reason ? ": " : "", result->reason);
+        result->reason = solver->reason;
+    }
+    if (result->status) return;
     if (!reason && result->residual > MAX_RESIDUAL_OVER_CALIBRATION * model->largest_residual)
         reason = "a residual far above those of the calibration, that of a false solution";
     if (!reason &&
@@ -419,7 +432,7 @@ ehd_status online_solve(online_result *result, online_solver *solver, const ehd_
         judge_pressure(result, contact, &range);
     }
     indicate(result, solver, contact, &info);
-    judge(result, solver->model, contact);
+    judge(result, solver, contact);
     return EHD_OK;
 }
 

@@ -64,7 +64,7 @@ typedef struct online_result {
     ehd_status status;       // EHD_OK; EHD_NOT_CONVERGED, also where the pressure cannot be one;
                              // EHD_UNTRUSTED: solved, but outside of the trained range, or a false
                              // solution by its residual or iterations
-    const char *reason;      // why it is not EHD_OK, or ""
+    const char *reason;      // why it is not EHD_OK, or "", until the solver's next one
     contact_scalars scalars; // in the contact's frame; load relative to the wanted one
     double peak_pressure;    // the largest at the nodes that the solution looks at
     size_t iterations;
@@ -108,6 +108,8 @@ extern const double online_accuracy;
 /* Kind of contact and grid of the model. */
 const contact_kind *online_kind(const online_model *model);
 const ehd_grid *online_grid(const online_model *model);
+/* The file that it was opened from. */
+const char *online_path(const online_model *model);
 
 /* Memory of one solver; the model must outlive it. */
 ehd_status online_solver_create(online_solver **solver, const online_model *model,

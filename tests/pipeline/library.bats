@@ -81,9 +81,52 @@ PYTHON
     [ "$(nm -D --defined-only "$prefix/lib/libehdrom.so" | awk '$2 != "A" { sub(".*@@", "", $3); print $3 }' | sort -u)" = EHDROM_0 ]
     readelf -d "$prefix/lib/libehdrom.so" >dynamic
     grep -q 'SONAME.*\[libehdrom.so.0\]' dynamic
-    run -1 grep -E 'NEEDED.*(umfpack|lapacke|cholmod)' dynamic
+    run -1 grep -E 'NEEDED.*(umfpack|lapacke|cholmod|hdf5)' dynamic
     # its own code and data, without the OpenBLAS in it
     [ "$(find "$BIN/../pic" -name '*.o' -exec size -t {} + | awk '/TOTALS/ { sum += $4 } END { print sum }')" -lt 2000000 ]
+}
+
+# A model.h5 by the library in without/ is one line.
+refused() {
+    run -65 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.h5 scene.yml
+    echo "$stderr"
+    [ -z "$output" ] && [ "$(wc -l <<<"$stderr")" -eq 1 ]
+}
+
+@test "HDF5 is loaded for a model.h5 alone, by a plug-in beside the library" {
+    outside
+    ! readelf -d "$BATS_FILE_TMPDIR/use_shared" | grep -i 'NEEDED.*hdf5'
+    readelf -d "$prefix/lib/libehdrom-hdf5.so.0" | grep 'NEEDED.*hdf5'
+    [ "$(nm -D --defined-only "$prefix/lib/libehdrom-hdf5.so.0" | awk '{ print $3 }')" = ehdrom_hdf5 ]
+    romrun --export m.h5 -o m.ehdrom
+    run -0 --separate-stderr use_library shared loaded m.h5 scene.yml
+    [ "$(value hdf5)" -gt 0 ]
+    local found
+    found=$(grep -v hdf5 <<<"$output")
+    run -0 --separate-stderr use_library shared loaded m.ehdrom scene.yml
+    [ "$(value hdf5)" -eq 0 ]
+    [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
+
+    # where there is none, flat models do as well
+    mkdir without && cp "$prefix/lib/libehdrom.so.0" without
+    run -0 --separate-stderr env LD_LIBRARY_PATH="$PWD/without" "$BATS_FILE_TMPDIR/use_shared" loaded m.ehdrom scene.yml
+    [ "$(grep -v hdf5 <<<"$output")" = "$found" ]
+    refused
+    [[ $stderr == "m.h5: found no flat model and no libehdrom-hdf5.so.0 ("*"No such file"*"), expected "*"romrun --export"* ]]
+    # nor HDF5
+    echo 'int nothing;' | gcc -shared -fPIC -x c - -Wl,-soname,libhdf5_gone.so -o libhdf5_gone.so
+    gcc -shared -Wl,--no-as-needed libhdf5_gone.so -o without/libehdrom-hdf5.so.0
+    refused
+    [[ $stderr == "m.h5: "*"(libhdf5_gone.so: cannot open"*"), expected "* ]]
+    # one of another version
+    echo 'const struct { unsigned long size; const char *version; } ehdrom_hdf5 = {112, "0.2.7"};' |
+        gcc -shared -fPIC -x c - -o without/libehdrom-hdf5.so.0
+    refused
+    [[ $stderr == "m.h5: found "*"libehdrom-hdf5.so.0 of version 0.2.7, expected that of the library, "* ]]
+    # something else
+    gcc -shared -fPIC -x c /dev/null -o without/libehdrom-hdf5.so.0
+    refused
+    [[ $stderr == "m.h5: "*"undefined symbol: ehdrom_hdf5), expected "* ]]
 }
 
 @test "the static library goes into a plug-in that dlopen loads" {
@@ -289,6 +332,7 @@ PYTHON
     [[ ${lines[3]} == "physical.load: found nan, expected a number from "* ]]
     [[ ${lines[4]} == "units: found moes.M and moes.L"* ]]
     [[ ${lines[5]} == "result: found a model never checked"* ]]
+    [[ ${lines[6]} == "contact: found point, expected line as in m.h5" ]]
 }
 
 @test "threads share a model; none is begun, no signal is caught" {
@@ -321,6 +365,7 @@ with h5py.File("r.h5") as file:
     assert numpy.allclose(x, file["x"][...], rtol=0, atol=1e-12) and y.shape == (1,)
 untrusted = ehdrom.Contact(model, "si.yml").solve()
 assert not untrusted.trusted and f"load={untrusted.load:.6g}, " in repr(untrusted) and "never checked" in repr(untrusted)
+assert repr(model) == "Model('m.h5': 121 by 1 nodes, 9 pressure modes, 18 rows)", repr(model)
 try:
     ehdrom.Contact("m.h5")
 except TypeError as error:
@@ -334,6 +379,18 @@ for wrong in (lambda: ehdrom.Model("none.h5"), lambda: contact.__setitem__("phys
         assert "expected" in str(error) or "none.h5" in str(error), error
     else:
         raise AssertionError("nothing raised")
+
+# settings read back: the bits of numbers, choices, flags, what is not set
+contact["physical.load"], contact["output.fields"], contact["grid.step"] = 0.1 + 20e3, False, None
+assert contact["physical.load"] == 0.1 + 20e3 and contact["lubricant.viscosity.law"] == "barus"
+assert contact["output.fields"] is False and contact["grid.step"] is None and contact["contact"] == "line"
+contact["output.fields"] = None
+try:
+    contact["physical.lod"]
+except ehdrom.Error as error:
+    assert "physical.load" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 
 # a number replaced after a solution counts as one set before the first
 contact["physical.load"] = 20.5e3
@@ -362,6 +419,19 @@ for wrong, text in ((dict(step=-1e-6), "step: found -1e-06"), (dict(step=1e-6, s
         assert text in str(error), error
     else:
         raise AssertionError(wrong)
+# the approach that the load leads to, given, whatever the closure of the scene
+held = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
+now = held.start()
+assert abs(held.step(0.01 * time, approach=now.approach).load / 20e3 - 1) < 1e-3
+held["approach_length"] = 10
+assert held.start().approach == now.approach
+held["approach_length"] = 1
+try:
+    held.start(approach=now.approach)
+except ehdrom.Error as error:
+    assert "approach_length: found 1, expected at least 3" in str(error), error
+else:
+    raise AssertionError("nothing raised")
 other = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 other.restore(saved)
 assert other.step(0.01 * time, load=20.2e3).central_film_thickness == one.central_film_thickness
@@ -371,6 +441,7 @@ solved = ehdrom.Contact(model, "si.yml", accuracy=math.inf)
 solved.solve()
 by_load, by_approach = solved.differentiate(load=1), solved.differentiate(approach=1)
 assert abs(by_approach.load * by_load.approach / by_load.load - 1) < 1e-9 and by_approach.load < 0
+assert repr(by_load).startswith(f"Derivatives(load={by_load.load:.6g}, approach={by_load.approach:.6g}, "), repr(by_load)
 faster = solved.differentiate(speed=1, approach=0)
 assert faster.load > 0 and abs(faster.approach) < 1e-9 * abs(by_load.approach * faster.load)
 response = solved.respond()
@@ -417,6 +488,10 @@ assert len(set(found)) == 1 and found[0] > 0
 PYTHON
     /usr/bin/python3 -B "$root/romrun/python/examples/sweep.py" m.h5 si.yml 0.03 0.045 sweep.png
     [ "$(head -c 4 sweep.png | tail -c 3)" = PNG ]
+    for example in sweep mass; do
+        run -64 --separate-stderr /usr/bin/python3 -B "$root/romrun/python/examples/$example.py"
+        [[ $stderr == "usage: $example.py MODEL SCENE.yml "* && $(wc -l <<<"$stderr") -eq 1 ]]
+    done
     # a mass swings about where the load is 2 % higher
     /usr/bin/python3 -B "$root/romrun/python/examples/mass.py" m.h5 si.yml 2400 0.005 >mass.csv
     awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv

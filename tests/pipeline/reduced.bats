@@ -320,6 +320,12 @@ YAML
     # as many nodes elsewhere
     refuse 65 "found a line contact with 121 nodes from -3.95 .*as in m.h5" \
         romrun scene.yml --model m.h5 -o x.h5 --set grid.x_min=-3.95 --set grid.x_max=2.05
+    # far outside, where what the iteration meets there tells less
+    run -3 --separate-stderr romrun scene.yml --model m.h5 --set moes.M=300
+    [[ $stderr == "romrun: scene.yml: found outside of the trained range of M and alpha p_H: "*", expected convergence" ]]
+    # of another kind, before the millions of nodes that it would have
+    refuse 65 "scene.yml: contact: found point, expected line as in m.h5" \
+        romrun scene.yml --model m.h5 -o x.h5 --set contact=point --set grid.step=0.001
 }
 
 @test "residuals of another basis, and a model of another contact" {

@@ -8,6 +8,7 @@
  *     use_library derivatives MODEL SCENE            against differences; stiffness and damping; of a step
  *     use_library wrong MODEL SCENE                  what is refused, and how it is said
  *     use_library sizes MODEL SCENE                  structs of a caller that knows more than the library, or less
+ *     use_library loaded MODEL SCENE                 a solution and a step, and whether HDF5 is in the process
  *     use_library memory MODEL SCENE STEP NUM        VmRSS after 1000 steps and after NUM
  *     use_library threads MODEL SCENE                four threads, one contact each */
 #include <ehdrom.h>
@@ -408,6 +409,11 @@ static void wrong(char **argv) {
     ehdrom_model_close(none);
 
     contact = new_contact(model, argv[3]);
+    char text[8] = "before";
+    CHECK(!ehdrom_contact_get(contact, "contact", text, sizeof text) && strcmp(text, "line") == 0);
+    CHECK(!ehdrom_contact_get(contact, "physical.load", text, sizeof text) && !*text);
+    CHECK(ehdrom_contact_get(contact, "lubricant.density.law", text, sizeof text) == EHDROM_DATA);
+    CHECK(strstr(ehdrom_contact_error(contact), "found room for 8 characters, expected 17"));
     CHECK(ehdrom_contact_set(contact, "physical.lod", "1") == EHDROM_DATA);
     printf("%s\n", ehdrom_contact_error(contact));
     CHECK(ehdrom_contact_set_number(contact, "physical.load", NAN) == EHDROM_DATA);
@@ -437,6 +443,11 @@ static void wrong(char **argv) {
     // the model was never checked
     CHECK(!ehdrom_contact_set_accuracy(contact, 0.01));
     CHECK(ehdrom_solve(contact, &result) == EHDROM_UNTRUSTED && !result.trusted);
+    printf("%s\n", ehdrom_contact_error(contact));
+    // another kind is told before what it leads to: millions of nodes
+    CHECK(!ehdrom_contact_set(contact, "contact", "point"));
+    CHECK(!ehdrom_contact_set(contact, "grid.step", "0.001"));
+    CHECK(ehdrom_solve(contact, &result) == EHDROM_DATA);
     printf("%s\n", ehdrom_contact_error(contact));
     ehdrom_contact_free(contact);
     ehdrom_contact_free(NULL);
@@ -537,6 +548,36 @@ static int own_number(const char *name) {
     return count;
 }
 
+/* How many lines of /proc/self/maps name the library. */
+static int count_maps(const char *library) {
+    FILE *maps = fopen("/proc/self/maps", "r");
+    char line[4096];
+    int count = 0;
+
+    CHECK(maps);
+    while (fgets(line, sizeof line, maps))
+        count += strstr(line, library) != NULL;
+    fclose(maps);
+    return count;
+}
+
+static void loaded(char **argv) {
+    ehdrom_model *model = open_model(argv[2]);
+    ehdrom_contact *contact = new_contact(model, argv[3]);
+    ehdrom_result result = EHDROM_RESULT_INIT;
+
+    CHECK(!ehdrom_contact_set_units(contact, EHDROM_DIMENSIONLESS));
+    taken(ehdrom_solve(contact, &result), contact);
+    show("central_film_thickness", result.central_film_thickness);
+    taken(ehdrom_start(contact, NULL, &result), contact);
+    taken(ehdrom_step(contact, NULL, 0.01, &result), contact);
+    show("step", result.central_film_thickness);
+    show("hdf5", count_maps("libhdf5"));
+    ehdrom_contact_free(contact);
+    ehdrom_model_close(model);
+    exit(0);
+}
+
 static void memory(char **argv) {
     ehdrom_model *model = open_model(argv[2]);
     ehdrom_contact *contact = new_contact(model, argv[3]);
@@ -620,6 +661,7 @@ int main(int argc, char **argv) {
     if (strcmp(argv[1], "derivatives") == 0) derivatives(argv);
     if (strcmp(argv[1], "wrong") == 0) wrong(argv);
     if (strcmp(argv[1], "sizes") == 0) sizes(argv);
+    if (strcmp(argv[1], "loaded") == 0) loaded(argv);
     if (strcmp(argv[1], "memory") == 0 && argc == 6) memory(argv);
     if (strcmp(argv[1], "threads") == 0) threads(argv);
     return 0;

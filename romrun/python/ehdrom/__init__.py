@@ -102,36 +102,15 @@ class Model:
         info = _begun("ehdrom_model_info")
         _lib.ehdrom_model_describe(self._handle, info)
         self.info = {name: getattr(info, name) for name, _ in _ffi.typeof("ehdrom_model_info").fields[1:]}
-
-
-class Result:
-    """One solution: the members of ehdrom_result in ehdrom.h, and `reason`, why it is not trusted, or ""."""
-
-    __slots__ = ("_struct", "reason")
-
-    def __init__(self, struct, reason):
-        self._struct = struct
-        self.reason = reason
-
-    def __getattr__(self, name):
-        return getattr(self._struct, name)
+        self._path = os.fsdecode(path)
 
     def __repr__(self):
-        numbers = ((name, getattr(self, name)) for name, _ in _ffi.typeof("ehdrom_result").fields[1:])
-        return f"Result({', '.join(f'{name}={value:.6g}' for name, value in numbers)}, reason={self.reason!r})"
-
-    def __dir__(self):
-        return ["reason", "check", *(name for name, _ in _ffi.typeof("ehdrom_result").fields[1:])]
-
-    def check(self):
-        """Returns itself, or raises Untrusted."""
-        if self.status:
-            raise Untrusted(self.status, self.reason)
-        return self
+        return (f"Model({self._path!r}: {self.info['num_x']} by {self.info['num_y']} nodes, "
+                f"{self.info['pressure_modes']} pressure modes, {self.info['rows']} rows)")
 
 
-class Derivatives:
-    """The members of ehdrom_derivatives in ehdrom.h: how load, approach, films, … change."""
+class _Numbers:
+    """The members of a struct of ehdrom.h as attributes, all of which are shown."""
 
     __slots__ = ("_struct",)
 
@@ -141,15 +120,49 @@ class Derivatives:
     def __getattr__(self, name):
         return getattr(self._struct, name)
 
+    def _members(self):
+        return [name for name, _ in _ffi.typeof(self._struct).item.fields[1:]]
+
     def __dir__(self):
-        return [name for name, _ in _ffi.typeof("ehdrom_derivatives").fields[1:]]
+        return self._members()
+
+    def __repr__(self):
+        return f"{type(self).__name__}({', '.join(f'{name}={getattr(self, name):.6g}' for name in self._members())})"
+
+
+class Result(_Numbers):
+    """One solution: the members of ehdrom_result in ehdrom.h, and `reason`, why it is not trusted, or ""."""
+
+    __slots__ = ("reason",)
+
+    def __init__(self, struct, reason):
+        super().__init__(struct)
+        self.reason = reason
+
+    def __repr__(self):
+        return f"{super().__repr__()[:-1]}, reason={self.reason!r})"
+
+    def __dir__(self):
+        return ["reason", "check", *self._members()]
+
+    def check(self):
+        """Returns itself, or raises Untrusted."""
+        if self.status:
+            raise Untrusted(self.status, self.reason)
+        return self
+
+
+class Derivatives(_Numbers):
+    """The members of ehdrom_derivatives in ehdrom.h: how load, approach, films, … change."""
+
+    __slots__ = ()
 
 
 class Contact:
     """A contact with a solver and a time of its own.
 
     scene: a file that all settings are taken from. contact["key"] = value sets one by its key in scenes, None unsets
-    it; they count from the next solve or start on. accuracy: films that are indicated to be further off are not
+    it, contact["key"] tells it; they count from the next solve or start on. accuracy: films that are indicated to be further off are not
     trusted, 0.01 unless given; float("inf"): whatever is indicated, and also by a model that was never checked.
     tolerance, step_tolerance: as ehdrom_contact_set_tolerance and ehdrom_contact_set_step_tolerance.
     """
@@ -196,6 +209,16 @@ class Contact:
         else:
             self._passed(_lib.ehdrom_contact_set_number(self._handle, key.encode(), value))
 
+    def __getitem__(self, key):
+        """What a setting is set to: a number, a text, True, False, or None where it is not."""
+        text = _ffi.new("char[]", 4096)
+        self._passed(_lib.ehdrom_contact_get(self._handle, key.encode(), text, len(text)))
+        value = _text(text)
+        try:
+            return {"": None, "true": True, "false": False}[value] if value in ("", "true", "false") else float(value)
+        except ValueError:
+            return value
+
     def scales(self):
         """What makes quantities dimensionless, SI: half_width, film, hertz_pressure, load, speed, time; moes_M, moes_L."""
         scales = _begun("ehdrom_scales")
@@ -226,7 +249,7 @@ class Contact:
 
     def step(self, step, *, load=None, approach=None, speed=None, radius=None, modulus=None):
         """The state `step` s after the last accepted one, as often as wanted; load in N or N/m, or approach in m, for
-        which a line contact needs contact["closure"] = "approach", or an approach_length of 10 or so."""
+        which of a line contact is measured from approach_length half widths (10 unless set)."""
         conditions = self._conditions({"load": load, "approach": approach, "speed": speed, "radius": radius,
                                        "modulus": modulus})
         struct = _begun("ehdrom_result")

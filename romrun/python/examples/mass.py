@@ -8,10 +8,12 @@ import sys
 import ehdrom
 from scipy.integrate import RK23
 
+if len(sys.argv) != 5:
+    print("usage: mass.py MODEL SCENE.yml MASS END (kg or kg/m, s)", file=sys.stderr)
+    sys.exit(64)
 model, scene = sys.argv[1:3]
 mass, end = map(float, sys.argv[3:])
 contact = ehdrom.Contact(ehdrom.Model(model), scene, accuracy=float("inf"))
-contact["closure"] = "approach"
 now = contact.start()
 weight, accepted = now.load, 0.0
 

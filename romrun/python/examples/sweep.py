@@ -6,6 +6,9 @@ import ehdrom
 import matplotlib.pyplot as plt
 import numpy
 
+if len(sys.argv) != 6:
+    print("usage: sweep.py MODEL SCENE.yml LEAST MOST PICTURE.png (speeds in m/s)", file=sys.stderr)
+    sys.exit(64)
 model, scene, least, most, picture = sys.argv[1:]
 contact = ehdrom.Contact(ehdrom.Model(model, stationary=True), scene)
 films = {}

@@ -118,7 +118,7 @@ static ehdrom_status tell(const crew *self, ehdrom_status status) {
     return status;
 }
 
-/* A contact under its share of the load. */
+/* A contact under its share of the load, and from there with the approach given, as it is from then on. */
 static ehdrom_status start_contact(crew *self, int k, const char *scene) {
     ehdrom_conditions conditions = EHDROM_CONDITIONS_INIT;
     ehdrom_contact *contact = self->contacts[k];
@@ -129,8 +129,10 @@ static ehdrom_status start_contact(crew *self, int k, const char *scene) {
     self->results[k] = (ehdrom_result)EHDROM_RESULT_INIT;
     self->conditions[k] = (ehdrom_conditions)EHDROM_CONDITIONS_INIT;
     self->conditions[k].given = EHDROM_APPROACH;
-    if (!status) status = ehdrom_contact_set_step_tolerance(contact, FILM_ERROR);
     if (!status) status = ehdrom_start(contact, &conditions, &self->results[k]);
+    self->conditions[k].approach = self->results[k].approach;
+    if (!EHDROM_FAILED(status) && status != EHDROM_NOT_CONVERGED)
+        status = ehdrom_start(contact, &self->conditions[k], &self->results[k]);
     if (EHDROM_FAILED(status)) self->results[k].status = status;
     return status;
 }
@@ -180,20 +182,28 @@ enum { HEIGHT, TILT, NUM_POSITIONS };
 typedef struct slide {
     double time, step, shortest; // s; of the next step, and as far as films ask for short ones
     double position[NUM_POSITIONS], velocity[NUM_POSITIONS], acceleration[NUM_POSITIONS];
-    double rest;                  // approach of the contacts in the beginning, m
+    double rest; // approach of the contacts in the beginning, m
+    double load; // N, which they carry there: LOAD but for what least squares leave
     double stiffness[NUM_SLICES]; // N/m^2, of each slice, between its last two trials
     size_t num_steps, num_trials, num_rejected, num_untrusted;
 } slide;
 
-/* What the forces of the slices do. */
-static void accelerate(double acceleration[NUM_POSITIONS], const crew *contacts) {
-    double force = 0, moment = 0;
+static double force_of(const crew *contacts) {
+    double force = 0;
 
-    for (int k = 0; k < NUM_SLICES; k++) {
+    for (int k = 0; k < NUM_SLICES; k++)
         force += contacts->results[k].load * LENGTH / NUM_SLICES;
+    return force;
+}
+
+/* What the forces of the slices do. */
+static void accelerate(double acceleration[NUM_POSITIONS], const crew *contacts,
+                       const slide *self) {
+    double moment = 0;
+
+    for (int k = 0; k < NUM_SLICES; k++)
         moment += contacts->results[k].load * LENGTH / NUM_SLICES * place(k);
-    }
-    acceleration[HEIGHT] = (force - LOAD) / MASS;
+    acceleration[HEIGHT] = (force_of(contacts) - self->load) / MASS;
     acceleration[TILT] = moment / INERTIA;
 }
 
@@ -211,12 +221,13 @@ static ehdrom_status try_there(crew *contacts, slide *self, double step,
             self->rest + position[HEIGHT] + position[TILT] * place(k) - track(travel, place(k));
     }
     const ehdrom_status status = step_all(contacts, step);
+    self->num_trials++;
+    if (EHDROM_FAILED(status) || status == EHDROM_NOT_CONVERGED) return status;
     for (int k = 0; k < NUM_SLICES && learn; k++) {
         const double moved = contacts->conditions[k].approach - approach[k];
         const double found = (load[k] - contacts->results[k].load) / moved;
         if (fabs(moved) > EQUILIBRIUM && found > 0) self->stiffness[k] = found;
     }
-    self->num_trials++;
     return status;
 }
 
@@ -250,7 +261,7 @@ static ehdrom_status try_step(double position[NUM_POSITIONS], double acceleratio
     for (int trial = 0; trial < MAX_TRIALS; trial++) {
         const ehdrom_status status = try_there(contacts, self, step, position, trial > 0);
         if (EHDROM_FAILED(status) || status == EHDROM_NOT_CONVERGED) return status;
-        accelerate(acceleration, contacts);
+        accelerate(acceleration, contacts, self);
         for (int i = 0; i < NUM_POSITIONS; i++)
             defect[i] = position[i] - drift[i] -
                         step * step / 4 * (self->acceleration[i] + acceleration[i]);
@@ -322,7 +333,8 @@ static ehdrom_status begin(slide *self, crew *contacts) {
 
     if (!status) status = ehdrom_respond(contact, &response);
     if (status) fprintf(stderr, "roller: %s\n", ehdrom_contact_error(contact));
-    *self = (slide){.rest = contacts->results[0].approach,
+    *self = (slide){.rest = contacts->conditions[0].approach,
+                    .load = force_of(contacts),
                     .step = scales.time / 100,
                     .shortest = scales.time / 100};
     for (int k = 0; k < NUM_SLICES; k++)

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* In the place of common/artefact: hands its calls on. All are made by one thread at a time (library_lock), and but
+ * for the first two and artefact_close none before artefact_open has found the table. */
+#include "romrun/library/hdf5_calls.h"
+
+static const hdf5_calls *calls; // NULL: not needed yet, or not there
+
+static ehd_status find_calls(const char *path, ehd_error *error) {
+    return calls ? EHD_OK : hdf5_load(&calls, path, error);
+}
+
+/* That there is no table is said by artefact_open, which comes next. */
+artefact_guest artefact_visit(void) {
+    const artefact_guest none = {0};
+
+    return find_calls("", NULL) ? none : calls->artefact_visit();
+}
+
+void artefact_leave(const artefact_guest *host) {
+    if (calls) calls->artefact_leave(host);
+}
+
+ehd_status artefact_open(artefact **file, const char *path, const artefact_schema *const *schemas,
+                         ehd_error *error) {
+    const ehd_status status = find_calls(path, error);
+
+    *file = NULL;
+    return status ? status : calls->artefact_open(file, path, schemas, error);
+}
+
+void artefact_close(artefact **file) {
+    if (*file) calls->artefact_close(file);
+}
+
+const char *artefact_path(const artefact *file) {
+    return calls->artefact_path(file);
+}
+
+bool artefact_has(const artefact *file, const char *name) {
+    return calls->artefact_has(file, name);
+}
+
+size_t artefact_length(const artefact *file, const char *axis) {
+    return calls->artefact_length(file, axis);
+}
+
+ehd_status artefact_get(artefact *file, const char *field, double *data, ehd_error *error) {
+    return calls->artefact_get(file, field, data, error);
+}
+
+ehd_status artefact_get_integers(artefact *file, const char *field, int64_t *data,
+                                 ehd_error *error) {
+    return calls->artefact_get_integers(file, field, data, error);
+}
+
+ehd_status artefact_get_integer(artefact *file, const char *attribute, int64_t *value,
+                                ehd_error *error) {
+    return calls->artefact_get_integer(file, attribute, value, error);
+}
+
+ehd_status artefact_get_real(artefact *file, const char *attribute, double *value,
+                             ehd_error *error) {
+    return calls->artefact_get_real(file, attribute, value, error);
+}
+
+ehd_status artefact_get_text(artefact *file, const char *attribute, char **text, ehd_error *error) {
+    return calls->artefact_get_text(file, attribute, text, error);
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* HDF5 apart from those who open flat models: what reading model.h5 asks of common/artefact, as a table that is found
+ * when the first such file is opened (hdf5_calls.c). libehdrom.so.0 has it of libehdrom-hdf5.so.0 (hdf5_load.c,
+ * hdf5_plugin.c), FMUs have none (romrun/fmu/no_hdf5.c). Programs and libehdrom.a call common/artefact itself. */
+#ifndef EHD_LIBRARY_HDF5_CALLS_H
+#define EHD_LIBRARY_HDF5_CALLS_H
+
+#include "common/artefact/artefact.h"
+
+#define HDF5_CALLS(CALL)                                                                           \
+    CALL(artefact_visit)                                                                           \
+    CALL(artefact_leave)                                                                           \
+    CALL(artefact_open)                                                                            \
+    CALL(artefact_close)                                                                           \
+    CALL(artefact_path)                                                                            \
+    CALL(artefact_has)                                                                             \
+    CALL(artefact_length)                                                                          \
+    CALL(artefact_get)                                                                             \
+    CALL(artefact_get_integers)                                                                    \
+    CALL(artefact_get_integer)                                                                     \
+    CALL(artefact_get_real)                                                                        \
+    CALL(artefact_get_text)
+
+#define HDF5_MEMBER(name) __typeof__(name) *name;
+typedef struct hdf5_calls {
+    size_t size;         // sizeof(hdf5_calls)
+    const char *version; // of the library that the table belongs to
+    HDF5_CALLS(HDF5_MEMBER)
+} hdf5_calls;
+#undef HDF5_MEMBER
+
+#define HDF5_PLUGIN "libehdrom-hdf5.so.0"
+#define HDF5_TABLE  "ehdrom_hdf5" // its only name
+
+/* Finds the table; one thread at a time. EHD_DATA, naming the model at `path`: there is none. */
+ehd_status hdf5_load(const hdf5_calls **calls, const char *path, ehd_error *error);
+
+#endif
