@@ -406,7 +406,7 @@ static ehd_status solve_round(adaptive *self, ehd_error *error) {
     self->num_solved += self->points.num_done - before;
     if (!status && self->num_solved > 0)
         stage_expect(&self->caller->stage, "check",
-                     (double)check_scenes_count(self->points.num_done) * self->solving /
+                     (double)check_scenes_count(self->points.num_done, self->set) * self->solving /
                          (double)self->num_solved);
     return status;
 }

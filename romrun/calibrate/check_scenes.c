@@ -74,8 +74,26 @@ static size_t larger(size_t a, size_t b) {
     return a > b ? a : b;
 }
 
-size_t check_scenes_count(size_t num_trained) {
-    return smaller(larger(num_trained / 2, MIN_SCENES), MAX_SCENES);
+/* Pairs of a viscosity and a density law that the points have. */
+static size_t count_laws(const training_set *set) {
+    size_t count = 0;
+
+    for (size_t i = 0; i < set->num_points; i++) {
+        const ehd_lubricant *own = &set->contacts[i].lubricant;
+        bool known = false;
+        for (size_t k = 0; k < i && !known; k++) {
+            const ehd_lubricant *other = &set->contacts[k].lubricant;
+            known = other->viscosity == own->viscosity && other->density == own->density;
+        }
+        count += known ? 0 : 1;
+    }
+    return count;
+}
+
+size_t check_scenes_count(size_t num_trained, const training_set *set) {
+    const size_t most = MAX_SCENES * larger(count_laws(set), 1);
+
+    return smaller(larger(num_trained / 2, MIN_SCENES), most);
 }
 
 /* Leaves only some of the candidates in the plan that the set is of. */
@@ -83,7 +101,7 @@ static ehd_status choose(plan *between, const training_set *candidates, const tr
                          const char *name, ehd_error *error) {
     const size_t num_points = candidates->num_points;
     const size_t num_trajectories = candidates->num_trajectories;
-    const size_t count = check_scenes_count(trained->num_points);
+    const size_t count = check_scenes_count(trained->num_points, trained);
     const size_t num_spread = count * PERCENT_SPREAD / 100;
     const size_t num_moved = smaller(larger(trained->num_trajectories / 2, 1), MAX_TRAJECTORIES);
     bool *chosen = calloc(num_points + num_trajectories + 1, sizeof *chosen);

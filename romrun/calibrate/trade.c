@@ -221,21 +221,32 @@ double trade_part_in_time(const trade_position *position, double deviation) {
     return part;
 }
 
+/* How far pressures of nearly all scenes were off. */
+static double field_deviation(const trade_table *table, size_t position) {
+    return table->positions[position].deviation[TRADE_PRESSURE][TRADE_95];
+}
+
 size_t trade_cheapest(const trade_table *table, double deviation, bool in_time) {
-    size_t best = table->num_positions;
+    const double fields = 3 * deviation; // what pressures may be off
+    size_t best = table->num_positions, smoothest = best;
     double seconds = INFINITY, most = 0;
 
     for (size_t i = 0; i < table->num_positions && in_time; i++)
         most = fmax(most, trade_part_in_time(&table->positions[i], deviation));
     for (size_t i = 0; i < table->num_positions; i++) {
         const trade_price price = trade_price_of(&table->positions[i], in_time);
-        if (price.num_failures > 0 || !(price.deviation <= deviation) || !(price.seconds < seconds))
-            continue;
+        if (price.num_failures > 0 || !(price.deviation <= deviation)) continue;
         if (in_time && trade_part_in_time(&table->positions[i], deviation) < most) continue;
-        best = i;
-        seconds = price.seconds;
+        if (!in_time && field_deviation(table, i) > fields) {
+            if (smoothest == table->num_positions ||
+                field_deviation(table, i) < field_deviation(table, smoothest))
+                smoothest = i;
+        } else if (price.seconds < seconds) {
+            best = i;
+            seconds = price.seconds;
+        }
     }
-    return best;
+    return best < table->num_positions ? best : smoothest;
 }
 
 size_t trade_most_accurate(const trade_table *table, bool in_time) {

@@ -163,6 +163,22 @@ static void the_worse_film_is_the_price(void **state) {
     check_close(trade_price_of(&position, false).deviation, 2e-3, 0, 0);
 }
 
+/* A size with false spikes is passed over; where all have some, the least. */
+static void pressures_may_be_off_three_times_as_much(void **state) {
+    trade_position positions[] = {measured(1e-3, 1, 0), measured(1e-3, 2, 0), measured(1e-3, 3, 0)};
+    const trade_table table = {100, 0, 3, positions};
+    (void)state;
+
+    positions[0].deviation[TRADE_PRESSURE][TRADE_95] = 4e-2;
+    positions[1].deviation[TRADE_PRESSURE][TRADE_95] = 2e-2;
+    positions[2].deviation[TRADE_PRESSURE][TRADE_95] = 1e-2;
+    assert_int_equal(trade_cheapest(&table, 2e-2, false), 0);
+    assert_int_equal(trade_cheapest(&table, 1e-2, false), 1);
+    assert_int_equal(trade_cheapest(&table, 5e-3, false), 2);
+    assert_int_equal(trade_cheapest(&table, 2e-3, false), 2);
+    assert_int_equal(trade_cheapest(&table, 5e-4, false), 3);
+}
+
 /* With an indicator, what it says of 90 % of the scenes. */
 static void an_indicator_takes_the_place_of_the_worst(void **state) {
     trade_position positions[] = {measured(1e-3, 2, 0), measured(1e-1, 1, 3),
@@ -593,6 +609,7 @@ int main(void) {
         cmocka_unit_test(the_cheapest_that_is_good_enough),
         cmocka_unit_test(in_time_it_may_be_another),
         cmocka_unit_test(the_worse_film_is_the_price),
+        cmocka_unit_test(pressures_may_be_off_three_times_as_much),
         cmocka_unit_test(an_indicator_takes_the_place_of_the_worst),
         cmocka_unit_test(the_factor_leaves_a_margin),
         cmocka_unit_test(a_factor_grows_with_the_bound),
