@@ -153,7 +153,7 @@ PYTHON
     podbuild s.h5 -o b.h5 --pressure-modes 6
     snapgen plan.yml --basis b.h5 -o r.h5
     deimselect r.h5 --basis b.h5 -o m.h5 --rows 40
-    refuse 65 "found a point contact" romrun point.yml --model m.h5 -o x.h5
+    refuse 65 "contact: found point, expected line as in m.h5" romrun point.yml --model m.h5 -o x.h5
     fullrun scene.yml -o line.h5
     refuse 65 "line.h5: contact: found line, expected point" fullrun point.yml --start line.h5 -o x.h5
 }
