@@ -167,9 +167,10 @@ static ehd_status make_token(export_job *job, ehd_error *error) {
 
 // ---- start values
 
-static ehd_status library_failed(const ehdrom_contact *contact, ehdrom_status status,
-                                 ehd_error *error) {
-    return ehd_fail(error, (ehd_status)status, "fmu: %s", ehdrom_contact_error(contact));
+static ehd_status library_failed(const export_job *job, const ehdrom_contact *contact,
+                                 ehdrom_status status, ehd_error *error) {
+    return ehd_fail(error, (ehd_status)status, "%s: at the start of the FMU: %s",
+                    job->caller->arguments[0], ehdrom_contact_error(contact));
 }
 
 /* The contact of the resources: where it begins to be approached from, and its time scale. */
@@ -183,12 +184,12 @@ static ehd_status ask_contact(export_job *job, ehdrom_contact *contact, ehd_erro
     ehdrom_status found = ehdrom_contact_read(contact, path);
     if (!found) found = ehdrom_contact_scales(contact, &scales);
     if (!found) found = ehdrom_start(contact, NULL, &result);
-    if (found && found != EHDROM_UNTRUSTED) return library_failed(contact, found, error);
+    if (found && found != EHDROM_UNTRUSTED) return library_failed(job, contact, found, error);
     job->step = scales.time / 100;
     job->contents.start[FMU_APPROACH] = result.approach;
     if (found == EHDROM_UNTRUSTED)
-        program_note(job->caller, "%s: %s", job->caller->arguments[0],
-                     ehdrom_contact_error(contact));
+        program_note(job->caller, "%s: at the start of the FMU, which is made all the same: %s",
+                     job->caller->arguments[0], ehdrom_contact_error(contact));
     return EHD_OK;
 }
 

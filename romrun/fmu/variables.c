@@ -17,7 +17,8 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
     [FMU_LOAD] = {"load", FMU_INPUT, FMU_REAL, "N/m", "N", FMU_LOAD_GIVEN, "physical.load", NONE,
         "Load, of a line contact per length"},
     [FMU_APPROACH] = {"approach", FMU_INPUT, FMU_REAL, "m", "m", FMU_APPROACH_GIVEN, NULL, NONE,
-        "How far the bodies are from touching undeformed; negative where they overlap"},
+        "How far the bodies are from touching undeformed, negative where they overlap; of a line contact as measured from "
+        "10 half widths of the start values' contact, or from approach_length of them where the scene sets it"},
     [FMU_SPEED_1] = {"surface_speed_1", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", NONE,
         "Speed of the first surface relative to the contact; only the mean of both matters"},
     [FMU_SPEED_2] = {"surface_speed_2", FMU_INPUT, FMU_REAL, "m/s", "m/s", FMU_ALWAYS, "physical.speed", NONE,
@@ -27,7 +28,8 @@ const fmu_variable fmu_variables[FMU_NUM_VARIABLES] = {
     [FMU_FORCE] = {"force", FMU_OUTPUT, FMU_REAL, "N/m", "N", FMU_ALWAYS, NULL, BOTH(load),
         "Normal force between the bodies, of a line contact per length"},
     [FMU_APPROACH_FOUND] = {"approach", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_LOAD_GIVEN, NULL, BOTH(approach),
-        "How far the bodies are from touching undeformed; negative where they overlap"},
+        "How far the bodies are from touching undeformed, negative where they overlap; of a line contact as measured from "
+        "10 half widths of the start values' contact, or from approach_length of them where the scene sets it"},
     [FMU_CENTRAL_FILM] = {"central_film_thickness", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL,
         BOTH(central_film_thickness), "Film thickness at the centre"},
     [FMU_MINIMUM_FILM] = {"minimum_film_thickness", FMU_OUTPUT, FMU_REAL, "m", "m", FMU_ALWAYS, NULL,

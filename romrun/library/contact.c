@@ -71,6 +71,8 @@ ehdrom_status ehdrom_contact_read(ehdrom_contact *self, const char *path) {
     ehd_status status = library_begin(self);
     scene found;
 
+    if (!status && !path)
+        status = ehd_fail(&self->error, EHD_DATA, "scene: found no path, expected one");
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     status = scene_read(&found, path, NULL, 0, &self->error);
@@ -80,6 +82,10 @@ ehdrom_status ehdrom_contact_read(ehdrom_contact *self, const char *path) {
     }
     library_leave(before);
     return (ehdrom_status)status;
+}
+
+static ehd_status check_key(const char *key, ehd_error *error) {
+    return key ? EHD_OK : ehd_fail(error, EHD_DATA, "settings: found no key, expected one");
 }
 
 static ehd_status unset(scene *settings, const char *key, ehd_error *error) {
@@ -93,6 +99,7 @@ static ehd_status unset(scene *settings, const char *key, ehd_error *error) {
 ehdrom_status ehdrom_contact_set(ehdrom_contact *self, const char *key, const char *value) {
     ehd_status status = library_begin(self);
 
+    if (!status) status = check_key(key, &self->error);
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     status = value ? scene_set(&self->settings, key, value, NULL, &self->error)
@@ -120,6 +127,7 @@ ehdrom_status ehdrom_contact_set_number(ehdrom_contact *self, const char *key, d
     char text[NUMBER_TEXT];
     ehd_status status = library_begin(self);
 
+    if (!status) status = check_key(key, &self->error);
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     number_show(text, value); // all digits, so that the same bits come back
@@ -147,6 +155,7 @@ static ehd_status get(const ehdrom_contact *self, const char *key, char *text, s
 ehdrom_status ehdrom_contact_get(ehdrom_contact *self, const char *key, char *text, size_t size) {
     ehd_status status = library_begin(self);
 
+    if (!status) status = check_key(key, &self->error);
     if (status) return (ehdrom_status)status;
     const locale_t before = library_enter();
     status = get(self, key, text, size, &self->error);

@@ -288,7 +288,9 @@ EHDROM_API ehdrom_status ehdrom_state_restore(ehdrom_contact *contact, const dou
 typedef struct ehdrom_derivatives {
     size_t size; /* sizeof(ehdrom_derivatives) */
     double load;
-    double approach; /* of ehdrom_solve as measured from approach_length half widths (10) */
+    /* of a line contact as measured from approach_length half widths (10), after ehdrom_solve too, whose result has
+     * the approach from 1 half width: differences of that are other numbers */
+    double approach;
     double central_film_thickness;
     double minimum_film_thickness;
     double central_pressure;

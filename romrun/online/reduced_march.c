@@ -349,10 +349,11 @@ static ehd_status solve(reduced_info *info, reduced_march *self, const ehd_conta
 }
 
 /* Rescales the frame until the load at the given approach is the one that scales it: a fixed-point
- * iteration over stationary solutions. */
+ * iteration over stationary solutions, which may end in a cycle within what these are solved to. */
 static ehd_status find_load(reduced_info *info, reduced_march *self, contact_frame *frame,
                             ehd_error *error) {
     const size_t max_rescalings = 30;
+    double off = INFINITY, before;
     ehd_status status = EHD_OK;
 
     for (size_t i = 0; i < max_rescalings; i++) {
@@ -360,7 +361,9 @@ static ehd_status find_load(reduced_info *info, reduced_march *self, contact_fra
         frame_contact(&contact, frame, &self->reference);
         status = solve(info, self, &contact, NULL, error);
         if (status || info->status == EHD_NOT_CONVERGED) return status;
-        if (fabs(info->scalars.load - 1) < 1e-10) return EHD_OK;
+        before = off;
+        off = fabs(info->scalars.load - 1);
+        if (off < 1e-10 || (off < self->start_tolerance && off >= before)) return EHD_OK;
         *frame =
             frame_of_load(self->reference.kind, frame, fmin(fmax(info->scalars.load, 0.8), 1.25));
     }

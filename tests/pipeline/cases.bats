@@ -114,6 +114,9 @@ PYTHON
     refuse 65 "lacking.csv:2: .*moes.L" romrun base.yml --cases lacking.csv --model c.h5 -o x.h5
     printf 'moes.M,moes.L,grid.step\n10,3,0.05\n10,3,0.04\n' >grid.csv
     refuse 65 "grid.csv:3: " romrun base.yml --cases grid.csv --model c.h5 -o x.h5
+    printf 'moes.M,moes.L,contact\n10,4,point\n' >kind.csv
+    refuse 65 "kind.csv:2: contact: found point, expected line as in c.h5" \
+        romrun base.yml --cases kind.csv --model c.h5 -o x.h5
     printf 'moes.M,moes.L\n10,3\n' >good.csv
     refuse 65 "moes.M: found a key that good.csv varies" romrun base.yml --cases good.csv --model c.h5 -o x.h5 --set moes.M=3
     refuse 64 "--output: found x.txt, expected NAME.csv or NAME.h5" romrun base.yml --cases good.csv --model c.h5 -o x.txt

@@ -414,6 +414,11 @@ static void wrong(char **argv) {
     CHECK(!ehdrom_contact_get(contact, "physical.load", text, sizeof text) && !*text);
     CHECK(ehdrom_contact_get(contact, "lubricant.density.law", text, sizeof text) == EHDROM_DATA);
     CHECK(strstr(ehdrom_contact_error(contact), "found room for 8 characters, expected 17"));
+    CHECK(ehdrom_contact_set(contact, NULL, "1") == EHDROM_DATA);
+    CHECK(ehdrom_contact_set(contact, NULL, NULL) == EHDROM_DATA);
+    CHECK(ehdrom_contact_set_number(contact, NULL, 1) == EHDROM_DATA);
+    CHECK(ehdrom_contact_get(contact, NULL, text, sizeof text) == EHDROM_DATA);
+    CHECK(ehdrom_contact_read(contact, NULL) == EHDROM_DATA);
     CHECK(ehdrom_contact_set(contact, "physical.lod", "1") == EHDROM_DATA);
     printf("%s\n", ehdrom_contact_error(contact));
     CHECK(ehdrom_contact_set_number(contact, "physical.load", NAN) == EHDROM_DATA);
