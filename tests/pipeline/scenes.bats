@@ -184,6 +184,12 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-0.75.h5"
          $2 == "full" { if (NF != 10) bad = 1 }
          $2 == "model" { if (NF != 12 || !($11 > 0 && $12 > 0)) bad = 1 }
          END { exit bad || lines["0.5"] != 5 || lines["0.75"] != 5 }' out*/distances.txt
+    # the path on half the step is nearer to the extrapolated rows than these themselves are
+    run_make confirm "${small[@]}" CONFIRM_PERIOD=0.75
+    echo "$output"
+    [ "$status" -eq 0 ]
+    awk 'NF == 6 && $3 > 0 { off[$1] = $3 } END { exit !(off["truth"] > 0 && off["truth"] < off["published-half"] / 2 &&
+             off["published-quarter"] > 0 && off["published-quarter"] < off["published-half"]) }' out*/confirm.txt
 }
 
 @test "the transient load: beyond the published range, and with the published basis" {
