@@ -10,6 +10,9 @@ include $(dir $(lastword $(MAKEFILE_LIST)))training.mk
 # A tenth of the default tolerance in time: with published rows, with accurate ones.
 TENTH := $(if $(or $(findstring discretization=accurate,$(SET)),$(shell grep -L 'discretization: published' scene.yml)),1.5e-4,1e-5)
 
+# Of the periods the one at which confirm looks.
+CONFIRM_PERIOD ?= $(firstword $(PERIODS))
+
 # PERIODS, and the options of each run.
 $(OUT)/cases.mk: cases.csv $(SHARED)trajectories.py $(SHARED)results.py
 	@$(trajectories) for-make $(TENTH) > $@
@@ -34,14 +37,17 @@ figures: tables $(OUT)/figure4.png ## tables and pictures
 
 # With accurate rows, along the path.
 ifneq ($(as_published),)
-distances:
+distances confirm:
 	$(in_accurate)
 else
 distances: $(OUT)/distances.txt ## steps, times, and distances from the truth
 	@cat $<
+
+confirm: $(OUT)/confirm.txt ## the truth from the other method: published rows, extrapolated (CONFIRM_PERIOD; minutes)
+	@cat $<
 endif
 
-.PHONY: runs tables figures distances
+.PHONY: runs tables figures distances confirm
 
 # ---- Runs
 
@@ -49,10 +55,15 @@ endif
 run = mkdir -p $(@D); $(BIN)/$1 scene.yml -o $@ --force --quiet $2 --set output.fields=false $(SET) >/dev/null; \
       code=$$?; case $$code in 0 | 4) ;; 3) mv $@.partial $@ ;; *) exit $$code ;; esac
 
-# Half the steps of grid and time, of whatever SET says.
-$(OUT)/full/truth-%.h5: $(OUT)/full/fixed-%.h5
-	$(call quiet,fullrun   ,$@)$(BIN)/fullrun scene.yml -o $@ --force --quiet $(SET) $(settings.truth-$*) \
-	    --set grid.step=$$($(trajectories) half-step $<) --set output.fields=false >/dev/null
+# Parts of the steps of grid and time, of whatever SET says. $(call finer,STEPS,PART)
+define finer
+$(OUT)/full/$1-%.h5: $(OUT)/full/fixed-%.h5
+	$$(call quiet,fullrun   ,$$@)$(BIN)/fullrun scene.yml -o $$@ --force --quiet $(SET) $$(settings.$1-$$*) \
+	    --set grid.step=$$$$($(trajectories) step $$< $2) --set output.fields=false >/dev/null
+endef
+$(eval $(call finer,truth,0.5))
+$(eval $(call finer,published-half,0.5))
+$(eval $(call finer,published-quarter,0.25))
 
 FULL_NEEDS    := scene.yml $(BIN)/fullrun $(call options,fullrun,$(SET))
 REDUCED_NEEDS := scene.yml $(BIN)/romrun
@@ -76,6 +87,10 @@ $(OUT)/tables.txt: $(SHARED)trajectories.py cases.csv $(call runs_of,$(MODEL))
 $(OUT)/distances.txt: $(SHARED)trajectories.py cases.csv $(SHORT_PERIODS:%=$(OUT)/full/truth-%.h5) \
                       $(foreach kind,full $(MODEL),$(foreach steps,adaptive fixed,$(SHORT_PERIODS:%=$(OUT)/$(kind)/$(steps)-%.h5)))
 	$(call quiet,table     ,$@)$(trajectories) distances $(OUT) $(MODEL) > $@
+
+$(OUT)/confirm.txt: $(SHARED)trajectories.py cases.csv \
+                    $(foreach steps,adaptive truth published-half published-quarter,$(OUT)/full/$(steps)-$(CONFIRM_PERIOD).h5)
+	$(call quiet,table     ,$@)$(trajectories) confirm $(OUT) $(CONFIRM_PERIOD) > $@
 
 FIGURE4_RUNS := $(foreach kind,full $(MODEL),$(PERIODS:%=$(OUT)/$(kind)/adaptive-%.h5))
 

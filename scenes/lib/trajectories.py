@@ -4,8 +4,11 @@
 cases.csv has a line for each period: transient.load.period, transient.end_time and transient.fixed_step, and what was
 published. Runs are OUT/full/STEPS-PERIOD.h5 and OUT/MODEL/STEPS-PERIOD.h5, with STEPS of a length by error control
 (adaptive), of a tenth of its tolerance (tenth), or of a fixed length (fixed); truth: half of that on
-a grid of half the step, with accurate rows and films along their paths, not smoothed.
+a grid of half the step, with accurate rows and films along their paths, not smoothed. Published rows have fixed steps:
+half of that and half the step (published-half), and a quarter of both (published-quarter).
 """
+from types import SimpleNamespace
+
 import numpy as np
 
 import pictures
@@ -42,13 +45,17 @@ def for_make(tenth):
                                 ("fixed", case.settings),
                                 ("truth", own | {FIXED_STEP: f"{float(case.settings[FIXED_STEP]) / 2:.12g}",
                                                  "discretization": "accurate", "transport": "path",
-                                                 "transient.smoothing": "0"})):
+                                                 "transient.smoothing": "0"}),
+                                *((f"published-{name}", own | {
+                                    FIXED_STEP: f"{float(case.settings[FIXED_STEP]) * part:.12g}",
+                                    "discretization": "published", "transport": "upwind"})
+                                  for name, part in (("half", 0.5), ("quarter", 0.25)))):
             print(f"settings.{steps}-{own[PERIOD]} :=", *results.sets(settings))
 
 
-def half_step(file):
-    """Prints half the step of the grid of a result."""
-    print(f"{results.value(file, 'step') / 2:.12g}")
+def step(file, part):
+    """Prints a part of the step of the grid of a result."""
+    print(f"{results.value(file, 'step') * float(part):.12g}")
 
 
 def largest(reference, other, column):
@@ -153,9 +160,7 @@ def distances(out, model):
             row = [period, kind, steps, f"{run.steps}{mark(run)}", f"{1000 * run.seconds / run.steps:.3f}",
                    f"{run.seconds:.3f}"]
             for column in ("H_c", "H_min"):
-                off = results.deviations(runs["full", "truth"], run, column)
-                rms = 100 * np.sqrt(np.mean(off[~np.isnan(off)]**2))
-                row.append(f"{largest(runs['full', 'truth'], run, column):.3f} ({rms:.3f})" if steps != "truth" else "")
+                row.append(off_by(runs["full", "truth"], run, column) if steps != "truth" else "")
             row += [f"{largest(runs['full', steps], run, column):.4f}" if kind == model else ""
                     for column in ("H_c", "H_min")]
             rows.append(row)
@@ -163,6 +168,28 @@ def distances(out, model):
     results.table(rows, left=3)
     if any(row and row[3][-1] in "*+" for row in rows):
         print("\n* stopped early, + not to be trusted")
+
+
+def off_by(reference, other, column):
+    """The largest deviation over time in per cent, and in brackets the root of their mean square."""
+    off = results.deviations(reference, other, column)
+    return f"{largest(reference, other, column):.3f} ({100 * np.sqrt(np.mean(off[~np.isnan(off)]**2)):.3f})"
+
+
+def confirm(out, period):
+    """Prints how far films along the path are from those of the published rows, extrapolated from two grids and steps in
+    time of second order."""
+    runs = {name: results.read_trajectory(f"{out}/full/{name}-{period}.h5")
+            for name in ("truth", "adaptive", "published-half", "published-quarter")}
+    coarse, fine = runs["published-half"], runs["published-quarter"]
+    exact = SimpleNamespace(time=coarse.time, **{
+        column: (4 * results.at_times(fine.time, getattr(fine, column), coarse.time) - getattr(coarse, column)) / 3
+        for column in ("H_c", "H_min")})
+    print(f"Largest deviations over time in per cent (rms in brackets), T_exc = {period}: from the published rows with half\n"
+          "and a quarter of the steps of grid and time, extrapolated\n")
+    results.table([["full model", "steps", "H_c", "H_min"], None,
+                   *([name, run.steps, *(off_by(exact, run, column) for column in ("H_c", "H_min"))]
+                     for name, run in runs.items())])
 
 
 # ---- Picture
@@ -195,4 +222,4 @@ def picture(out, model, target):
 
 
 if __name__ == "__main__":
-    results.commands(for_make, half_step, tables, distances, picture)
+    results.commands(for_make, step, tables, distances, confirm, picture)

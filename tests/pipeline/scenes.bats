@@ -167,6 +167,31 @@ print(trajectories.largest(*(results.read_trajectory(f"out/{kind}/fixed-0.75.h5"
         "$(sed -n 's/.*central film thickness *at most \([^ ]*\) %.*/\1/p' <<<"$output")" 0.01
 }
 
+@test "the transient load: distances from the truth, of a period that was not trained too" {
+    small_transient
+    # along the path, to where something has come to the centre
+    sed -i 's/0.2,0.005/1.5,0.01/' cases.csv
+    sed -i 's/end_time: .*/end_time: 1.5/' scene.yml
+    small=(model.PRESSURE_MODES=60 model.ROWS=100 SNAPGEN_OPTIONS='--jobs 1' SET='--set discretization=accurate')
+    run_make distances "${small[@]}" # 0.5 is trained, 0.75 is not
+    echo "$output"
+    [ "$status" -eq 0 ]
+    awk '$1 != "0.5" && $1 != "0.75" { next }
+         { lines[$1]++; if (!($4 > 10 && $6 > 0)) bad = 1 }
+         $3 == "truth" { if (NF != 6) bad = 1; next }
+         { rms = substr($8, 2) + 0; rms_min = substr($10, 2) + 0
+           if (!($7 > 0 && $9 > 0 && rms > 0 && rms <= $7 && rms_min > 0 && rms_min <= $9)) bad = 1 }
+         $2 == "full" { if (NF != 10) bad = 1 }
+         $2 == "model" { if (NF != 12 || !($11 > 0 && $12 > 0)) bad = 1 }
+         END { exit bad || lines["0.5"] != 5 || lines["0.75"] != 5 }' out*/distances.txt
+    # the path on half the step is nearer to the extrapolated rows than these themselves are
+    run_make confirm "${small[@]}" CONFIRM_PERIOD=0.75
+    echo "$output"
+    [ "$status" -eq 0 ]
+    awk 'NF == 6 && $3 > 0 { off[$1] = $3 } END { exit !(off["truth"] > 0 && off["truth"] < off["published-half"] / 2 &&
+             off["published-quarter"] > 0 && off["published-quarter"] < off["published-half"]) }' out*/confirm.txt
+}
+
 @test "the transient load: beyond the published range, and with the published basis" {
     small_transient
     run_make extremes paper-size "${sizes[@]}"

@@ -713,6 +713,41 @@ PYTHON
         "$(fullrun --print whole.h5 central_film_thickness | sed -n 2p)" ]
 }
 
+@test "a point contact that reverses: its exits a line and time, either side" {
+    cat >fro.yml <<'YAML'
+contact: point
+regime: transient
+moes: {M: 20, L: 5}
+lubricant: {viscosity: {law: barus, alpha: 2e-8}}
+grid: {x_min: -2.4, x_max: 2.4, step: 0.15, y_max: 2.4, half: true}
+transient:
+  end_time: 2.4
+  fixed_step: 0.1
+  speed: {law: sine, mean: 0, amplitude: 1, period: 4, phase: 1.5707963267948966}
+YAML
+    fullrun fro.yml -o fro.h5 --quiet
+    fullrun --check fro.h5
+    /usr/bin/python3 - <<'PYTHON'
+import h5py, numpy
+with h5py.File("fro.h5") as file:
+    time, y, exits = file["time"][...], file["y"][...], file["exit_position"][...]
+    assert [dimension[0].name for dimension in file["exit_position"].dims] == ["/time", "/y", "/exit"]
+    assert exits.shape == (len(time), len(y), 8)
+    speed = numpy.cos(2 * numpy.pi * time / 4)
+    inside = exits[:, abs(y) < 0.7]
+    before, after = speed > 0.3, speed < -0.3
+    assert before.any() and after.any()
+    assert (inside[before, :, 0] > 0.5).all() and (inside[after, :, 0] < -0.5).all()
+    numpy.testing.assert_array_equal(exits, exits[:, ::-1]) # the half stands for both
+    for line in exits.reshape(-1, 8): # none behind one that is not
+        assert (numpy.diff((~numpy.isnan(line)).astype(int)) <= 0).all()
+    numpy.savetxt("size", [exits.size], "%d")
+PYTHON
+    fullrun --print fro.h5 exit_position >printed
+    [ "$(head -n 1 printed)" = time,y,exit,exit_position ]
+    [ "$(grep -c . printed)" -eq $((1 + $(cat size))) ]
+}
+
 # Between nodes that the film hardly leaves apart nothing is resolved: a smallest film below zero was told.
 @test "a film that closes is flagged, and exit 4" {
     cat >dry.yml <<'YAML'
