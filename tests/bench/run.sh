@@ -56,6 +56,10 @@ echo "bases               $(seconds "$BIN/podbuild" -q "$work/low-snapshots.h5" 
 echo "residuals           $(seconds "$BIN/snapgen" -q "$low/plan.yml" --basis "$work/low-basis.h5" -f -o "$work/again.h5")"
 echo "rows                $(seconds "$BIN/deimselect" -q --no-check "$work/low-residuals.h5" --basis "$work/low-basis.h5" -f -o "$work/again.h5" --rows 176)"
 
+section "opening the model of the demo, median of 31 (goal: a flat one at most 5 ms), load $(cut -d' ' -f1 /proc/loadavg)"
+"$BIN/romrun" -q --export "$work/low-model.h5" -o "$work/low-model.ehdrom"
+(cd "$work" && "$BENCH/bench_open" low-model.h5 low-model.ehdrom) || failed=1
+
 section "least squares against a product of the same size (goal: a third of its rate)"
 for size in "177 111" "161 101" "131 85"; do
     "$BENCH/bench_least_squares" $size || failed=1
