@@ -503,6 +503,29 @@ PYTHON
     awk -F, '{ sum += $3; n++; if ($3 > most) most = $3 } END { exit !(n > 20 && most > 20.3e3 && most < 20.9e3) }' mass.csv
 }
 
+@test "pip installs the Python package for a library that is named, or that the system has" {
+    outside
+    /usr/bin/python3 -c 'import setuptools, wheel, pip' 2>/dev/null || skip "there is no pip, or no setuptools for it"
+    # a copy, since setuptools builds beside the sources; the package has the library's header
+    mkdir romrun
+    cp -r "$root/romrun/python" "$root/romrun/library" romrun
+    /usr/bin/python3 -m pip install --no-index --no-deps --no-build-isolation --no-cache-dir --target site \
+        romrun/python >pip.log 2>&1 || { cat pip.log; return 1; }
+    rm -r romrun
+    si_scene
+    romrun si.yml --model m.h5 --allow-untrusted -o r.h5 --quiet
+    cat >use.py <<'PYTHON'
+import math, sys, ehdrom
+assert ehdrom.__file__.startswith(sys.argv[1] + "/site/"), ehdrom.__file__
+contact = ehdrom.Contact(ehdrom.Model("m.h5"), "si.yml", accuracy=math.inf, dimensionless=True)
+print(repr(contact.solve().central_film_thickness))
+PYTHON
+    export PYTHONPATH=$PWD/site
+    for place in EHDROM_LIBRARY="$prefix/lib/libehdrom.so.0" LD_LIBRARY_PATH="$prefix/lib"; do
+        [ "$(env "$place" /usr/bin/python3 -B use.py "$PWD")" = "$(number r.h5 central_film_thickness)" ]
+    done
+}
+
 @test "make uninstall leaves nothing" {
     outside
     cp -a "$prefix/.." copy
