@@ -288,6 +288,20 @@ static void march(char **argv) {
     CHECK(most == largest(other, model, &first_x));
     show_result(&result);
     show("largest", most);
+    // what was elsewhere meanwhile keeps nothing of that, nor one whose settings changed and changed back
+    for (int i = 0; i < 3; i++) {
+        if (i == 1) CHECK(!ehdrom_contact_set_number(contact, "moes.M", 12));
+        if (i == 2) {
+            CHECK(!ehdrom_contact_set_number(contact, "moes.M", 12.5));
+            CHECK(ehdrom_state_restore(contact, saved, count) == EHDROM_DATA);
+            CHECK(!ehdrom_contact_set_number(contact, "moes.M", 12));
+        }
+        CHECK(!ehdrom_state_restore(contact, saved, count));
+        CHECK(!EHDROM_FAILED(ehdrom_step(contact, &conditions, step, &again)));
+        CHECK(again.central_film_thickness == result.central_film_thickness);
+        CHECK(again.approach == result.approach && again.peak_pressure == result.peak_pressure);
+        CHECK(again.local_error == result.local_error && again.iterations == result.iterations);
+    }
     saved[2] += 1;
     CHECK(ehdrom_state_restore(other, saved, count) == EHDROM_DATA);
     CHECK(ehdrom_step(other, &conditions, step, &again) == EHDROM_INTERNAL);
